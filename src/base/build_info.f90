@@ -1,4 +1,4 @@
-!> Which program this is: name, version and the commit it was built from.
+!> Name and version of this program, and the commit it was built from.
 module build_info
    implicit none (type, external)
    private

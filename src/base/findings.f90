@@ -10,7 +10,7 @@ module findings
    type :: finding_t
       integer :: line = 0
       character(:), allocatable :: message
-      !> It is about an entry of the command line.
+      !> Whether it is about an entry of the command line.
       logical :: is_of_command = .false.
    end type finding_t
 
@@ -22,17 +22,18 @@ module findings
       character(len=64), allocatable :: set_keys(:)
       integer, public :: count = 0
    contains
-      !> From now on findings about this key, or about its group as a whole, are about --set.
+      !> From now on findings about this key, or about its group if the key is empty, are about
+      !> --set.
       procedure, public :: set_apart
       procedure, public :: add => add_finding
       procedure, public :: report => findings_report
    end type findings_t
 
-   !> Most findings shown in one report, which may have many more for a broken file.
+   !> Most findings shown in one report; a broken file may have many more.
    integer, parameter :: max_shown = 50
-   !> Findings kept at most; later ones are only counted.
+   !> Most findings kept; later ones are only counted.
    integer, parameter :: max_kept = 1000
-   !> Characters of the user's text that a message repeats at most.
+   !> Most characters of the user's text that a message repeats.
    integer, parameter :: max_quoted = 48
 
 contains
@@ -75,7 +76,7 @@ contains
    end subroutine add_finding
 
    !> All findings in the order of their lines, one a line: `file:line: &group key: found ...,
-   !> expected ... [unit]`; of an entry of the command line `file: --set: ...`.
+   !> expected ... [unit]`; for an entry of the command line `file: --set: ...`.
    function findings_report(self, file) result(report)
       class(findings_t), intent(in) :: self
       character(*), intent(in) :: file

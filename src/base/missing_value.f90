@@ -16,7 +16,7 @@ contains
       value = ieee_value(0.0_wp, ieee_quiet_nan)
    end function not_known
 
-   !> The larger one; a value that is not known gives way.
+   !> The larger one; a value that is not known is ignored.
    pure elemental function larger(a, b) result(value)
       real(wp), intent(in) :: a, b
       real(wp) :: value
@@ -35,7 +35,7 @@ contains
       if (ieee_is_finite(a)) exceeds = a > b
    end function exceeds
 
-   !> a/b; not known where either is not, or b is 0.
+   !> a/b; not known if either is not, or b is 0.
    pure elemental function quotient(a, b)
       real(wp), intent(in) :: a, b
       real(wp) :: quotient

@@ -3,7 +3,7 @@
 !>
 !> A text is checked against the Fortran grammar before Fortran reads it, so that no text is read in
 !> part, no number overflows, and NaN and infinity are refused. List-directed reads are not used:
-!> they take `1/2` for 1 and `2*3` for 3.
+!> they read `1/2` as 1 and `2*3` as 3.
 module number_text
    use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
@@ -14,11 +14,11 @@ module number_text
 
    !> Longest number [characters].
    integer, parameter :: longest_number = 60
-   !> Decimal exponents that a number in working precision can have, one kept as a reserve.
+   !> Largest decimal exponent of a number in working precision, less one as a reserve.
    integer, parameter :: largest_exponent = 307
-   !> Digits of which working precision holds every integer.
+   !> Digits up to which working precision holds every integer exactly.
    integer, parameter :: most_digits = 15
-   !> The powers of ten that it holds exactly.
+   !> Powers of ten that it holds exactly.
    real(wp), parameter :: powers_of_ten(0:22) = [1e0_wp, 1e1_wp, 1e2_wp, 1e3_wp, 1e4_wp, 1e5_wp, &
       1e6_wp, 1e7_wp, 1e8_wp, 1e9_wp, 1e10_wp, 1e11_wp, 1e12_wp, 1e13_wp, 1e14_wp, 1e15_wp, &
       1e16_wp, 1e17_wp, 1e18_wp, 1e19_wp, 1e20_wp, 1e21_wp, 1e22_wp]
@@ -67,9 +67,9 @@ contains
       good = status == 0
    end subroutine read_real
 
-   !> A number of few digits, as nearly all are, without the input of Fortran, which takes fifty
-   !> times as long: an integer that is held exactly, times or over a power of ten that is too, has
-   !> one rounding, so that the value is the nearest one. Of others `is_short` is false.
+   !> Reads a number of few digits, as nearly all are, without Fortran's input, which takes fifty
+   !> times as long: an integer that is held exactly, times or over a power of ten that is too, is
+   !> rounded once, so that the value is the nearest one. For others `is_short` is false.
    pure subroutine read_short(mantissa, exponent, value, is_short)
       character(*), intent(in) :: mantissa
       integer, intent(in) :: exponent
@@ -96,7 +96,7 @@ contains
       if (power > 0) value = value*powers_of_ten(power)
    end subroutine read_short
 
-   !> True for [+-]digits[.digits] with at least one digit.
+   !> Whether `string` is [+-]digits[.digits] with at least one digit.
    pure function is_mantissa(string)
       character(*), intent(in) :: string
       logical :: is_mantissa

@@ -1,4 +1,4 @@
-!> Quantities and sentences as people read them on a screen.
+!> Quantities and sentences for the screen.
 module quantity_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -10,8 +10,8 @@ module quantity_text
 
 contains
 
-   !> A number with `digits` significant digits; whole numbers up to 1e9 without a point; 'unknown'
-   !> if it is not finite.
+   !> A number with `digits` significant digits; integers up to 1e9 without a point; 'unknown' if it
+   !> is not finite.
    pure function number_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -49,7 +49,7 @@ contains
          //trim(adjustl(prefixes(exponent + 5:exponent + 5)))//unit
    end function prefixed_text
 
-   !> A time span [s] in the two largest units that matter.
+   !> A time span [s] in its two largest units.
    pure function duration_text(seconds) result(string)
       real(wp), intent(in) :: seconds
       character(:), allocatable :: string
@@ -65,7 +65,7 @@ contains
       end if
    end function duration_text
 
-   !> `string` in at most `length` characters, an ellipsis in place of its middle.
+   !> `string` in at most `length` characters, with an ellipsis for its middle.
    pure function shortened(string, length) result(short)
       character(*), intent(in) :: string
       integer, intent(in) :: length
@@ -80,7 +80,7 @@ contains
    end function shortened
 
    !> `string` broken at blanks into lines of at most `length` characters, the second and later ones
-   !> indented by `indent` blanks (default: 2); a longer word has a line of its own.
+   !> indented by `indent` blanks (default: 2); a longer word has a separate line.
    pure function wrapped(string, length, indent) result(lines)
       character(*), intent(in) :: string
       integer, intent(in) :: length

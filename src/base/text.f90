@@ -62,7 +62,7 @@ contains
       if (string(len(string):) == '.') string = string(:len(string) - 1)
    end function real_to_text
 
-   !> A `value` > 0 with this many `digits`, above it: a least value that may be copied.
+   !> A `value` > 0 with this many `digits`, rounded up: a least value that may be copied.
    pure function rounded_up(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -73,7 +73,7 @@ contains
       string = real_to_text(unit*(aint(value/unit) + 1), digits)
    end function rounded_up
 
-   !> The same, not above it: a largest value that may be copied.
+   !> The same, rounded down: a largest value that may be copied.
    pure function rounded_down(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -84,7 +84,7 @@ contains
       string = real_to_text(unit*aint(value/unit), digits)
    end function rounded_down
 
-   !> What one more of the last of this many `digits` of a `value` > 0 is.
+   !> Unit of the last of this many `digits` of a `value` > 0.
    pure function last_digit(value, digits) result(unit)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -93,7 +93,7 @@ contains
       unit = 10.0_wp**(floor(log10(value)) - digits + 1)
    end function last_digit
 
-   !> True if the exponent of `value` has three digits.
+   !> Whether the exponent of `value` has three digits.
    pure function has_long_exponent(value)
       real(wp), intent(in) :: value
       logical :: has_long_exponent
@@ -115,7 +115,7 @@ contains
       end do
    end function to_lower
 
-   !> `words` in a row with `mark` between them, or `last` before the last one.
+   !> `words` joined by `mark`, or by `last` before the last one.
    pure function joined(words, mark, last) result(list)
       character(*), intent(in) :: words(:), mark
       character(*), intent(in), optional :: last
@@ -133,7 +133,7 @@ contains
       end do
    end function joined
 
-   !> Puts `sentence` behind what `note` says already; an empty one adds nothing.
+   !> Appends `sentence` to `note`; an empty one adds nothing.
    pure subroutine add_sentence(note, sentence)
       character(:), allocatable, intent(inout) :: note
       character(*), intent(in) :: sentence
@@ -144,7 +144,7 @@ contains
       note = note // sentence
    end subroutine add_sentence
 
-   !> How often `mark` is in `words`.
+   !> Number of times that `mark` is in `words`.
    pure function count_of(mark, words) result(number)
       character(len=1), intent(in) :: mark
       character(*), intent(in) :: words

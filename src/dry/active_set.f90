@@ -1,5 +1,5 @@
-!> Where a pressure may move, and how far it is from the solution: the one error measure of every
-!> dry method.
+!> Finds where a pressure may move, and its distance from the solution: the one error measure of all
+!> dry methods.
 !>
 !> With v = K p - z and the datum d (mean of v over 0 < p < H), gap = v - d; p_c = load/contact
 !> nodes, s = height scale:
@@ -21,8 +21,8 @@ module active_set
    !> Nodes of one row that are surveyed together.
    integer, parameter :: block = 32
 
-   !> What the nodes of a row add up to. Sums are kept by rows: their order, and so every bit, is
-   !> the same for any number of threads.
+   !> Sums and maxima over the nodes of a row. Sums are kept by rows: their order, and so every bit,
+   !> is the same for any number of threads.
    type :: row_t
       !> Largest |p gap| on 0 < p < H, opening and penetration, excess of pressure over its bounds;
       !> sum of p.
@@ -55,7 +55,7 @@ module active_set
       !> Blocks of each row; whether each had p > 0 or nodes of F in the last survey (blocks, ny).
       integer, private :: blocks = 0
       logical, allocatable, private :: is_busy(:, :)
-      !> What each row adds up to (ny).
+      !> Sums and maxima of each row (ny).
       type(row_t), allocatable, private :: row(:)
    contains
       procedure :: survey
@@ -64,7 +64,7 @@ module active_set
 
 contains
 
-   !> Storage for a `grid`.
+   !> Allocates storage for a `grid`.
    subroutine new_active_set(self, grid)
       type(active_set_t), intent(out) :: self
       type(dry_grid_t), intent(in) :: grid
@@ -74,8 +74,8 @@ contains
       allocate (self%is_busy(self%blocks, grid%ny), self%row(grid%ny))
    end subroutine new_active_set
 
-   !> Finds datum (unless it is given), F, residual and error of the pressure `p` with `v` = K p - z
-   !> (both nx*ny).
+   !> Finds datum (unless given), F, residual and error of the pressure `p` with `v` = K p - z (both
+   !> nx*ny).
    subroutine survey(self, problem, p, v, datum)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -89,8 +89,8 @@ contains
       call survey_rows(self, problem, 0.0_wp, p, v)
    end subroutine survey
 
-   !> The same after p has been moved on F only: adds `factor` times the last product of `elastic`
-   !> to `v` on the way. `change` is what it adds on F.
+   !> The same after p has changed on F only: also adds `factor` times the last product of `elastic`
+   !> to `v`. `change` is this addition on F.
    subroutine follow(self, problem, factor, change, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -133,7 +133,7 @@ contains
       call judge(self, problem)
    end subroutine survey_rows
 
-   !> One row, whose part of the list begins behind `last`; `last` moves to its end.
+   !> Surveys one row, whose part of the list begins behind `last`; `last` moves to its end.
    subroutine survey_row(self, problem, j, factor, p, v, last)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -165,7 +165,7 @@ contains
       self%row(j) = row
    end subroutine survey_row
 
-   !> v = v + factor times product, and its least value.
+   !> Adds `factor` times `product` to v, and finds its least value.
    pure subroutine add_and_find_least(v, factor, product, least)
       real(wp), contiguous, intent(inout) :: v(:)
       real(wp), intent(in) :: factor
@@ -247,7 +247,7 @@ contains
       end do
    end subroutine close_list
 
-   !> Counts and E from the rows.
+   !> Computes counts and E from the rows.
    subroutine judge(self, problem)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -273,8 +273,8 @@ contains
       if (.not. ieee_is_finite(self%error)) self%error = huge(1.0_wp)
    end subroutine judge
 
-   !> d = mean of v over 0 < p < H; without such nodes the middle between the largest v under p = H
-   !> and the smallest under p = 0, or the one of the two that exists.
+   !> Sets d = mean of v over 0 < p < H; without such nodes the middle between the largest v under p
+   !> = H and the smallest under p = 0, or the only one of the two.
    subroutine find_datum(self, hardness, p, v)
       class(active_set_t), intent(inout) :: self
       real(wp), intent(in) :: hardness
@@ -303,7 +303,7 @@ contains
       end if
    end subroutine find_datum
 
-   !> The same, if there are nodes with 0 < p < H (`is_found`) and all of them are in the last F, on
+   !> The same, if there are nodes with 0 < p < H (`is_found`); they must all be in the last F, on
    !> which v has had a `change`.
    subroutine follow_datum(self, problem, change, p, is_found)
       class(active_set_t), intent(inout) :: self
@@ -332,7 +332,7 @@ contains
       if (is_found) self%datum = self%datum + sum(total)/sum(free)
    end subroutine follow_datum
 
-   !> Copies datum, counts and error of the last survey. Here alone a dry contact is found to be
+   !> Copies datum, counts and error of the last survey. Only this routine declares a dry contact
    !> solved: its error is at most the `tolerance`.
    pure subroutine copy_survey(set, tolerance, solution)
       type(active_set_t), intent(in) :: set
@@ -349,7 +349,7 @@ contains
       solution%report%converged = set%error <= tolerance
    end subroutine copy_survey
 
-   !> Surveys the pressure and v of a `solution` with a `datum`, if it is given.
+   !> Surveys the pressure and v of a `solution`, with a `datum` if given.
    subroutine survey_solution(problem, tolerance, solution, datum)
       type(dry_problem_t), intent(in) :: problem
       real(wp), intent(in) :: tolerance

@@ -1,4 +1,4 @@
-!> Brings pressures that an iteration has moved out of their bounds back, and the load with them.
+!> Returns pressures that an iteration has moved out of their bounds, and restores the load.
 module bound_return
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
@@ -8,19 +8,19 @@ module bound_return
 
    public :: bring_back, settle_load
 
-   !> Most corrections by the network in an iteration; what is then still beyond a bound is clipped
+   !> Most corrections by the network in an iteration; values then still beyond a bound are clipped
    !> and shifted.
    integer, parameter :: max_returns = 20
-   !> The network is not used again once less than this share of the first excess is left beyond the
+   !> The network is not used again once less than this share of the first excess remains beyond the
    !> bounds.
    real(wp), parameter :: worth_a_return = 1.0e-2_wp
 
 contains
 
-   !> Moves values of `q` beyond 0 and `hardness` to these bounds. The network distributes what that
-   !> adds to the load over the other nodes, with its potentials there unchanged: neighbours give
-   !> most, so that the energy rises less than by a uniform shift. Nodes that this moves out of the
-   !> bounds follow; at the end few or none are outside. `back`, `change`, `is_back`: work arrays.
+   !> Moves values of `q` beyond 0 and `hardness` to these bounds. The network distributes the load
+   !> added by this over the other nodes, with its potentials there unchanged: neighbours give most,
+   !> so that the energy rises less than by a uniform shift. Nodes that this moves out of the bounds
+   !> follow; in the end few or none are outside. `back`, `change`, `is_back`: work arrays.
    subroutine bring_back(hardness, network, q, back, change, is_back)
       real(wp), intent(in) :: hardness
       type(tree_network_t), intent(inout) :: network
@@ -47,9 +47,9 @@ contains
       if (turn > max_returns) q = q + change
    end subroutine bring_back
 
-   !> Makes `q` add up to `load`: nodes between the bounds share the rounding error that is missing,
-   !> nodes on a bound stay there. Values that are still beyond a bound, or none between them: the
-   !> nearest that has bounds and load.
+   !> Makes `q` add up to `load`: nodes between the bounds share the missing rounding error, nodes
+   !> on a bound stay there. If values are still beyond a bound, or none is between them, `q`
+   !> becomes the nearest one with bounds and load.
    subroutine settle_load(hardness, load, q)
       real(wp), intent(in) :: hardness, load
       real(wp), contiguous, intent(inout) :: q(:)

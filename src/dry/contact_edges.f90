@@ -1,5 +1,5 @@
-!> Errors of areas and loads because a contact ends anywhere between its last node and the next one:
-!> the count of nodes does not show where, and the load of the last node errs by a share of its
+!> Errors of areas and loads because a contact ends anywhere between its last node and the next: the
+!> number of nodes does not show where, and the load of the last node errs by a share of its
 !> pressure.
 module contact_edges
    use kinds, only: wp
@@ -9,7 +9,7 @@ module contact_edges
    public :: find_edges, line_excess
 
    !> Nodes counted beyond the edge of a line contact, as a function of the pressure of its last
-   !> node over that of the node before: a polynomial through Hertz contacts of 60 to 1800 nodes
+   !> node over that of the node before: a polynomial fitted to Hertz contacts of 60 to 1800 nodes
    !> (bench/family_dry.py), within 0.004. Pressures rise as a root from every edge, so that all
    !> edges are alike.
    real(wp), parameter :: excess(0:3) = [0.6747_wp, -0.9940_wp, -0.4311_wp, -0.2298_wp]
@@ -19,8 +19,8 @@ module contact_edges
 contains
 
    !> Counts pairs of neighbours in x and y on the periodic grid of which only one is in contact, or
-   !> only one at the `hardness` (`edges`), and the random share of the load: the root of the sum of
-   !> squared pressure differences at the edges of contact, over the load.
+   !> only one at the `hardness` (`edges`), and computes the random share of the load: the root of
+   !> the sum of squared pressure differences at the edges of contact, over the load.
    subroutine find_edges(nx, ny, pressure, hardness, edges, share)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: pressure(nx, ny), hardness
@@ -40,7 +40,7 @@ contains
 
    contains
 
-      !> One pair.
+      !> Compares one pair.
       subroutine compare(one, other)
          real(wp), intent(in) :: one, other
 

@@ -1,6 +1,6 @@
-!> Whether the contact of an open half-space stays inside the domain. Nothing presses outside it: a
-!> contact that reaches the border is that of a punch with sharp edges, whose pressure grows there
-!> without bound.
+!> Checks whether the contact of an open half-space stays inside the domain. Nothing presses
+!> outside: a contact that reaches the border is that of a punch with sharp edges, whose pressure
+!> grows there without bound.
 module domain_border
    use analytic_heights, only: node_positions
    use dry_problem, only: dry_grid_t, kernel_open
@@ -15,15 +15,15 @@ module domain_border
 
    !> Length of a domain over the width of its contact that leaves room for the gap.
    real(wp), parameter :: recommended_room = 1.2_wp
-   !> A parabola that explains less of the variance of the heights says nothing about the surface
-   !> outside the domain.
+   !> A parabola that explains a smaller share of the variance of the heights says nothing about the
+   !> surface outside the domain.
    real(wp), parameter :: least_share = 0.5_wp
 
 contains
 
-   !> Why the contact pressure (nx*ny) of an open domain is no solution: it is above 0 at the
+   !> Why the contact pressure (nx*ny) of an open domain is no solution: it is positive at the
    !> border. Empty: it is not, or the domain is periodic. `z` (nx*ny) [m] are the heights, `load`
-   !> is in N, of a line in N/m.
+   !> is in N, for a line in N/m.
    pure function border_reason(grid, scaling, z, pressure, load) result(reason)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
@@ -55,8 +55,8 @@ contains
                // to_text(2.0_wp*recommended_room*half_width, 2) // ' m long for this load'
    end function border_reason
 
-   !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best, in the sense of least
-   !> squares; 0 if they do not fall towards the border, or are hardly a parabola.
+   !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best by least squares; 0 if
+   !> they do not fall towards the border, or are hardly a parabola.
    pure function fitted_radius(grid, length, z) result(radius)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: length, z(:)

@@ -1,13 +1,13 @@
-!> Contact of rough surfaces by a projected, preconditioned conjugate gradient with both bounds as
-!> active sets.
+!> Solves the contact of rough surfaces by a projected, preconditioned conjugate gradient with both
+!> bounds as active sets.
 !>
 !> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with four changes: the direction is
 !> never restarted when nodes enter or leave; a tree network (`tree_network`) preconditions it; the
-!> same network brings back what leaves the bounds, giving the difference to its neighbours, so that
+!> same network returns what leaves the bounds, giving the difference to its neighbours, so that
 !> load and upper bound (hardness) hold exactly; and an iteration needs one product with K: the step
-!> along the direction is predicted from the iteration before and brought back into the bounds,
-!> then K is applied to the change of p, whose length is corrected. Nodes at a bound leave it as
-!> soon as their gap has the wrong sign.
+!> along the direction is predicted from the iteration before and returned to the bounds, then K is
+!> applied to the change of p, whose length is corrected. Nodes at a bound leave it as soon as their
+!> gap has the wrong sign.
 module dry_conjugate_gradient
    use active_set, only: active_set_t, copy_survey, new_active_set
    use bound_return, only: bring_back, settle_load
@@ -24,18 +24,18 @@ module dry_conjugate_gradient
 
    !> Rounding error of a product in single precision, over its largest value.
    real(wp), parameter :: single_noise = 2.0e-7_wp
-   !> v = K p - z is computed anew when the rounding errors of its updates reach this share of the
+   !> v = K p - z is recomputed when the rounding errors of its updates reach this share of the
    !> error measure.
    real(wp), parameter :: noise_share = 0.3_wp
-   !> After this many iterations in which the error has not halved the iteration ends.
+   !> The iteration ends after this many steps in which the error has not halved.
    integer, parameter :: patience = 1000
-   !> Lengths of the first step and of the second, over s; later ones are like those before them.
+   !> Lengths of the first and the second step, over s; later ones are predicted from those before.
    real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp
-   !> A clipped change that goes beyond twice its best length raises the energy: from here on it is
+   !> A clipped change beyond twice its best length raises the energy: below this best length it is
    !> cut to the best.
    real(wp), parameter :: least_length = 0.5_wp
 
-   !> What an iteration works on; lists are as long as the active set.
+   !> Work space of an iteration; lists are as long as the active set.
    type :: work_t
       type(active_set_t) :: set
       type(tree_network_t) :: network
@@ -43,26 +43,26 @@ module dry_conjugate_gradient
       real(wp), allocatable :: v(:)
       !> Currents of the network; direction, then change of p; K times the last change; on the list.
       real(wp), allocatable :: s(:), q(:), kd(:)
-      !> What nodes beyond a bound give back, and which they are; on the list.
+      !> What nodes beyond a bound give back, and which nodes; on the list.
       real(wp), allocatable :: back(:)
       logical, allocatable :: is_back(:)
       !> The last change d of p, on its list.
       integer :: old_count = 0
       integer, allocatable :: old_node(:)
       real(wp), allocatable :: d(:)
-      !> d.K d (0: there is none) and K d over the last product.
+      !> d.K d (0: there is no d), and K d over the last product.
       real(wp) :: curvature = 0.0_wp, scale = 0.0_wp
-      !> Length of the next step along its direction, by the last one; the same where there is no
-      !> last change.
+      !> Length of the next step along its direction, from the last one; the same without a last
+      !> change.
       real(wp) :: expected = usual_length, first = first_length
-      !> Sum of the largest |K d| since v was computed anew.
+      !> Sum of the largest |K d| since v was recomputed.
       real(wp) :: path = 0.0_wp
    end type work_t
 
 contains
 
    !> Improves the pressure of `solution` (within its bounds and with its load) until the error
-   !> measure is the tolerance or less, and fills the other components. Its report gets one entry an
+   !> measure meets the tolerance, and fills the other components. Its report gets one entry per
    !> iteration. Fails (internal_error) if FFTW does.
    subroutine iterate_conjugate_gradient(problem, settings, solution, error)
       type(dry_problem_t), intent(inout) :: problem
@@ -100,7 +100,7 @@ contains
       call move_alloc(work%v, solution%v)
    end subroutine iterate_conjugate_gradient
 
-   !> Storage for a `grid`.
+   !> Allocates storage for a `grid`.
    subroutine new_work(work, grid)
       type(work_t), intent(out) :: work
       type(dry_grid_t), intent(in) :: grid
@@ -115,7 +115,7 @@ contains
          work%back(n), work%is_back(n))
    end subroutine new_work
 
-   !> v = K p - z in single precision, which does while the error is large, and the first survey.
+   !> Computes v = K p - z in single precision, enough while the error is large, and surveys.
    subroutine begin(problem, p, work)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(in) :: p(:)
@@ -143,8 +143,7 @@ contains
       call work%set%survey(problem, p, work%v)
    end subroutine begin
 
-   !> True if the updates of v have collected too many rounding errors, or if the solution seems
-   !> found.
+   !> Whether the updates of v have collected too many rounding errors, or the solution seems found.
    pure function must_refresh(work, problem, settings)
       type(work_t), intent(in) :: work
       type(dry_problem_t), intent(in) :: problem
@@ -158,7 +157,7 @@ contains
       if (settings%is_rough) must_refresh = .false.
    end function must_refresh
 
-   !> v = K p - z in double precision, and a survey.
+   !> Computes v = K p - z in double precision, and surveys.
    subroutine refresh(problem, p, work)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(in) :: p(:)
@@ -169,8 +168,9 @@ contains
       call work%set%survey(problem, p, work%v)
    end subroutine refresh
 
-   !> One iteration: direction, step, back into the bounds, K times the change, and its length. The
-   !> product is in single precision: it only changes v, which is computed anew now and then.
+   !> Makes one iteration: direction, step, return to the bounds, K times the change, and its
+   !> length. The product is in single precision: it only changes v, which is recomputed from time
+   !> to time.
    subroutine step(problem, p, work)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(inout) :: p(:)
@@ -181,7 +181,7 @@ contains
 
       n = work%set%count
       associate (elastic => problem%elastic, node => work%set%node(:n))
-         ! On the same list, trees and K d are there already.
+         ! On the same list, trees and K d are known already.
          if (.not. is_old_list(work)) then
             if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, &
                work%scale, work%kd(:n))
@@ -196,7 +196,7 @@ contains
          largest = 0.0_wp
          do k = 1, n
             work%d(k) = length*work%q(k)
-            ! but for rounding it is within
+            ! within except for rounding
             p(node(k)) = min(max(p(node(k)) + work%d(k), 0.0_wp), problem%hardness)
             work%kd(k) = length*work%kd(k)
             largest = max(largest, abs(work%kd(k)))
@@ -209,7 +209,7 @@ contains
       call work%set%follow(problem, work%scale, work%kd(:n), p, work%v)
    end subroutine step
 
-   !> True if F is the list of the last change.
+   !> Whether F is the list of the last change.
    pure function is_old_list(work)
       type(work_t), intent(in) :: work
       logical :: is_old_list
@@ -220,8 +220,8 @@ contains
       end associate
    end function is_old_list
 
-   !> t = s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q;
-   !> `length`: the step along t that is to be expected.
+   !> Computes t = s + beta (old d on F, without its mean), with t conjugate to the old d, on the
+   !> list q; `length`: expected step along t.
    subroutine find_direction(work, length)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: length
@@ -246,7 +246,7 @@ contains
       end associate
    end subroutine find_direction
 
-   !> The last change of p on the present list, q, and its mean; `overlap`: s.K d.
+   !> Computes the last change of p on the present list, q, and its mean; `overlap`: s.K d.
    pure subroutine find_old_change(work, mean, overlap)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: mean, overlap
@@ -270,8 +270,8 @@ contains
       mean = mean/n
    end subroutine find_old_change
 
-   !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is
-   !> brought back (`is_clipped`). A shift of F removes rounding errors of the load.
+   !> Computes the change of p on F by `length` times t, on the list q; values that leave the bounds
+   !> are returned (`is_clipped`). A shift of F removes rounding errors of the load.
    subroutine find_change(problem, p, length, work, is_clipped)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)
@@ -306,8 +306,8 @@ contains
       end associate
    end subroutine find_change
 
-   !> How much of the change q to make: the minimum of the energy along it, as far as the bounds
-   !> allow.
+   !> Computes the share of the change q to make: the minimum of the energy along it, within the
+   !> bounds.
    subroutine find_length(problem, p, is_clipped, work, length)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)

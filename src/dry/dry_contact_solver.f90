@@ -1,4 +1,4 @@
-!> Solves a dry contact: the closed forms where they hold, else an iteration from a good start.
+!> Solves a dry contact: by closed forms where they hold, else by an iteration from a good start.
 module dry_contact_solver
    use, intrinsic :: iso_fortran_env, only: int64
    use active_set, only: survey_solution
@@ -18,13 +18,13 @@ module dry_contact_solver
 
    public :: dry_solver_t
 
-   !> A load that differs from hardness times area by less than this share is all plastic.
+   !> A load that differs from hardness times area by less than this share is fully plastic.
    real(wp), parameter :: plastic_margin = 1.0e-12_wp
 
    !> A solver for one surface and any number of loads: each starts from the solution before it.
    type :: dry_solver_t
       type(dry_settings_t) :: settings
-      !> Least and largest pressure of full contact without load, of the present surface; not
+      !> Least and largest pressure of full contact without load, for the present surface; not
       !> allocated: not known yet.
       real(wp), allocatable :: full_range(:)
    contains
@@ -33,10 +33,9 @@ module dry_contact_solver
 
 contains
 
-   !> Solves `problem` (its load > 0). `solution` of another load of the same surface, if it holds
-   !> one, is the start, and so is a pressure alone of about this load. Its report says whether it
-   !> converged. Fails (input_error) if the load is above hardness times area, (internal_error) if
-   !> FFTW does.
+   !> Solves `problem` (its load > 0). The start is `solution` if it holds that of another load of
+   !> the same surface, or only a pressure of about this load. Its report says whether it converged.
+   !> Fails (input_error) if the load is above hardness times area, (internal_error) if FFTW does.
    subroutine solve(self, problem, solution, error)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
@@ -83,8 +82,8 @@ contains
       call count_transforms(problem, before, solution)
    end subroutine solve
 
-   !> Adds the transforms that the problem has done since `before` to those of `solution`, and sums
-   !> up in pairs of its grid, one in single precision as a half.
+   !> Adds the transforms that the problem has made since `before` to those of `solution`, and sums
+   !> them in pairs of its grid, those in single precision as a half.
    pure subroutine count_transforms(problem, before, solution)
       type(dry_problem_t), intent(in) :: problem
       integer, intent(in) :: before(4)
@@ -106,7 +105,7 @@ contains
       solution%report%fft_pairs = nint(weight, int64)
    end subroutine count_transforms
 
-   !> A pressure to begin with.
+   !> Sets the starting pressure.
    subroutine start(problem, solution, error)
       type(dry_problem_t), intent(in) :: problem
       type(dry_solution_t), intent(inout) :: solution
@@ -122,8 +121,8 @@ contains
       end if
    end subroutine start
 
-   !> Moves the positive pressures of a guess into their bounds and to the load; all, where those
-   !> cannot carry it.
+   !> Moves the positive pressures of a guess into their bounds and to the load; all pressures, if
+   !> those cannot carry it.
    subroutine settle_start(problem, p)
       type(dry_problem_t), intent(in) :: problem
       real(wp), intent(inout) :: p(:)
@@ -140,8 +139,8 @@ contains
       end if
    end subroutine settle_start
 
-   !> Full contact of a periodic surface, p = mean + K^-1 z, if it keeps the bounds and its error
-   !> the tolerance (`is_done`).
+   !> Solves full contact of a periodic surface, p = mean + K^-1 z; `is_done`: it keeps the bounds
+   !> and its error the tolerance.
    subroutine solve_full_contact(self, problem, solution, is_done)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
@@ -163,15 +162,15 @@ contains
       self%full_range = [minval(p), maxval(p)]
       if (mean_pressure + self%full_range(1) < 0.0_wp .or. mean_pressure + self%full_range(2) &
          > problem%hardness) return
-      ! K of the mean is 0 but for its rounding, which a large mean would bring into v
+      ! K of the mean is 0 except for rounding, which a large mean would bring into v
       call problem%find_v(p, solution%v)
       solution%pressure = mean_pressure + p
       call judge(self, problem, 'full_contact', solution)
       is_done = solution%report%converged
    end subroutine solve_full_contact
 
-   !> Whether a closed form of that `name`, with its v and `datum` (else the mean of v), is a
-   !> solution, for the report.
+   !> Checks whether a closed form of that `name`, with its v and `datum` (else the mean of v), is a
+   !> solution, and reports it.
    subroutine judge(self, problem, name, solution, datum)
       class(dry_solver_t), intent(in) :: self
       type(dry_problem_t), intent(in) :: problem

@@ -35,8 +35,7 @@ module dry_problem
       integer :: threads = 1
    end type dry_grid_t
 
-   !> One surface on its grid and what presses on it. `hardness` and `load` may be changed between
-   !> solves.
+   !> One surface on its grid, with hardness and load, which may change between solves.
    type :: dry_problem_t
       type(dry_grid_t) :: grid
       !> z, positive out of the material, its mean removed (nx*ny), x fastest.
@@ -58,8 +57,8 @@ module dry_problem
 
 contains
 
-   !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. With
-   !> `is_guess` only products in single precision are prepared: no `find_v`. Fails
+   !> Prepares a problem on `grid` with the heights z (nx*ny), without hardness and with load 0.
+   !> `is_guess`: only products in single precision are prepared, no `find_v`. Fails
    !> (internal_error) if FFTW does.
    subroutine new_dry_problem(self, grid, height, error, is_guess)
       type(dry_problem_t), intent(inout) :: self
@@ -98,7 +97,7 @@ contains
       end associate
    end subroutine new_dry_problem
 
-   !> v = K p - z of a pressure `p` (nx*ny).
+   !> Computes v = K p - z of a pressure `p` (nx*ny).
    subroutine find_v(self, p, v)
       class(dry_problem_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: p(:)
@@ -109,7 +108,7 @@ contains
       v = v - self%height
    end subroutine find_v
 
-   !> True if the pressure has an upper bound.
+   !> Whether the pressure has an upper bound.
    pure function is_capped(self)
       class(dry_problem_t), intent(in) :: self
       logical :: is_capped

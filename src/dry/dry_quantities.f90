@@ -1,6 +1,6 @@
-!> The quantities of a dry contact under one load. What each is stands in one table, which results,
-!> error estimates, targets, adequacy and the closing table read. SI; loads and energies of a line
-!> per metre of its length.
+!> Quantities of a dry contact under one load. One table defines them; results, error estimates,
+!> targets, adequacy and the closing table read it. SI; loads and energies of a line per metre of
+!> its length.
 module dry_quantities
    use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi
@@ -22,21 +22,21 @@ module dry_quantities
       separation = 8, datum = 9, p_max = 10, dp_max = 11, dp_mean = 12, elastic_energy = 13, &
       dissipated_energy = 14
 
-   !> What the factors of its error estimate are those of.
+   !> Kinds of factors of the error estimates.
    integer, parameter :: factor_area = 1, factor_corrected = 2, factor_separation = 3, &
       factor_pressure = 4, factor_energy = 5
    integer, parameter, public :: factor_count = 5
 
-   !> What a quantity is.
+   !> Definition of a quantity.
    type, public :: dry_quantity_t
       !> Name in the result.
       character(len=31) :: name
       !> Text of its data set.
       character(len=54) :: text
-      !> Unit, of a line and of an area; empty: it is not stored.
+      !> Unit, for a line and for an area; empty: not stored.
       character(len=3) :: units(2)
       integer :: factor
-      !> True: /summary has that of the last load.
+      !> Whether /summary has that of the last load.
       logical :: is_summary = .false.
    end type dry_quantity_t
 
@@ -68,14 +68,14 @@ module dry_quantities
 
    integer, parameter, public :: dry_count = size(dry_table)
 
-   !> One load: its quantities, what their errors are made of, and how it was solved.
+   !> One load: its quantities, the data of their errors, and how it was solved.
    type, public :: dry_row_t
       real(wp) :: values(dry_count) = 0.0_wp
       !> Largest pressure between the nodes [Pa].
       real(wp) :: p_crest = 0.0_wp
       integer :: nodes = 0
-      !> Neighbours one of which is in contact (second: at the hardness) and the other not, and the
-      !> share of the load that is chance because of the former; see `find_edges`.
+      !> Pairs of neighbours of which only one is in contact (second: at the hardness), and the
+      !> random share of the load due to the former; see `find_edges`.
       integer :: edges(2) = 0
       real(wp) :: edge_load = 0.0_wp
       !> Error measure reached [-].
@@ -98,8 +98,8 @@ module dry_quantities
    !> Quantities of all loads, fields and solution of the last.
    type, public :: dry_outcome_t
       type(dry_row_t), allocatable :: rows(:)
-      !> Estimated errors of their quantities (quantity, load), NaN: not known; not allocated: they
-      !> are not estimated.
+      !> Estimated errors of their quantities (quantity, load), NaN: not known; not allocated: not
+      !> estimated.
       real(wp), allocatable :: errors(:, :)
       type(dry_fields_t) :: fields
       type(dry_solution_t) :: solution
@@ -107,20 +107,20 @@ module dry_quantities
       !> Pressures of all loads (nx*ny, loads), dimensionless, if the settings ask for them.
       real(real32), allocatable :: pressures(:, :)
       !> Processor time of preparing (planning of transforms) and of solving, wall time of solving,
-      !> all loads [s].
+      !> for all loads [s].
       real(wp) :: seconds(3) = 0.0_wp
       !> Transforms of all loads, as in a solution.
       integer, allocatable :: transforms(:, :)
    end type dry_outcome_t
 
-   !> Share of a cell by which counted nodes make the contact area too large for each two neighbours
-   !> in and out of contact (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014,
-   !> 171).
+   !> Share of a cell by which counted nodes overestimate the contact area for each pair of
+   !> neighbours in and out of contact (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol.
+   !> Lett. 56, 2014, 171).
    real(wp), parameter :: border_share = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
 
 contains
 
-   !> Text and unit of the data set of quantity `k` on a `grid`; no unit: it is not stored.
+   !> Returns text and unit of the data set of quantity `k` on a `grid`; no unit: not stored.
    pure subroutine describe(k, grid, text, unit)
       integer, intent(in) :: k
       type(dry_grid_t), intent(in) :: grid
@@ -133,8 +133,7 @@ contains
       if (grid%ny == 1) unit = ''
    end subroutine describe
 
-   !> The quantities that are compared between grids: the crest of the pressure for its largest
-   !> node.
+   !> Quantities compared between grids: the crest of the pressure replaces its largest node.
    pure function compared_values(row) result(values)
       type(dry_row_t), intent(in) :: row
       real(wp) :: values(dry_count)
@@ -143,7 +142,7 @@ contains
       values(p_max) = row%p_crest
    end function compared_values
 
-   !> Whether anything yields under a load.
+   !> Whether any node yields under a load.
    pure function yields(row)
       type(dry_row_t), intent(in) :: row
       logical :: yields
@@ -151,9 +150,9 @@ contains
       yields = row%values(plastic_area) > 0.0_wp
    end function yields
 
-   !> Fills row `i` of an `outcome`, whose solution and fields are those of this load of mean
-   !> pressure `pressure` [Pa], with the heights `z` [m] and the `plastic` deformation of this load
-   !> alone, dimensionless.
+   !> Fills row `i` of `outcome`, whose solution and fields are those of this load of mean pressure
+   !> `pressure` [Pa], from the heights `z` [m] and the `plastic` deformation of this load alone,
+   !> dimensionless.
    subroutine fill_row(problem, z, plastic, pressure, i, outcome)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: z(:)
@@ -186,7 +185,7 @@ contains
                - line_excess(solution%pressure)/n
             values(mean_separation) = scaling%height_in_si(sum(solution%v)/n - solution%datum &
                + sum(plastic)/n)
-            ! The problem's heights have no mean; the datum is that of the heights as given.
+            ! The problem's heights have zero mean; the datum is that of the heights as given.
             values(datum) = scaling%height_in_si(solution%datum) - sum(z)/n
             values(separation) = -scaling%height_in_si(solution%datum)
             if (problem%grid%kernel == kernel_open) values(separation) = merge(0.0_wp, &

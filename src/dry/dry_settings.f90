@@ -1,4 +1,4 @@
-!> What presses on a dry contact, and how it is to be solved. Plain records without behaviour.
+!> Loads of a dry contact, and how to solve it. Plain records without behaviour.
 module dry_settings
    use, intrinsic :: iso_fortran_env, only: real32
    use kinds, only: wp
@@ -10,11 +10,11 @@ module dry_settings
    !> Methods.
    integer, parameter, public :: method_conjugate_gradient = 1, method_steepest_descent = 2
 
-   !> Bound on the error measure, and most iterations, where they are not given.
+   !> Default bound on the error measure, and default limit of iterations.
    real(wp), parameter, public :: dry_tolerance = 1.0e-8_wp
    integer, parameter, public :: dry_cycles = 10000
 
-   !> Most nodes of a grid whose error bars use finer ones, where its surface has short waves.
+   !> Most nodes of a grid whose error bars use finer ones, if its surface has short waves.
    integer, parameter, public :: max_nodes_to_refine = 2**18
 
    !> How to solve.
@@ -24,23 +24,23 @@ module dry_settings
       real(wp) :: tolerance = dry_tolerance
       !> Most iterations.
       integer :: max_cycles = dry_cycles
-      !> True: a guess is wanted, for which single precision is enough.
+      !> Whether a guess is enough, which single precision gives.
       logical :: is_rough = .false.
-      !> True: the pressures of all loads are kept.
+      !> Whether to keep the pressures of all loads.
       logical :: keeps_pressures = .false.
       !> Pressures from which the loads start (nx*ny, loads), dimensionless; not allocated: none.
       real(real32), allocatable :: starts(:, :)
    end type dry_settings_t
 
-   !> What presses and what yields, SI.
+   !> Loads and hardness, SI.
    type :: dry_loads_t
       !> Mean pressures, in the order in which they act [Pa].
       real(wp), allocatable :: mean_pressure(:)
-      !> Instead of them: separations as in `dry_row_t` [m].
+      !> Separations as in `dry_row_t` instead [m].
       real(wp), allocatable :: separation(:)
       !> Hardness [Pa]; huge: elastic.
       real(wp) :: hardness
-      !> True: each load finds the surface that the one before left; else the virgin one.
+      !> Whether each load finds the surface left by the one before, else the virgin one.
       logical :: has_history = .false.
    end type dry_loads_t
 

@@ -14,19 +14,19 @@ module dry_solution
       !> v = K p - z: gap = v - datum where p < H, plastic deformation datum - v where p = H.
       real(wp), allocatable :: v(:)
       real(wp) :: datum = 0.0_wp
-      !> Nodes with p > 0, with p = H; 0 contacts: there is no solution yet.
+      !> Nodes with p > 0, with p = H; 0 contacts: no solution yet.
       integer :: contacts = 0, capped = 0
       !> Error measure.
       real(wp) :: kkt = huge(1.0_wp)
       type(report_t) :: report
-      !> Transforms done: size mx x my, pairs in double, pairs in single precision (4, any number of
+      !> Transforms made: size mx x my, pairs in double, pairs in single precision (4, any number of
       !> grids).
       integer, allocatable :: transforms(:, :)
    end type dry_solution_t
 
 contains
 
-   !> Why an iteration of at most `max_cycles` ended at `error`; `is_stalled`: it had stopped
+   !> Why an iteration of at most `max_cycles` ended at `error`; `is_stalled`: the error had stopped
    !> falling.
    function end_of_iteration(report, error, max_cycles, is_stalled) result(reason)
       type(report_t), intent(in) :: report

@@ -15,11 +15,11 @@ module dry_start
 
    public :: nested_start, neighbour_start
 
-   !> Fewest nodes a side of a coarser grid.
+   !> Fewest nodes along a side of a coarser grid.
    integer, parameter :: coarsest = 32
    !> Error to which coarser grids are solved. A smaller one gains nothing on periodic areas, where
    !> finer grids bring new contacts; it helps on lines, and on open areas, which are smoother than
-   !> most and whose fine grid is expensive.
+   !> most and have expensive fine grids.
    real(wp), parameter :: area_tolerance = 0.1_wp, usual_tolerance = 1.0e-3_wp
    !> Most iterations on a coarser grid.
    integer, parameter :: max_iterations = 200
@@ -29,9 +29,10 @@ module dry_start
 
 contains
 
-   !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to a rough E on grids of
-   !> half the nodes each, the coarsest first; 2 or 4 nodes of the finer grid get the pressure of a
-   !> node. `transforms` are those done, as in a solution. Fails (internal_error) if FFTW does.
+   !> Sets a pressure `p` (nx*ny) within its bounds and with its load: solutions to a rough E on
+   !> grids of half the nodes each, the coarsest first; each coarse node gives its pressure to 2 or
+   !> 4 nodes of the finer grid. `transforms` are those made, as in a solution. Fails
+   !> (internal_error) if FFTW does.
    recursive subroutine nested_start(problem, p, transforms, error)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(out) :: p(:)
@@ -61,7 +62,7 @@ contains
       call refine(coarse%grid, solution%pressure, problem%grid, p)
    end subroutine nested_start
 
-   !> True if both sides are even and large enough.
+   !> Whether both sides are even and large enough.
    pure function can_be_halved(grid)
       type(dry_grid_t), intent(in) :: grid
       logical :: can_be_halved
@@ -71,8 +72,8 @@ contains
          .and. grid%ny >= 2*coarsest
    end function can_be_halved
 
-   !> The problem on half the nodes: heights averaged over 2 or 4 nodes, mean pressure and hardness
-   !> kept.
+   !> Sets up the problem on half the nodes: heights averaged over 2 or 4 nodes, with the same mean
+   !> pressure and hardness.
    subroutine halve(problem, coarse, error)
       type(dry_problem_t), intent(in) :: problem
       type(dry_problem_t), intent(inout) :: coarse
@@ -103,7 +104,7 @@ contains
       coarse%hardness = problem%hardness
    end subroutine halve
 
-   !> Every node of the fine grid gets the pressure of the coarse node it belongs to.
+   !> Gives every node of the fine grid the pressure of its coarse node.
    pure subroutine refine(coarse, p_coarse, fine, p)
       type(dry_grid_t), intent(in) :: coarse, fine
       real(wp), intent(in) :: p_coarse(:)

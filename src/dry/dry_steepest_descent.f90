@@ -1,8 +1,9 @@
-!> Contact of rough surfaces by projected steepest descent, the method of the thesis (chapter 3).
+!> Solves the contact of rough surfaces by projected steepest descent, the method of the thesis
+!> (chapter 3).
 !>
 !> After H. M. Stanley and T. Kato, J. Tribol. 119, 1997, 481: a step along the negative gap, then a
 !> shift that restores the load within the bounds. The step is the exact minimum along the
-!> direction. Slow: a baseline to compare with.
+!> direction. Slow: a baseline for comparison.
 module dry_steepest_descent
    use active_set, only: active_set_t, copy_survey, new_active_set
    use dry_problem, only: dry_problem_t
@@ -18,8 +19,7 @@ module dry_steepest_descent
 contains
 
    !> Improves the pressure of `solution` (within its bounds and with its load) until the error
-   !> measure is the tolerance or less, or the most iterations are done; then fills the other
-   !> components.
+   !> measure meets the tolerance or the iterations are used up, and fills the other components.
    subroutine iterate_steepest_descent(problem, settings, solution)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_settings_t), intent(in) :: settings
@@ -48,8 +48,8 @@ contains
       end associate
    end subroutine iterate_steepest_descent
 
-   !> p moves along r less its mean on F, by the length that minimises the energy; then back into
-   !> bounds and load.
+   !> Moves p along r less its mean on F, by the length that minimises the energy; then returns it
+   !> to bounds and load.
    subroutine descend(problem, set, direction, response, q, p)
       type(dry_problem_t), intent(inout) :: problem
       type(active_set_t), intent(in) :: set

@@ -1,4 +1,4 @@
-!> A dry contact under a series of loads, and the quantities of each, in SI.
+!> Solves a dry contact under a series of loads, and computes the quantities of each, in SI.
 module dry_sweep
    use, intrinsic :: iso_fortran_env, only: int64, real32
    use domain_border, only: border_reason
@@ -100,7 +100,7 @@ contains
       call report_all(outcome%rows, outcome%solution)
    end subroutine solve_dry_sweep
 
-   !> One report for all loads: converged if all are; transforms and iterations are summed.
+   !> Makes one report for all loads: converged if all are; sums transforms and iterations.
    subroutine report_all(rows, solution)
       type(dry_row_t), intent(in) :: rows(:)
       type(dry_solution_t), intent(inout) :: solution
@@ -116,8 +116,8 @@ contains
       end do
    end subroutine report_all
 
-   !> The plastic deformation (nx*ny) under the load of `solution`, dimensionless; empty without a
-   !> hardness.
+   !> Computes the plastic deformation (nx*ny) under the load of `solution`, dimensionless; empty
+   !> without a hardness.
    pure subroutine find_plastic(problem, solution, plastic)
       type(dry_problem_t), intent(in) :: problem
       type(dry_solution_t), intent(in) :: solution
@@ -156,8 +156,8 @@ contains
       if (allocated(solution%v)) deallocate (solution%v)
    end subroutine start_from
 
-   !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of
-   !> the loads before which the heights of `problem` already have (history); empty: there is none.
+   !> Sets pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded`
+   !> that of earlier loads, already in the heights of `problem` (history); empty: none.
    subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
@@ -195,8 +195,8 @@ contains
       !$omp end parallel do
    end subroutine fill_fields
 
-   !> Roughness of the surfaces of one load from its fields and from that of the `undeformed` one,
-   !> which is also the unloaded one where nothing has yielded.
+   !> Sets the roughness of the surfaces of one load from its fields and from that of the
+   !> `undeformed` one, which is also the unloaded one if nothing has yielded.
    subroutine fill_roughness(fields, is_line, undeformed, row)
       type(dry_fields_t), intent(in) :: fields
       logical, intent(in) :: is_line
@@ -208,7 +208,7 @@ contains
          roughness_of(fields%height_unloaded, is_line)
    end subroutine fill_roughness
 
-   !> A contact that reaches the border of an open domain is no solution.
+   !> Marks a contact that reaches the border of an open domain as not converged.
    subroutine check_border(grid, scaling, z, fields, row)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling

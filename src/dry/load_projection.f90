@@ -1,4 +1,4 @@
-!> The pressure nearest to a given one within its bounds and with its load.
+!> Finds the pressure nearest to a given one within its bounds and with its load.
 module load_projection
    use kinds, only: wp
    implicit none (type, external)

@@ -1,5 +1,4 @@
-!> The load under which a dry contact has a given datum, that is a given separation: a search around
-!> the solver.
+!> Searches the load under which a dry contact has a given datum, that is a given separation.
 module load_search
    use, intrinsic :: iso_fortran_env, only: int64
    use active_set, only: survey_solution
@@ -17,13 +16,12 @@ module load_search
 
    !> Most solutions of one search.
    integer, parameter :: max_solves = 100
-   !> Every this many solutions the bracket is halved, whatever the secant says.
+   !> The bracket is halved every this many solutions, regardless of the secant.
    integer, parameter :: halving_interval = 6
-   !> Longest step in the logarithm of the load while there is no bracket.
+   !> Longest step in the logarithm of the load without a bracket.
    real(wp), parameter :: longest_step = log(8.0_wp)
 
-   !> Where the search stands: the logarithm x of the last two loads with their misses, and the
-   !> bracket.
+   !> State of the search: the logarithm x of the last two loads with their misses, and the bracket.
    type :: search_t
       real(wp) :: x, x_old, miss, miss_old
       real(wp) :: low = -huge(1.0_wp), high = huge(1.0_wp)
@@ -32,15 +30,15 @@ module load_search
 
 contains
 
-   !> Solves `problem`, whose load is found here, so that the `datum` is reached within the solver's
+   !> Solves `problem` and finds its load so that the `datum` is reached within the solver's
    !> tolerance times the height scale (of a flat surface: times the depth below first touch).
    !> Elastic periodic surfaces need a `datum` < 0.
    !>
-   !> The datum rises with the load, and its curve over the logarithm of the load is nearly straight
-   !> (exactly so for B. N. J. Persson's theory at light load, Phys. Rev. Lett. 99, 2007, 125502):
-   !> secant steps inside a bracket, each solution started from the one before. The report adds up
-   !> transforms and iterations and says whether it converged. Fails (input_error) if nothing
-   !> touches, `datum` <= -max(height); (internal_error) if FFTW does.
+   !> The datum rises with the load, nearly linearly with its logarithm (exactly so for B. N. J.
+   !> Persson's theory at light load, Phys. Rev. Lett. 99, 2007, 125502): secant steps inside a
+   !> bracket, each solution started from the one before. The report sums transforms and iterations
+   !> and says whether the search converged. Fails (input_error) if nothing touches, `datum` <=
+   !> -max(height); (internal_error) if FFTW does.
    subroutine solve_for_datum(solver, problem, datum, solution, error)
       type(dry_solver_t), intent(inout) :: solver
       type(dry_problem_t), intent(inout) :: problem
@@ -87,7 +85,7 @@ contains
          *solver%settings%tolerance, 3)//' times the rms height'
    end subroutine solve_for_datum
 
-   !> The load of the neighbouring solution; without one that of a bed of springs as stiff as the
+   !> Load of the neighbouring solution; without one that of a bed of springs as stiff as the
    !> longest wave.
    pure function first_load(problem, datum, solution) result(load)
       type(dry_problem_t), intent(in) :: problem
@@ -101,8 +99,8 @@ contains
       if (problem%is_capped()) load = min(load, problem%hardness*size(problem%height))
    end function first_load
 
-   !> Narrows the bracket and chooses the next load: that of whole nodes at the hardness if only
-   !> that is left in between, else by the secant, else the middle.
+   !> Narrows the bracket and chooses the next load: that of an integer number of nodes at the
+   !> hardness if only that is left in between, else by the secant, else the middle.
    subroutine find_next_load(problem, search)
       type(dry_problem_t), intent(in) :: problem
       type(search_t), intent(inout) :: search
@@ -136,9 +134,9 @@ contains
       end if
    end subroutine find_next_load
 
-   !> Without a node between 0 and the hardness the datum may lie anywhere between two values: it is
-   !> put where it is wanted, or at the nearer end, and `miss` is what is left. Nodes within the
-   !> `tolerance` of a bound are put on it, if that is a solution too.
+   !> Without a node between 0 and the hardness the datum may lie anywhere between two values: sets
+   !> it to the target, or to the nearer end, and `miss` to the remainder. Nodes within the
+   !> `tolerance` of a bound move onto it, if that is a solution too.
    subroutine place_between(problem, tolerance, datum, solution, miss)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), intent(in) :: tolerance, datum

@@ -1,4 +1,4 @@
-!> The crest of a contact pressure between the nodes.
+!> Finds the crest of a contact pressure between the nodes.
 module pressure_shape
    use dry_problem, only: dry_grid_t
    use kinds, only: wp
@@ -7,13 +7,13 @@ module pressure_shape
 
    public :: crest_of
 
-   !> Nodes with less of the largest pressure have no vertex above it.
+   !> Nodes below this share of the largest pressure have no vertex above it.
    real(wp), parameter :: crest_share = 0.5_wp
 
 contains
 
-   !> The highest vertex of the parabolas in x and y through those nodes of the `pressure` (nx*ny)
-   !> that are not lower than their neighbours.
+   !> Highest vertex of the parabolas in x and y through those nodes of the `pressure` (nx*ny) that
+   !> are not lower than their neighbours.
    pure function crest_of(grid, pressure) result(crest)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: pressure(:)
@@ -35,8 +35,7 @@ contains
       end do
    end function crest_of
 
-   !> How far the vertex of the parabola through three values lies above the middle one, which is
-   !> the largest.
+   !> Height of the vertex of the parabola through three values above the middle one, the largest.
    pure function vertex_above(values) result(height)
       real(wp), intent(in) :: values(3)
       real(wp) :: height

@@ -1,13 +1,13 @@
-!> Two ways to a steady contact that Newton's method finds from no start: by way of contacts near
-!> which it does, each the start of the next.
+!> Two continuations to a steady contact that Newton's method reaches from no start: a sequence of
+!> nearby contacts that it solves, each the start of the next.
 !>
-!> By the stress: an Eyring oil of low stress tau_0 leaves too thin a film. At a higher one the film
-!> is nearly the Newtonian one, and from there it thins without a jump.
+!> By stress: an Eyring oil of low stress tau_0 leaves too thin a film. At a higher stress the film
+!> is nearly Newtonian, and from there it thins without a jump.
 !>
-!> In pseudo-time: Newton's method alone cannot move a pressure spike that is narrower than the
-!> grid, nor shed a wild Eyring start. The squeeze term -lambda/dT (rho H - rho H_old) holds every
-!> step near the last one, and the oil carries the spike where it belongs. Source: Kelley & Keyes,
-!> SIAM J. Numer. Anal. 35, 1998, 508-523.
+!> In pseudo-time: Newton's method alone can neither move a pressure spike narrower than the grid
+!> nor leave a wild Eyring start. The squeeze term -lambda/dT (rho H - rho H_old) keeps every step
+!> near the last one, and the flow carries the spike where it belongs. Source: Kelley & Keyes, SIAM
+!> J. Numer. Anal. 35, 1998, 508-523.
 module continuation
    use film_state, only: film_state_t
    use kinds, only: wp
@@ -23,25 +23,26 @@ module continuation
 
    !> Accuracy of each solution.
    real(wp), parameter :: step_tolerance = 1.0e-3_wp
-   !> First ratio of two stresses; below the smallest the continuation gives up. Newton steps of
-   !> each solution.
+   !> First ratio of two stresses, the ratio below which the continuation gives up, and most Newton
+   !> steps of each solution.
    real(wp), parameter :: first_ratio = 1.5_wp, smallest_ratio = 1.01_wp
    integer, parameter :: max_stress_steps = 20
-   !> First step in time and the smallest one tried, in dX; the last one, at which nothing is left
-   !> of the squeeze term (oil passes the contact in a time of 2).
+   !> First and smallest time step, in dX, and the last one, which makes the squeeze term negligible
+   !> (oil passes the contact in a time of 2).
    real(wp), parameter :: first_step = 1.0_wp, smallest_step = 1.0e-3_wp, last_step = 1.0e3_wp
-   !> The step grows after a success (twice where that took few Newton steps) and shrinks after a
-   !> failure.
+   !> Growth of the time step after a success (applied twice after few Newton steps), and shrinkage
+   !> after a failure.
    real(wp), parameter :: growth = 1.5_wp, shrinkage = 0.25_wp
    integer, parameter :: few_newton_steps = 3
-   !> Steps in time tried in all, and Newton steps of each.
+   !> Most time steps tried in all, and most Newton steps of each.
    integer, parameter :: max_steps = 120, max_time_steps = 15
 
 contains
 
-   !> Solves level k, from its present pressure, at the stress higher by `factor` down to its value.
-   !> The ratio of two stresses shrinks to its root after a failure. `is_sound` is false if the
-   !> ratio falls below the smallest, or `listener` wants to stop.
+   !> Solves level k from its present pressure, first at `factor` times its stress, then at lower
+   !> ones down to its value. The ratio of two stresses shrinks to its square root after a failure.
+   !> `is_sound` is false if the first solution fails, the ratio becomes too small or `listener`
+   !> asks to stop.
    subroutine follow_stress(hierarchy, k, factor, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
@@ -71,9 +72,9 @@ contains
       end do
    end subroutine follow_stress
 
-   !> Follows the steady problem posed on level k from its present pressure. `is_settled` is false
-   !> if the steps shrink to nothing or are too many, or `listener` wants to stop; the level is then
-   !> left where the motion stands.
+   !> Follows the steady problem posed on level k from its present pressure in pseudo-time.
+   !> `is_settled` is false if the steps become too small or too many, or `listener` asks to stop;
+   !> the level then keeps the last state.
    subroutine follow_time(hierarchy, k, is_settled, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
@@ -109,7 +110,7 @@ contains
       end associate
    end subroutine follow_time
 
-   !> One solution on level k, which keeps its state where there is none.
+   !> Solves level k once; without a solution the level keeps its state.
    subroutine try_newton(hierarchy, k, max_newton_steps, is_solved, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k, max_newton_steps

@@ -1,5 +1,5 @@
-!> Repeats cycles until the residuals of the original problem are below their bounds, or says why
-!> they are not.
+!> Repeats cycles until the residuals of the original problem meet their bounds, or reports why they
+!> do not.
 module cycle_control
    use fas_cycle, only: cycle_from
    use film_state, only: film_state_t, is_finite
@@ -21,28 +21,28 @@ module cycle_control
 
    !> The bound on the Reynolds residual is at least this many times its round-off floor.
    real(wp), parameter :: floor_factor = 5.0_wp
-   !> Newton's method on more intervals than this keeps the compensation of a steady pressure: 5
-   !> floors of P alone are above the default tolerance (Case 1).
+   !> Above this many intervals Newton's method keeps the compensation of a steady pressure: 5
+   !> floors of P alone exceed the default tolerance (Case 1).
    integer, parameter :: largest_plain = 2**13
-   !> Round-off of dX sum P = pi/2: the bound on the load error is not taken below it.
+   !> Round-off of dX sum P = pi/2: smallest bound on the load error.
    real(wp), parameter :: load_floor = 1.0e-13_wp
-   !> A Newton step below this in every pressure and in H0 changes no residual any more.
+   !> A Newton step smaller than this in every pressure and in H0 changes no residual.
    real(wp), parameter :: still_step = 1.0e-11_wp
-   !> Residuals that grew by this factor over the first one diverge, and so does a load error of
-   !> this (docs/decisions.md).
+   !> The iteration diverges if a residual grows by this factor over the first one, or if the load
+   !> error reaches it (docs/decisions.md).
    real(wp), parameter :: divergence_factor = 1.0e6_wp
    !> After this many consecutive cycles beyond that factor, still rising, give up.
    integer, parameter :: lost_cycles = 5
 
-   !> How the larger of residual and load error has gone from cycle to cycle.
+   !> History of the larger of residual and load error.
    type :: course_t
       !> After the first cycle, after the last, the smallest, and the smallest when it last had
-      !> fallen by a third.
+      !> fallen by 30 %.
       real(wp) :: first = huge(1.0_wp), last = huge(1.0_wp), best = huge(1.0_wp), &
          checkpoint = huge(1.0_wp)
-      !> At the first of the cycles that are far beyond the start.
+      !> After the first of the cycles far beyond the start.
       real(wp) :: lost = huge(1.0_wp)
-      !> Cycles when it last had fallen by a third, and when it last was not far beyond the start.
+      !> Last cycle in which it fell by 30 %, and last cycle not far beyond the start.
       integer :: progress_cycle = 0, near_cycle = 0
    end type course_t
 
@@ -57,9 +57,9 @@ contains
       bound = max(tolerance, floor_factor*residual%floor)
    end function effective_tolerance
 
-   !> Cycles on the finest level, from a film that is that of its pressure and of H0, as the
-   !> relaxation of the hierarchy says. The report gets every cycle, `converged` and `reason`;
-   !> `listener`, if there, is told each.
+   !> Makes cycles on the finest level by the relaxation of the hierarchy; the film must be that of
+   !> the pressure and of H0. The report receives every cycle, `converged` and `reason`; `listener`,
+   !> if present, receives each cycle.
    subroutine iterate(hierarchy, report, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(report_t), intent(inout) :: report
@@ -107,10 +107,10 @@ contains
       end associate
    end subroutine iterate
 
-   !> Why no more cycles are tried after `cycle`; empty if they are. A state that is not finite is
-   !> replaced by the one before. Newton steps at round-off move nothing any more, so that no step
-   !> will: nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not
-   !> agree (an inlet tail lags a step behind).
+   !> Reason to stop after `cycle`; empty if cycles continue. A state that is not finite is replaced
+   !> by the one before. Newton steps at round-off show that no step will help: at nodes near the
+   !> exit the linear system and the conditions P >= 0, r <= 0 disagree (an inlet tail lags a step
+   !> behind).
    subroutine find_obstacle(hierarchy, before, residual, course, cycle, reason)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(film_state_t), intent(in) :: before
@@ -148,8 +148,8 @@ contains
       end associate
    end subroutine find_obstacle
 
-   !> One cycle of the present method on the finest level: a FAS cycle, a block of Block-Jacobi
-   !> sweeps, or a Newton step.
+   !> Makes one cycle of the present method on the finest level: a FAS cycle, a block of
+   !> Block-Jacobi sweeps, or a Newton step.
    subroutine advance(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
 
@@ -167,7 +167,7 @@ contains
       end associate
    end subroutine advance
 
-   !> Takes the residuals after `cycle` into account.
+   !> Adds the residuals after `cycle` to the history.
    pure subroutine follow(course, cycle, residual)
       type(course_t), intent(inout) :: course
       integer, intent(in) :: cycle

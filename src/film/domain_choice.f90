@@ -1,20 +1,20 @@
-!> Domain and grid from the regime, where the user leaves them open.
+!> Chooses domain and grid from the regime where the user does not give them.
 !>
-!> The film ruptures before the outlet X = max(1.5, 1 + S/2), S = sqrt(2 H_c): at 0.9 of the way
-!> from X = 1 to it at most, where the bodies are rigid (200 contacts, M 0.01-2000, L 0-40, half of
-!> them with Eyring's law).
+!> The film ruptures before the outlet X = max(1.5, 1 + S/2), S = sqrt(2 H_c): with rigid bodies at
+!> most 0.9 of the way from X = 1 to it (200 contacts, M 0.01-2000, L 0-40, half of them with
+!> Eyring's law).
 !>
-!> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S) with P = 0,
-!> c^2 = 9.5^2 + 42^2 r^3, r = rigid film over fit, leaves h_min starved by about 1e-3 (against
-!> twice the domain, M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most where the regimes meet, M
-!> 0.3-1). For another tolerance t: c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
+!> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S) with P = 0, c^2 =
+!> 9.5^2 + 42^2 r^3, r = rigid film over fit, starves h_min by about 1e-3 (against twice the domain,
+!> M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most where the regimes meet, M 0.3-1). For another
+!> tolerance t: c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
 !>
-!> The second term is the load that is missing in front of the inlet, 2 r/c^2 of the whole, times
-!> how much the film depends on the load: r^2 for a Newtonian oil. An oil that sliding thins in the
-!> inlet has a film that falls with the load as between rigid bodies, so r^2 becomes r^2 + (1 - r^2)
-!> (1 - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
+!> The second term is the load missing in front of the inlet, 2 r/c^2 of the total, times the
+!> sensitivity of the film to the load: r^2 for a Newtonian oil. The film of an oil that sliding
+!> thins in the inlet falls with the load as between rigid bodies, so r^2 becomes r^2 + (1 - r^2) (1
+!> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 !>
-!> With a tail in front of it (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes
+!> With a tail in front of the inlet (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes
 !> (docs/decisions.md).
 module domain_choice
    use constants, only: pi
@@ -33,32 +33,32 @@ module domain_choice
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
-   !> Largest spacing with a positive discrete film: dX <= 0.3 sqrt(H_c), about (see
+   !> Largest spacing with a positive discrete film: about dX <= 0.3 sqrt(H_c) (see
    !> `intervals_for_film`).
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
-   !> Share by which a chosen inlet may starve the film: of P = 0, of a tail, which costs less.
+   !> Largest share by which a chosen inlet starves the film: with P = 0, and with a cheaper tail.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp, default_tail_error = 1.0e-4_wp
-   !> An inlet with a tail that starves the film by the share e changes the largest pressure by up
-   !> to this many times e, times the smaller one of 1 and H_c (docs/decisions.md).
+   !> An inlet with a tail that starves the film by a share e changes the largest pressure by up to
+   !> this factor times e min(1, H_c) (docs/decisions.md).
    real(wp), parameter :: pressure_behind_tail = 6.0_wp
-   !> Viscosity where the pressure builds up, at which sliding thins the oil [mu_0].
+   !> Viscosity at which sliding thins the oil where the pressure builds up [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp
-   !> Smooth contacts get a tail where it shortens the domain by this factor: it takes one or two
-   !> cycles more.
+   !> Smooth contacts get a tail if it shortens the domain by this factor: it takes one or two more
+   !> cycles.
    real(wp), parameter :: least_shortening = 1.3_wp
-   !> Margin of an outlet behind waves, and how many times as far from the end of the contact it may
-   !> be as that of smooth surfaces.
+   !> Margin of an outlet behind waves, and its largest distance from the end of the contact
+   !> relative to smooth surfaces.
    real(wp), parameter :: wave_margin = 1.1_wp, max_widening = 3.0_wp
-   !> The largest outlet [half-widths].
+   !> Largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
    integer, parameter :: min_intervals = 256, max_intervals = 2**20
-   !> A grid is not made finer than this for waves alone: a passage on it takes minutes.
+   !> Most intervals that waves alone can require: a transient on this grid takes minutes.
    integer, parameter :: max_for_waves = 2**16
 
 contains
 
-   !> Fills what `contact%domain` leaves open: what is in front of the inlet, inlet, outlet,
-   !> intervals. For a wanted relative error `target` > 0 of the film the inlet takes at most an
+   !> Chooses what `contact%domain` leaves open: what lies in front of the inlet, inlet, outlet,
+   !> intervals. With a relative target error `target` > 0 of the film, the inlet takes at most an
    !> eighth of it.
    pure subroutine choose_domain(contact, target)
       type(line_contact_t), intent(inout) :: contact
@@ -77,7 +77,7 @@ contains
       end associate
    end subroutine choose_domain
 
-   !> Leaves open again what the program has chosen of a domain.
+   !> Marks the choices of the program in a domain as open again.
    pure subroutine reopen(domain)
       type(domain_t), intent(inout) :: domain
 
@@ -87,9 +87,8 @@ contains
       if (domain%intervals_are_chosen) domain%intervals = 0
    end subroutine reopen
 
-   !> Outlet where the program chooses it: behind X = sqrt(1 + s^2) the gap opens faster, about as
-   !> sqrt(X^2 - 1), than passing waves of the slope s close it, and pressure does not build up
-   !> again.
+   !> Outlet chosen by the program: behind X = sqrt(1 + s^2) the gap opens, about as sqrt(X^2 - 1),
+   !> faster than passing waves of slope s close it, and pressure does not build up again.
    pure function chosen_outlet(contact) result(x_outlet)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: x_outlet, smooth
@@ -99,8 +98,8 @@ contains
          1 + max_widening*(smooth - 1)))
    end function chosen_outlet
 
-   !> Inlet, and what is in front of it, where they are open; `target` as above. The outlet is
-   !> known.
+   !> Chooses the inlet and what lies in front of it, unless given; `target` as above. The outlet
+   !> must be known.
    pure subroutine choose_inlet(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
@@ -128,7 +127,7 @@ contains
 
    contains
 
-      !> Of the inlet from X = 0, for what is in front of it.
+      !> Distance of an `inlet` of this kind from X = 0.
       pure function distance(inlet)
          character(*), intent(in) :: inlet
          real(wp) :: distance
@@ -139,8 +138,7 @@ contains
 
    end subroutine choose_inlet
 
-   !> Intervals where the program chooses them, on the contact's domain: for 1 % in the central
-   !> film, and for its waves.
+   !> Chooses the intervals of the contact's domain: for 1 % in the central film, and for its waves.
    pure subroutine choose_intervals(contact)
       type(line_contact_t), intent(inout) :: contact
 
@@ -152,8 +150,7 @@ contains
       end associate
    end subroutine choose_intervals
 
-   !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in
-   !> front of it.
+   !> c of an `inlet` of this kind at X = -(1 + c S) that starves the film by the share `tolerance`.
    pure function inlet_reach(contact, inlet, tolerance) result(reach)
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: inlet
@@ -165,7 +162,7 @@ contains
          return
       end if
       rigid_share = rigid_film(contact%moes_m_sum)/newtonian_film(contact)
-      ! 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil, up to 1
+      ! 1 - 1/S^2 where the pressure builds up: 0 if sliding does not thin the oil, up to 1
       b_squared = (inlet_viscosity*sliding_number(contact%fluid)/newtonian_film(contact))**2
       load_effect = rigid_share**2
       load_effect = load_effect + max(1 - load_effect, 0.0_wp)*(b_squared/(1 + b_squared))
@@ -173,9 +170,9 @@ contains
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
 
-   !> By which share of itself the film is thinner than with an inlet far away: the inverse of the
-   !> rule above, by bisection, between 1e-6 and 100. The rule is for small shares: one above a
-   !> twentieth is a bound (heavy contacts) or an estimate (light ones).
+   !> Relative loss of film against an inlet far away: the inverse of the rule above, by bisection
+   !> between 1e-6 and 100. The rule holds for small losses: above 1/20 it is a bound (heavy
+   !> contacts) or an estimate (light ones).
    pure function inlet_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, reach, lower, upper
@@ -194,15 +191,15 @@ contains
       end do
    end function inlet_error
 
-   !> Bound on the relative error of the largest pressure because the inlet is where it is.
+   !> Bound on the relative error of the largest pressure by the position of the inlet.
    !>
-   !> Without pressure at X_i the pressure is lower by that of the parabolic gap there,
-   !> 4 lambda/(3 |X_i|^3), from X_i to the contact, and is missing in front of X_i: together the
-   !> load 2 lambda/X_i^2, so that the contact carries the share w = 4 lambda/(pi X_i^2) more. Its
-   !> pressure grows by w/2 (Hertz) to 3 w/2 (rigid film: load ~ 1/H, pressure ~ H^(-3/2)). With
-   !> X_i^2 - 1, for the narrower gap beside the contact, the error was 0.2 to 0.8 of twice
-   !> w (1/2 + r) in 40 of 42 contacts without a spike, 1.1 at most (M 0.1-1000, L 0-40, c 2-30, a
-   !> third with Eyring's law).
+   !> Without pressure at X_i the pressure is lower by that of the parabolic gap there, 4 lambda/(3
+   !> |X_i|^3), from X_i to the contact, and missing in front of X_i: together the load 2
+   !> lambda/X_i^2, so that the contact carries the share w = 4 lambda/(pi X_i^2) more. Its pressure
+   !> grows by w/2 (Hertz) to 3 w/2 (rigid film: load ~ 1/H, pressure ~ H^(-3/2)). With X_i^2 - 1,
+   !> for the narrower gap next to the contact, the error was 0.2 to 0.8 of twice w (1/2 + r) in 40
+   !> of 42 contacts without a spike, at most 1.1 (M 0.1-1000, L 0-40, c 2-30, a third with Eyring's
+   !> law).
    pure function inlet_pressure_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, film, missing
@@ -218,7 +215,7 @@ contains
       end associate
    end function inlet_pressure_error
 
-   !> Smallest 2^k with dX <= factor sqrt(H_c), on the contact's domain.
+   !> Smallest 2^k with dX <= factor sqrt(H_c) on the contact's domain.
    pure function intervals_for(contact, factor) result(intervals)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor
@@ -233,10 +230,10 @@ contains
       end do
    end function intervals_for
 
-   !> Smallest 2^k on which a discrete film is positive: dX <= 0.3 sqrt(H_c), and
-   !> dX <= sqrt(H_c/(0.85 max(M, 1)^0.4)), which is less for M (sum velocity) above 800. Measured
-   !> with Newton's method over M 1-2000, L 2.5-40 on 2^4 to 2^12 intervals: from this number on all
-   !> Newtonian contacts have a solution, below half of it hardly any with M >= 30.
+   !> Smallest 2^k with a positive discrete film: dX <= 0.3 sqrt(H_c) and dX <= sqrt(H_c/(0.85
+   !> max(M, 1)^0.4)), which is less for M (sum velocity) above 800. Measured with Newton's method
+   !> over M 1-2000, L 2.5-40 on 2^4 to 2^12 intervals: from this number on all Newtonian contacts
+   !> have a solution, below half of it hardly any with M >= 30.
    pure function intervals_for_film(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer :: intervals

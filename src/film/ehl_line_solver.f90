@@ -1,5 +1,4 @@
-!> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the
-!> thesis.
+!> The lubricated line contact, from its data to its fields; read it with chapter 2 of the thesis.
 module ehl_line_solver
    use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error, reopen
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
@@ -23,8 +22,8 @@ module ehl_line_solver
    public :: solve_ehl_line
 
    abstract interface
-      !> Builds the grids of a contact whose domain is complete and solves the steady contact on the
-      !> finest; the number of intervals is its choice.
+      !> Builds the grids of a contact with a complete domain, chooses the number of intervals, and
+      !> solves the steady contact on the finest grid.
       subroutine find_steady_interface(hierarchy, contact, settings, listener, report, error)
          import :: error_t, line_contact_t, line_hierarchy_t, listener_t, report_t, &
             solver_settings_t
@@ -121,7 +120,7 @@ contains
       report%wall_seconds = report%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
 
-   !> The steady solution on a given grid: the answer, or with smooth surfaces the start of a
+   !> Solves the steady contact on a given grid: the result, or with smooth surfaces the start of a
    !> transient.
    subroutine solve_start(hierarchy, contact, settings, time, listener, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy

@@ -1,4 +1,4 @@
-!> The steady lubricated line contact: start, cycles, and the next way when one does not converge.
+!> The steady lubricated line contact: start, cycles, and the next method if one does not converge.
 module ehl_line_steady
    use cycle_control, only: iterate
    use domain_choice, only: intervals_for_film
@@ -22,22 +22,22 @@ module ehl_line_steady
 
    public :: blame_grid, blame_surfaces, solve_steady
 
-   !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says:
-   !> other methods fail for other reasons.
+   !> Methods whose failure is always checked on finer grids, even if the fit says that the grid
+   !> carries the film: other methods fail for other reasons.
    character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', &
       'newton_krylov']
-   !> Grids tried to find one that carries the film: this many times the one that failed or the fit,
-   !> and no larger; cycles on each.
+   !> Grids tried to find one that carries the film: largest refinement over the failed grid or the
+   !> fit, most intervals, and cycles on each.
    integer, parameter :: max_refinement = 8, largest_blame = 2**16, blame_cycles = 40
-   !> Accuracy and cycles of the thesis's scheme as start of the kappa scheme.
+   !> Accuracy and cycles of the upwind2 solution from which the kappa scheme starts.
    real(wp), parameter :: rough_tolerance = 1.0e-3_wp
    integer, parameter :: rough_cycles = 40
 
 contains
 
-   !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else
-   !> `steady_tolerance`. `is_started`: the finest level holds a first approximation, from which
-   !> Newton's method goes on.
+   !> Solves the steady problem posed on the hierarchy, to the tolerance of the settings or else
+   !> `steady_tolerance`. `is_started`: the finest level holds a first approximation from which
+   !> Newton's method continues.
    subroutine solve_steady(hierarchy, contact, settings, listener, report, is_started)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -88,7 +88,7 @@ contains
       report%reason = failures
    end subroutine solve_steady
 
-   !> Start of the kappa scheme from the solution of the thesis's scheme on the same level.
+   !> Starts the kappa scheme from the upwind2 solution on the same level.
    subroutine start_from_thesis(hierarchy, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       class(listener_t), intent(inout), target :: listener
@@ -107,9 +107,9 @@ contains
       hierarchy%relaxation = choice
    end subroutine start_from_thesis
 
-   !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to
-   !> blame: says so in the reason, with the first number of intervals that was seen to do. With
-   !> shear thinning the fit of film and grid is too rough to skip any.
+   !> After a failure, checks whether Newton's method finds a solution on a finer grid; if so, the
+   !> reason names the grid and the first number of intervals that works. With shear thinning the
+   !> fit of film and grid is too rough to skip any.
    subroutine blame_grid(contact, settings, with_roughness, listener, report)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -146,8 +146,8 @@ contains
       end if
    end subroutine blame_grid
 
-   !> Where there is no solution and the surfaces rise above the film of the smooth contact, says so
-   !> before the reason.
+   !> After a failure, adds to the front of the reason that the surfaces rise above the film of the
+   !> smooth contact, if they do.
    pure subroutine blame_surfaces(level, contact, report)
       type(line_level_t), intent(in) :: level
       type(line_contact_t), intent(in) :: contact

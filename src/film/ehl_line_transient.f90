@@ -4,7 +4,7 @@
 !>     BDF2            lambda d(rho H)/dT = lambda/(2 dT) (3 rho H - 4 (rho H)_old + (rho H)_older)
 !>
 !> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler
-!> and goes over to whole steps by parts of them (module time_scheme).
+!> and reaches its full step over several parts (module time_scheme).
 !>
 !> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film
 !> without a new solve.
@@ -36,15 +36,15 @@ module ehl_line_transient
 
    !> A time step and how it is solved.
    type :: step_plan_t
-      !> The ways that are tried.
+      !> Relaxations to try, in this order.
       type(relaxation_t), allocatable :: attempts(:)
-      !> Number of the step, its length, the scheme, and where its parts end, as shares of the
+      !> Number of the step, its length, the scheme, and the ends of its parts as shares of the
       !> length.
       integer :: step = 0
       real(wp) :: length = 0.0_wp
       character(len=word_length) :: scheme = ''
       real(wp), allocatable :: ends(:)
-      !> Its parts once they are solved, where somebody wants them.
+      !> Its parts once solved, if a follower needs them.
       logical :: keeps_parts = .false.
       type(time_part_t), allocatable :: parts(:)
    end type step_plan_t
@@ -52,10 +52,10 @@ module ehl_line_transient
 contains
 
    !> Marches from the smooth steady solution on the finest level, whose film the surfaces then
-   !> enter without a new solve, or from where an earlier run stood, to `time%end_time`, with a step
-   !> from `choose_time_step`; the listener gets every step. Ends early, not converged, where a step
-   !> finds no solution, or the heights of a surface cannot be read any more; `state` is then the
-   !> last good one. The profiles are at hand where it begins.
+   !> enter without a new solve, or from where an earlier run stopped, to `time%end_time` with the
+   !> step of `choose_time_step`; the listener receives every step. Ends early, not converged, if a
+   !> step has no solution or the heights of a surface cannot be read; `state` is then the last good
+   !> one. The profiles must be loaded for the start.
    subroutine march(hierarchy, contact, settings, time, listener, state, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -125,7 +125,7 @@ contains
 
    contains
 
-      !> Gives the listener the state after a step, and where the transient stands.
+      !> Passes the state after a step and the state of the march to the listener.
       subroutine hand_out(step)
          integer, intent(in) :: step
 
@@ -138,7 +138,7 @@ contains
 
    end subroutine march
 
-   !> Starts the other equations of a follower, if there is one. Where it cannot, the report is not
+   !> Starts the additional equations of a follower, if any. If it fails, the report is not
    !> converged.
    subroutine start_follower(listener, contact, state, report)
       class(listener_t), intent(inout) :: listener
@@ -152,7 +152,7 @@ contains
       if (allocated(reason)) call refuse(report, reason)
    end subroutine start_follower
 
-   !> Repeats the parts of a step, in the same way.
+   !> Advances the follower over the same parts of a step. If it fails, the report is not converged.
    subroutine advance_follower(listener, plan, report)
       class(listener_t), intent(inout) :: listener
       type(step_plan_t), intent(in) :: plan
@@ -168,9 +168,9 @@ contains
       end do
    end subroutine advance_follower
 
-   !> The end of a reason: where the film of the last good step is smallest, and how many intervals
-   !> the finest wave of the surfaces has, where these are too few. (A ridge of 1.2 central films
-   !> and 12 intervals closes the film of Case 1 whatever the time step; on 46 it passes.)
+   !> End of a reason: the smallest film of the last good step and its position, and the intervals
+   !> in the finest wave of the surfaces, if too few. (A ridge of 1.2 central films and 12 intervals
+   !> closes the film of Case 1 at any time step; on 46 it passes.)
    pure function hints(contact, state) result(words)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
@@ -195,8 +195,8 @@ contains
       report%reason = reason
    end subroutine refuse
 
-   !> One step, in its parts; the history then begins with its end. A step of the start whose parts
-   !> find no solution (a smoother on a fine grid) is taken whole, and counted.
+   !> Makes one step, in its parts; the history then begins with its end. A step of the start whose
+   !> parts have no solution (a smoother on a fine grid) is made in one piece, and counted.
    subroutine march_step(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -207,7 +207,7 @@ contains
       type(film_state_t) :: state
 
       if (size(plan%ends) == 1) then
-         ! whole steps are easier for a smoother than their parts
+         ! undivided steps are easier for a smoother than their parts
          if (history%lengths(1) < plan%length) history%way = 1
          call solve_parts(hierarchy, contact, plan, history, report)
          return
@@ -224,7 +224,7 @@ contains
       report%uncut_steps = report%uncut_steps + 1
    end subroutine march_step
 
-   !> The parts of a step, each with the right sides of its end.
+   !> Solves the parts of a step, each with the right sides of its end.
    subroutine solve_parts(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -266,7 +266,7 @@ contains
       end associate
    end subroutine solve_parts
 
-   !> Psi_1 and Psi_2 at the nodes x (., 2).
+   !> Psi_1 and Psi_2 (:, 2) at the nodes x.
    pure function heights_at(contact, x, time) result(heights)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: x(:), time
@@ -276,10 +276,10 @@ contains
       heights(:, 2) = surface_height(contact%surface_2, x, time)
    end function heights_at
 
-   !> One part of `length`: from the better guess by the past, then by all of it if that was
-   !> another, then from the old pressure, each way in turn; relaxations of one method begin with
-   !> the one that found the last step. Where a fast feature has closed the film under the old
-   !> pressure, the film is raised, so that the cycles have a positive start.
+   !> Solves one part of `length`: from the better prediction by the history, then from all of the
+   !> history if that differs, then from the old pressure by each relaxation in turn; FAS begins
+   !> with the relaxation that solved the last step. If a fast feature has closed the film under the
+   !> old pressure, the film is raised to give the cycles a positive start.
    subroutine solve_step(hierarchy, attempts, length, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(relaxation_t), intent(in) :: attempts(:)

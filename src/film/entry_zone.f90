@@ -1,5 +1,5 @@
-!> What of rough surfaces is inside the contact, and where that begins for the film: in front of
-!> X = -1 - S/2 with S = sqrt(2 H_c).
+!> Which roughness is inside the contact, and where the contact begins for the film: at X = -1 - S/2
+!> with S = sqrt(2 H_c).
 module entry_zone
    use features, only: feature_ridge, feature_sinusoid, feature_t, rough_surface_t
    use kinds, only: wp
@@ -12,14 +12,14 @@ module entry_zone
    public :: arrival_of, first_passage, front_arrival, has_something_inside, has_waves, &
       is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
 
-   !> Half the length of a ridge, in wavelengths: there its height is 0.3 % of that of its centre.
+   !> Half length of a ridge in wavelengths: its height there is 0.3 % of that at its centre.
    real(wp), parameter, public :: half_ridge = 0.5_wp
    !> The contact begins at X = -1 - c S.
    real(wp), parameter :: border = 0.5_wp
-   !> A surface slower than this dX/dT is at rest.
+   !> A surface with |dX/dT| below this is at rest.
    real(wp), parameter :: slow = 1.0e-6_wp
 
-   !> Where the contact is, and how long the film takes through it.
+   !> Position of the contact, and the time that the film takes through it.
    type :: zone_t
       !> S = sqrt(2 H_c), and the border of the contact, |X|.
       real(wp) :: width, border
@@ -28,7 +28,7 @@ module entry_zone
 
 contains
 
-   !> Where the contact begins and ends for what enters it.
+   !> Where the contact begins and ends for features that enter it.
    pure function zone_of(contact) result(zone)
       type(line_contact_t), intent(in) :: contact
       type(zone_t) :: zone
@@ -38,7 +38,7 @@ contains
       zone%transit = 2 + zone%width
    end function zone_of
 
-   !> Whether a surface is rough all along, however far it moves.
+   !> Whether a surface is rough along its full length, however far it moves.
    pure function has_waves(surface)
       type(rough_surface_t), intent(in) :: surface
       logical :: has_waves
@@ -65,7 +65,7 @@ contains
       end associate
    end function has_something_inside
 
-   !> A sinusoid that is there.
+   !> Whether a feature is a sinusoid of non-zero amplitude.
    pure elemental function is_wave(feature)
       type(feature_t), intent(in) :: feature
       logical :: is_wave
@@ -73,7 +73,7 @@ contains
       is_wave = feature%kind == feature_sinusoid .and. abs(feature%amplitude) > 0.0_wp
    end function is_wave
 
-   !> A ridge or dent that is there, and where is known.
+   !> Whether a feature is a ridge or dent of non-zero amplitude and known position.
    pure elemental function is_ridge(feature)
       type(feature_t), intent(in) :: feature
       logical :: is_ridge
@@ -90,8 +90,8 @@ contains
       is_moving = abs(surface%speed) > slow
    end function is_moving
 
-   !> When the first of what is rough on a surface reaches the contact; 0: it is there at T = 0;
-   !> huge: it never comes.
+   !> Time at which the first roughness of a surface reaches the contact; 0: inside at T = 0; huge:
+   !> never.
    pure function arrival_of(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -102,7 +102,8 @@ contains
       time = max(time, front_arrival(surface, zone))
    end function arrival_of
 
-   !> When the front of a smooth entry of a moving surface reaches the contact; 0 without one.
+   !> Time at which the front of a smooth entry of a moving surface reaches the contact; 0 without
+   !> one.
    pure function front_arrival(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -113,7 +114,7 @@ contains
          max(abs(surface%entry_position) - zone%border, 0.0_wp)/abs(surface%speed)
    end function front_arrival
 
-   !> The same of ridges, dents and a profile of finite length, without a smooth entry.
+   !> The same for ridges, dents and a profile of finite length, without a smooth entry.
    pure function first_passage(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -134,7 +135,7 @@ contains
 
    contains
 
-      !> When something around `centre`, with a length of 2 `half`, reaches the contact.
+      !> Time at which a feature around `centre`, with a length of 2 `half`, reaches the contact.
       pure elemental function reached(centre, half) result(when)
          real(wp), intent(in) :: centre, half
          real(wp) :: when, distance
@@ -149,7 +150,7 @@ contains
 
    end function first_passage
 
-   !> When the last ridge of a moving surface leaves the contact at its end, |X| = 1.
+   !> Time at which the last ridge of a moving surface leaves the contact at its end, |X| = 1.
    pure function last_passage(surface) result(time)
       type(rough_surface_t), intent(in) :: surface
       real(wp) :: time

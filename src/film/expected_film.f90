@@ -1,5 +1,5 @@
-!> The film that formulas expect of a contact before it is solved: for the choice of domains, grids
-!> and starts, and for what another oil would do to it.
+!> Film of a contact by formulas, before it is solved: to choose domains, grids and starts, and to
+!> estimate the effect of another oil.
 module expected_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -12,7 +12,7 @@ module expected_film
 
 contains
 
-   !> Central film H_c [b^2/R] of the smooth contact by the Moes fit, less for a thinning lubricant.
+   !> Central film H_c [b^2/R] of the smooth contact by the Moes fit, reduced by shear thinning.
    pure function film_estimate(contact) result(film)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: film
@@ -20,7 +20,7 @@ contains
       film = thinned_central_film(contact%fluid, contact%lambda, newtonian_film(contact))
    end function film_estimate
 
-   !> The same of a Newtonian lubricant.
+   !> The same for a Newtonian lubricant.
    pure function newtonian_film(contact) result(film)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: film
@@ -28,8 +28,8 @@ contains
       film = central_film(contact%moes_m_sum, contact%moes_l_sum, contact%elasticity)
    end function newtonian_film
 
-   !> Central film of a contact whose oil has this many times its viscosity, > 0, over its film with
-   !> all of it: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha, lambda and Eyring's B ~ mu_0.
+   !> Central film of a contact with `factor` > 0 times its viscosity, relative to that at its full
+   !> viscosity: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
    pure function share_with_viscosity(contact, factor) result(share)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor

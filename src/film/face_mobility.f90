@@ -4,10 +4,10 @@
 !>     e(i-1/2) = L(1/mu(i-1), 1/mu(i)) sqrt( rho(i-1) H(i-1)^3 rho(i) H(i)^3 ) S,
 !>     L(a, b) = (a - b)/(ln a - ln b)
 !>
-!> S at the mean ln mu, the film sqrt(H(i-1) H(i)) and the slope (P(i) - P(i-1))/dX. The logarithmic
-!> mean L is the exact mean of 1/mu where ln mu is linear, as it nearly is in the inlet, where mu
-!> grows by orders of magnitude within a few nodes and the arithmetic mean of e is too large. (The
-!> harmonic or geometric mean of the whole e leads to wrong films.)
+!> S is that of the mean ln mu, the film sqrt(H(i-1) H(i)) and the slope (P(i) - P(i-1))/dX. The
+!> logarithmic mean L is the exact mean of 1/mu if ln mu is linear, as it nearly is in the inlet,
+!> where mu grows by orders of magnitude within a few nodes and the arithmetic mean of e is too
+!> large. (The harmonic or geometric mean of e gives wrong films.)
 module face_mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp

@@ -2,11 +2,11 @@
 !> prolongation.
 !>
 !> Source: Brandt 1977; thesis section 2.4.4 and 2.7; Venner & Lubrecht, Multilevel Methods in
-!> Lubrication, 2000. What makes the cycle converge at the cavitation point (measured, see the
-!> theory page): a coarse node with P = 0 keeps the TRUE residual by injection, a fine node with
-!> P = 0 contributes nothing to the weighting of others; corrections are taken at all nodes and then
-!> cut by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not
-!> be a coarse node.
+!> Lubrication, 2000. The cycle converges at the cavitation point (measured, see the theory page)
+!> because a coarse node with P = 0 receives the TRUE residual by injection, a fine node with P = 0
+!> contributes nothing to the weighting of others; corrections apply at all nodes and are then cut
+!> by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not be a
+!> coarse node.
 module fas_cycle
    use film_equation, only: carried_load, elastic_film, evaluate_deflection, load_defect
    use kinds, only: wp
@@ -21,13 +21,14 @@ module fas_cycle
 
    public :: cycle_from
 
-   !> The coarsest level is solved until a Newton step changes nothing above this, in this many
-   !> steps at most.
+   !> The coarsest level is solved until a Newton step changes nothing by more than this, in at most
+   !> this many steps.
    real(wp), parameter :: coarse_tolerance = 1.0e-12_wp
    integer, parameter :: coarse_steps = 40
-   !> A correction may lower a film to this share, and change a pressure by this share of max(1, P).
+   !> A correction may reduce a film to this share, and change a pressure by this share of max(1,
+   !> P).
    real(wp), parameter :: smallest_film_share = 0.5_wp, largest_step = 0.3_wp
-   !> The correction is dropped when it has been halved to less than this.
+   !> The correction is halved no further below this share.
    real(wp), parameter :: smallest_share = 1.0e-3_wp
 
 contains
@@ -51,7 +52,7 @@ contains
       call smooth(hierarchy, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
    end subroutine cycle_from
 
-   !> The coarsest level: exactly, or by sweeps.
+   !> Solves the coarsest level, exactly or by sweeps.
    subroutine solve_coarsest(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
 
@@ -96,10 +97,10 @@ contains
       call count_work(hierarchy, k - 1, 1)
    end subroutine restrict
 
-   !> The way from the last coarse node with P > 0 to where the finest grid has P = 0 again is theta
-   !> dX long, 0 < theta <= 1 (with 2^k finest intervals in a coarse one it is a multiple of 2^-k),
-   !> not dX, and the correction falls to zero on it: its conductance is e/(theta dX^2). The
-   !> pressure that is there already keeps its flow (FAS).
+   !> The distance from the last coarse node with P > 0 to the point where the finest grid has P = 0
+   !> is not dX but theta dX, 0 < theta <= 1 (a multiple of 2^-k with 2^k finest intervals in a
+   !> coarse one). The correction falls to zero over it: its conductance is e/(theta dX^2). The
+   !> pressure already there keeps its flow (FAS).
    pure subroutine restrict_exit(fine, coarse)
       type(line_level_t), intent(in) :: fine
       type(line_level_t), intent(inout) :: coarse
@@ -116,7 +117,7 @@ contains
          *coarse%oil%face_mobility(coarse%posed%exit_node + 1)/coarse%dx**2
    end subroutine restrict_exit
 
-   !> Strict restriction of the Reynolds residual, see the head of the module.
+   !> Restricts the Reynolds residual strictly, see the head of the module.
    pure subroutine restrict_reynolds(fine, coarse)
       type(line_level_t), intent(inout) :: fine, coarse
       integer :: i, n
@@ -133,8 +134,8 @@ contains
       coarse%rhs_reynolds = coarse%rhs_reynolds + coarse%operator
    end subroutine restrict_reynolds
 
-   !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until every film keeps half
-   !> of itself.
+   !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until films and pressures
+   !> change within the bounds above.
    pure subroutine prolong(fine, coarse)
       type(line_level_t), intent(inout) :: fine, coarse
       real(wp) :: share

@@ -1,8 +1,7 @@
-!> Film breakdown: a film below a stated floor, where the model of a full film does not hold any
-!> more.
+!> Film breakdown: a film below a given floor, where the full-film model no longer holds.
 !>
-!> The floor is no part of the equations: it changes no film and no pressure. It is checked after
-!> every solution.
+!> The floor is not part of the equations and changes no film or pressure; it is checked after every
+!> solution.
 module film_breakdown
    use iteration_report, only: breakdown_t, report_t
    use kinds, only: wp
@@ -17,8 +16,8 @@ module film_breakdown
 contains
 
    !> Records a film below the floor (its smallest value by the parabola through three nodes) or
-   !> closed at a node: the first one with its place, the smallest of all. The report is not
-   !> converged any more if that is the end. x, film (n).
+   !> closed at a node: the first one with its position, the smallest of all. The report is no
+   !> longer converged if a breakdown ends the run. x, film (n).
    pure subroutine check_breakdown(x, film, settings, step, time, report)
       real(wp), intent(in) :: x(:), film(:)
       type(solver_settings_t), intent(in) :: settings

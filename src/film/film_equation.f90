@@ -1,9 +1,9 @@
 !> Film equation (2.58): H = X^2/2 - Psi_1 - Psi_2 + H0 - K P, on a coarse grid with the right side
-!> of the coarse problem, `rhs_film`. K is that of the level: of rigid bodies it is zero.
+!> of the coarse problem, `rhs_film`. K is that of the level: zero for rigid bodies.
 !>
-!> Force balance (2.60) by the trapezoidal rule, P = 0 at both ends: dX sum P = pi/2, less what a
-!> tail in front of the inlet carries (module inlet_tail); on a coarse grid what the coarse problem
-!> asks for. That load is `rhs_load`.
+!> Force balance (2.60) by the trapezoidal rule, P = 0 at both ends: dX sum P = `rhs_load`, which is
+!> pi/2 less the load of a tail in front of the inlet (module inlet_tail), or on a coarse grid the
+!> load of the coarse problem.
 module film_equation
    use kinds, only: wp
    use line_level, only: line_level_t, thinnest_film
@@ -15,7 +15,7 @@ module film_equation
 
 contains
 
-   !> K P of the present pressure, by FFT.
+   !> Computes K P of the present pressure by FFT.
    subroutine evaluate_deflection(level)
       type(line_level_t), intent(inout) :: level
 
@@ -23,7 +23,7 @@ contains
       call level%elastic%apply(level%state%pressure, level%elastic%deflection)
    end subroutine evaluate_deflection
 
-   !> The film (0:n) of the present H0 and of the last K P; it may be closed (H <= 0).
+   !> Film (0:n) of the present H0 and the last K P; it may be closed (H <= 0).
    pure function elastic_film(level) result(film)
       type(line_level_t), intent(in) :: level
       real(wp) :: film(0:level%n)
@@ -31,7 +31,7 @@ contains
       film = level%rhs_film + level%state%rigid_displacement - level%elastic%deflection
    end function elastic_film
 
-   !> The film of the level becomes that of the present pressure and H0.
+   !> Sets the film of the level from its present pressure and H0.
    subroutine take_film(level)
       type(line_level_t), intent(inout) :: level
 
@@ -39,8 +39,8 @@ contains
       level%state%film = elastic_film(level)
    end subroutine take_film
 
-   !> The film of the present pressure, guarded: it may at most halve in one go, so that it stays
-   !> positive.
+   !> Sets the film from the present pressure and H0, but reduces it by at most half, so that it
+   !> stays positive.
    subroutine update_film(level)
       type(line_level_t), intent(inout) :: level
 
@@ -48,7 +48,7 @@ contains
       level%state%film = max(elastic_film(level), 0.5_wp*level%state%film, thinnest_film)
    end subroutine update_film
 
-   !> The load that the pressure carries, dX sum P.
+   !> Load carried by the pressure, dX sum P.
    pure function carried_load(level) result(load)
       type(line_level_t), intent(in) :: level
       real(wp) :: load
@@ -56,7 +56,7 @@ contains
       load = level%dx*sum(level%state%pressure)
    end function carried_load
 
-   !> What is missing of it, rhs_load - dX sum P.
+   !> Missing load, rhs_load - dX sum P.
    pure function load_defect(level) result(defect)
       type(line_level_t), intent(in) :: level
       real(wp) :: defect
@@ -64,7 +64,7 @@ contains
       defect = level%rhs_load - carried_load(level)
    end function load_defect
 
-   !> Moves H0 by `relaxation` times what is missing: surfaces that carry too little come closer.
+   !> Moves H0 by `relaxation` times the missing load: surfaces that carry too little come closer.
    pure subroutine relax_load(level, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: relaxation

@@ -1,12 +1,12 @@
-!> What the shear stress in the film of a line contact adds up to: friction and power.
+!> Integrates the shear stress in the film of a line contact to friction and power.
 !>
-!> With the stress tau of module shear_stresses, what flow turns into heat is at every place
+!> With the stress tau of module shear_stresses, the flow turns into heat at every place
 !>
 !>     Int tau du/dz dz = tau_m (u2 - u1) + S h^3/(12 mu) (dp/dx)^2 ,
 !>
 !> the sliding and the rolling power. Stresses are in units of p_h b/R, forces per length in p_h
-!> b^2/R, powers per length in that times u1 + u2. Where the film cavitates (P = 0) nothing counts:
-!> how much of the width oil fills there is not known.
+!> b^2/R, powers per length in that times u1 + u2. Cavitated film (P = 0) does not count: how much
+!> of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
@@ -24,9 +24,9 @@ module film_shear
    public :: evaluate_friction, friction_of
 
    !> Points of the midpoint rule in X_a/X for the oil in front of the domain, where the integrands
-   !> change little (a test compares with a domain that is longer).
+   !> change little (a test compares with a longer domain).
    integer, parameter :: points = 8
-   !> X_a/X of these points, and what follows from it.
+   !> X_a/X of these points, and functions of it.
    real(wp), parameter :: share(points) = [1, 3, 5, 7, 9, 11, 13, 15]/16.0_wp, &
       inverse_square(points) = 1/share**2, ln_share(points) = log(share)
    !> Bound of alpha_bar Q in front of the domain: no solution comes near it.
@@ -34,11 +34,11 @@ module film_shear
 
 contains
 
-   !> What the stresses add up to, with the oil in front of the domain; mobility, density and
-   !> viscosity of the level are those of its pressure and film. Integrals over nodes end at the
-   !> exit between them, so that they do not change with the place of the nodes. In the rolling
-   !> power S H^3/mu dP/dX is what the mass flux of the discrete equations leaves of H: that keeps
-   !> the balance of energy where viscosity changes by orders of magnitude between two nodes.
+   !> Computes friction and power, with the oil in front of the domain; mobility, density and
+   !> viscosity of the level must be those of its pressure and film. Integrals over nodes end at the
+   !> exit between them, so that they do not depend on the position of the nodes. In the rolling
+   !> power S H^3/mu dP/dX is the difference of H and the mass flux of the discrete equations: that
+   !> keeps the balance of energy where viscosity changes by orders of magnitude between two nodes.
    !> `stress` and `drive` (nx): mean stress and H dP/dX at every node, 0 where the film cavitates;
    !> the oil begins at the first node.
    pure subroutine evaluate_friction(level, friction, stress, drive)
@@ -96,9 +96,9 @@ contains
       call evaluate_friction(level, friction)
    end function friction_of
 
-   !> Weight of the last node with P > 0: half of the interval in front of it, and as far as the
-   !> exit behind it, where the stress has fallen as the film has grown. `flux`: the mass flux in
-   !> front of it.
+   !> Weight of the last node with P > 0: half of the interval in front of it, and the distance to
+   !> the exit behind it, over which the stress falls as the film grows. `flux`: mass flux in front
+   !> of it.
    pure function last_weight(level, node, flux) result(weight)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: node
@@ -119,10 +119,10 @@ contains
       end associate
    end function last_weight
 
-   !> X where a `film` (times its density) carries its `flux` without a slope of the pressure, which
-   !> is how it ends: from the interval in front of the last `node` with P > 0 to the second one
-   !> behind it, by the parabola through it; NaN if it does not there. The film errs by dX^2 there,
-   !> smoothly, the pressures of the last nodes by as much as they are.
+   !> X at which a `film` (times its density) carries its `flux` without a pressure gradient, which
+   !> is the exit: from the interval in front of the last `node` with P > 0 to the second one behind
+   !> it, by the parabola through it; NaN if it is not there. The film errs there by dX^2, smoothly;
+   !> the pressures of the last nodes err by as much as their values.
    pure function exit_by_flux(x, film, node, flux) result(position)
       real(wp), intent(in) :: x(0:), film(0:), flux
       integer, intent(in) :: node
@@ -149,12 +149,12 @@ contains
       couette = level%lambda*level%slide_to_roll/12
    end function couette_of
 
-   !> What the oil in front of the domain adds; `flow` is about the mass flux.
+   !> Contribution of the oil in front of the domain; `flow` is about the mass flux.
    !>
    !> The gap is that of the bodies with the far field of the load, as in module inlet_tail, the
    !> pressure low: H S dP/dX = lambda mu (H - flow)/H^2, mu = 1/(1 - alpha_bar Q) with the reduced
-   !> pressure Q. It falls with 1/X_a only: forces need a longer inlet than films (N. Biboulet and
-   !> L. Houpert, Proc. IMechE J 224, 2010, 765).
+   !> pressure Q. It falls only as 1/X_a: forces need a longer inlet than films (N. Biboulet and L.
+   !> Houpert, Proc. IMechE J 224, 2010, 765).
    pure function oil_in_front(level, flow) result(friction)
       type(line_level_t), intent(in) :: level
       real(wp), intent(in) :: flow

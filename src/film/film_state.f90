@@ -1,6 +1,6 @@
-!> The state of a film: all that an iteration changes, and that is put back where one fails.
+!> State of a film: everything that an iteration changes, restored if one fails.
 !>
-!> Assignment saves a state and restores it (`saved = level%state`, `level%state = saved`).
+!> Assignment saves and restores a state (`saved = level%state`, `level%state = saved`).
 module film_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -15,14 +15,14 @@ module film_state
       real(wp), allocatable :: pressure(:), film(:)
       !> Rigid displacement H0.
       real(wp) :: rigid_displacement = 0.0_wp
-      !> What rounding has cut off P in Newton's steps; the slopes of L_R are those of P and of
+      !> Part of P that rounding cuts off in Newton's steps; the slopes of L_R are those of P plus
       !> this. Allocated only while an iteration needs it (module cycle_control).
       real(wp), allocatable :: compensation(:)
    end type film_state_t
 
 contains
 
-   !> Whether pressure, film and rigid displacement are numbers.
+   !> Whether pressure, film and rigid displacement are finite.
    pure function is_finite(state)
       type(film_state_t), intent(in) :: state
       logical :: is_finite

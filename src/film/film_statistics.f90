@@ -1,6 +1,6 @@
-!> Statistics of the film over the passage of rough surfaces, gathered step by step: how often and
-!> on how much of the contact the film is thinner than stated values, distributions of the smallest
-!> film and the largest pressure, lambda ratio.
+!> Statistics of the film while rough surfaces pass, gathered step by step: how often and on what
+!> share of the contact the film is thinner than given values, distributions of the smallest film
+!> and the largest pressure, lambda ratio.
 !>
 !> The contact is -1 <= X <= 1. T = 0 counts only for the smooth film: there the surfaces have
 !> entered it without a new solve.
@@ -13,16 +13,16 @@ module film_statistics
 
    public :: add_start, add_time, film_statistics_t, new_statistics
 
-   !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take
-   !> what lies beyond.
+   !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also count
+   !> values beyond.
    integer, parameter, public :: bins_per_decade = 200, film_first = -7, pressure_first = -2
    integer, parameter :: bin_count = 2000
 
    !> Sums over the time steps so far. Dimensionless.
    type :: film_statistics_t
-      !> Stated films H (k), rising or not; none: nothing is gathered.
+      !> Thresholds H (k) in any order; none: nothing is gathered.
       real(wp), allocatable :: thresholds(:)
-      !> Time steps.
+      !> Number of time steps.
       real(wp) :: times = 0.0_wp
       !> Time steps with a film below each threshold, and sum of the shares of the contact below it
       !> (k).
@@ -53,7 +53,7 @@ contains
          statistics%shares_below(size(thresholds)), source=0.0_wp)
    end function new_statistics
 
-   !> Takes the smooth film from the state at T = 0.
+   !> Sets the smooth film from the state at T = 0.
    pure subroutine add_start(statistics, state)
       type(film_statistics_t), intent(inout) :: statistics
       type(line_state_t), intent(in) :: state

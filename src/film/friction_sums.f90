@@ -1,4 +1,4 @@
-!> What the shear stresses of a film add up to; module film_shear makes it.
+!> Integrals of the shear stresses of a film, computed by module film_shear.
 module friction_sums
    use kinds, only: wp
    use missing_value, only: not_known
@@ -7,16 +7,16 @@ module friction_sums
 
    public :: unknown_friction
 
-   !> Stresses over pressures count where the pressure is above this share of its largest.
+   !> Stress over pressure counts where the pressure exceeds this share of its largest value.
    real(wp), parameter, public :: stressed_share = 0.1_wp
 
-   !> Over the film under pressure and the oil in front of the domain.
+   !> Integrals over the film under pressure and the oil in front of the domain.
    type, public :: friction_t
-      !> Int T_m dX, positive where u2 > u1; NaN where the speeds are not known.
+      !> Int T_m dX, positive for u2 > u1; NaN: speeds not known.
       real(wp) :: sliding = 0.0_wp
-      !> Int (H/2) dP/dX dX: rolling holds back each surface with it.
+      !> Int (H/2) dP/dX dX: force by which rolling holds back each surface.
       real(wp) :: rolling = 0.0_wp
-      !> (u2 - u1)/(u1 + u2): times the force of sliding it is the sliding power.
+      !> (u2 - u1)/(u1 + u2): times the sliding force it is the sliding power.
       real(wp) :: sliding_speed = 0.0_wp
       !> Int S H^3/(mu/mu_0) (dP/dX)^2 dX/(2 lambda).
       real(wp) :: rolling_power = 0.0_wp
@@ -26,7 +26,7 @@ module friction_sums
 
 contains
 
-   !> That of a film whose stresses are not known.
+   !> Friction of a film whose stresses are not known.
    pure function unknown_friction() result(friction)
       type(friction_t) :: friction
 

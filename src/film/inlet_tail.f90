@@ -1,16 +1,16 @@
 !> The inlet in front of the domain: the pressure and the load that it leaves to the grid.
 !>
-!> In front of the first node X_a the bodies keep their shape there, but for the far field of the
-!> load (its centre at X_c), and the pressure is low. With the mass flux
-!> rho H - e/lambda dP/dX = m, which is the same everywhere,
+!> In front of the first node X_a the bodies keep their shape there, except for the far field of the
+!> load (centre at X_c), and the pressure is low. With the constant mass flux rho H - e/lambda dP/dX
+!> = m,
 !>
 !>     H(X) = H(X_a) + (X^2 - X_a^2)/2 - 1/2 ln( (X_c - X)/(X_c - X_a) )
 !>     Q(X_a) = lambda Int_{-inf}^{X_a} (H - m)/(H^3 S) dX ,   P = -ln(1 - alpha_bar Q)/alpha_bar
 !>
-!> Q is the reduced pressure (Barus' law, which all laws are at low pressure, mu = 1/(1 - alpha_bar
-!> Q)), and S(Sigma, B) the slip factor at the slope that carries the mass flux there, found from it
-!> point by point (`divide_by_slip`). Roughness in front of the domain and the compression there are
-!> left out, and what the tail deforms.
+!> Q is the reduced pressure (Barus' law, to which all laws reduce at low pressure, mu = 1/(1 -
+!> alpha_bar Q)), and S(Sigma, B) the slip factor at the slope that carries the mass flux there,
+!> found from it point by point (`divide_by_slip`). Roughness and compression in front of the domain
+!> and the deformation by the tail are neglected.
 module inlet_tail
    use constants, only: pi
    use kinds, only: wp
@@ -26,15 +26,14 @@ module inlet_tail
    integer, parameter :: points = 64
    !> Bound of alpha_bar Q: no tail of a solution comes near it, a wild iterate may.
    real(wp), parameter :: largest_reduced = 0.9_wp
-   !> Of the root for S: ln S that is looked for at most, steps, and the error of ln S before the
-   !> last one.
+   !> Root search for S: largest ln S, most steps, and the error of ln S before the last step.
    real(wp), parameter :: largest_ln_slip = 100.0_wp, slip_tolerance = 1.0e-4_wp
    integer, parameter :: max_steps = 60
 
 contains
 
-   !> Where the level has a tail, takes its pressure and load over: P(0), the film that follows, the
-   !> load left for the grid. Coefficients are those of the last evaluation.
+   !> On a level with a tail, sets its pressure P(0), the film that follows and the load left for
+   !> the grid, from the coefficients of the last evaluation.
    pure subroutine close_inlet(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: pressure, load
@@ -47,8 +46,8 @@ contains
       level%rhs_load = contact_load - load
    end subroutine close_inlet
 
-   !> Pressure P(X_a) and load of the tail of the present state, that in front of the cell of node
-   !> 0, which is the grid's.
+   !> Pressure P(X_a) and load of the tail of the present state, in front of the cell of node 0,
+   !> which belongs to the grid.
    pure subroutine tail_of(level, pressure, load)
       type(line_level_t), intent(in) :: level
       real(wp), intent(out) :: pressure, load
@@ -91,9 +90,9 @@ contains
    !>
    !>     D S(D, h, mu) = mu h gain ,     mu = 1/(1 - alpha_bar Q)
    !>
-   !> by Newton's method in the logarithm of the drive D = h dP/dX, within bounds that shrink: the
-   !> left side rises from 0, S >= 1. `drive` is the root of the point before (0: none), and becomes
-   !> that of this one.
+   !> by Newton's method in the logarithm of the drive D = h dP/dX, within shrinking bounds: the
+   !> left side rises from 0, S >= 1. `drive`: root of the previous point (0: none), on return that
+   !> of this one.
    pure subroutine divide_by_slip(fluid, h, reduced, gain, drive)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: h, reduced
@@ -122,8 +121,8 @@ contains
       drive = exp(y)
    end subroutine divide_by_slip
 
-   !> The mass flux rho H - e/lambda dP/dX at the face behind the largest pressure, as the space
-   !> scheme has it: there it is known best while the solution is on its way.
+   !> Mass flux rho H - e/lambda dP/dX at the face behind the largest pressure, by the space scheme:
+   !> before convergence it is known best there.
    pure function flow_at_peak(level) result(flow)
       type(line_level_t), intent(in) :: level
       real(wp) :: flow, mass(3)

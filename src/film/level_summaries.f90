@@ -1,4 +1,4 @@
-!> The quantities of the solutions on the grids of a hierarchy.
+!> Quantities of the solutions on the grids of a hierarchy.
 module level_summaries
    use film_shear, only: friction_of
    use kinds, only: wp
@@ -10,13 +10,13 @@ module level_summaries
 
    public :: coarser_summaries, level_summary
 
-   !> Solutions on coarser grids that an error estimate can use.
+   !> Most solutions on coarser grids that an error estimate uses.
    integer, parameter :: max_coarser = 3
 
 contains
 
-   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level: as far as these levels
-   !> are solved well enough and no cycle has changed them since.
+   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level, as far as these levels
+   !> are solved accurately enough and no cycle has changed them since.
    pure function coarser_summaries(hierarchy) result(coarser)
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(line_summary_t), allocatable :: coarser(:)
@@ -32,7 +32,7 @@ contains
       end do
    end function coarser_summaries
 
-   !> Summary of the solution on a level whose coefficients are those of the solution.
+   !> Summary of the solution on a level, whose coefficients must be those of the solution.
    pure function level_summary(level) result(summary)
       type(line_level_t), intent(in) :: level
       type(line_summary_t) :: summary

@@ -1,4 +1,4 @@
-!> T_max and the largest slope of a film, see module reynolds_limits.
+!> Computes T_max and the largest slope of a film, see module reynolds_limits.
 module limit_search
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -11,15 +11,15 @@ module limit_search
 
    public :: film_limits
 
-   !> Slopes count where the pressure is above this share of its largest.
+   !> Slopes count where the pressure exceeds this share of its largest value.
    real(wp), parameter :: loaded_share = 0.01_wp
-   !> Nodes of a block.
+   !> Nodes in a block.
    integer, parameter :: block_size = 16
 
 contains
 
-   !> Those of the pressure `p` >= 0 and the film `h` > 0 on nodes (nx) at the distance `dx`, the
-   !> surfaces sliding with `slide_to_roll` = (u2 - u1)/((u1 + u2)/2) (NaN: not known).
+   !> Limits of the pressure `p` >= 0 and the film `h` > 0 on nodes (nx) at spacing `dx`, with
+   !> `slide_to_roll` = (u2 - u1)/((u1 + u2)/2) (NaN: not known).
    pure function film_limits(fluid, lambda, slide_to_roll, dx, p, h) result(limits)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll, dx
@@ -39,9 +39,9 @@ contains
          lambda*slide_to_roll/12, p, h)
    end function film_limits
 
-   !> Largest d tau/dp of the nodes. It grows with viscosity, its slope and 1/H, so that the largest
-   !> and smallest p and H of a block of nodes bound it there: few blocks are looked into. (This is
-   !> done in every time step.)
+   !> Largest d tau/dp of the nodes. It grows with viscosity, its slope and 1/H, so that the
+   !> extremes of p and H in a block of nodes bound it there, and few blocks need evaluation. (This
+   !> is done in every time step.)
    pure function largest_rise(fluid, couette, p, h) result(largest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette
@@ -71,7 +71,7 @@ contains
       end do
    end function largest_rise
 
-   !> The same of one block.
+   !> The same in one block.
    pure function rise_of(fluid, couette, p, h) result(largest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette

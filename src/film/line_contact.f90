@@ -1,5 +1,4 @@
-!> The lubricated line contact in dimensionless form: everything that (2.57)-(2.64) of the thesis
-!> need.
+!> The lubricated line contact in dimensionless form: all data of (2.57)-(2.64) of the thesis.
 module line_contact
    use constants, only: pi
    use kinds, only: wp
@@ -14,11 +13,10 @@ module line_contact
    public :: closing_slope, finest_wave, intervals_for_waves, line_contact_t, &
       move_profiles, shortest_passage
 
-   !> Intervals in the finest wave (feature, sinusoid, profile) below which coarse runs on n/4 may
-   !> not see it.
+   !> Fewest intervals in the finest wave (feature, sinusoid, profile): with fewer, coarse runs on
+   !> n/4 may miss it.
    integer, parameter, public :: min_in_wave = 16
-   !> A surface slower than this dX/dT counts as at rest, one without waves has waves of this length
-   !> [b].
+   !> A surface with |dX/dT| below this is at rest; one without waves has this wavelength [b].
    real(wp), parameter :: slow = 1.0e-6_wp, longest = 1.0e9_wp
 
    !> Data of one dimensionless contact.
@@ -29,24 +27,24 @@ module line_contact
       real(wp) :: moes_m_sum = 0.0_wp
       !> Moes lubricant parameter L, SUM velocity [-].
       real(wp) :: moes_l_sum = 0.0_wp
-      !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive where surface 2 is the faster one;
-      !> NaN where the speeds are not known. Shear stresses need it, the solver does not.
+      !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive if surface 2 is faster; NaN: speeds
+      !> not known. Shear stresses need it, the solver does not.
       real(wp) :: slide_to_roll = 0.0_wp
       !> Scaled lubricant laws.
       type(fluid_t) :: fluid
       !> Scaled surfaces: heights in b^2/R, lengths in b, speeds dX/dT.
       type(rough_surface_t) :: surface_1, surface_2
-      !> Domain in half-widths; after `choose_domain` everything in it is set.
+      !> Domain in half-widths; complete after `choose_domain`.
       type(domain_t) :: domain
-      !> How much of the deformation of the bodies counts: 1, all of it; 0, rigid bodies; between,
-      !> bodies that are stiffer by the inverse of it.
+      !> Fraction of the deformation of the bodies: 1, all of it; 0, rigid bodies; between, bodies
+      !> stiffer by its inverse.
       real(wp) :: elasticity = 1.0_wp
    end type line_contact_t
 
 contains
 
-   !> Intervals from which three grids, n, n/2 and n/4, all see every wave of the surfaces; 1 if
-   !> they are smooth. Domain complete.
+   !> Intervals from which the three grids n, n/2 and n/4 resolve every wave of the surfaces; 1 if
+   !> they are smooth. The domain must be complete.
    pure function intervals_for_waves(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer :: intervals
@@ -63,9 +61,9 @@ contains
       wave = min(wave_of(contact%surface_1), wave_of(contact%surface_2))
    end function finest_wave
 
-   !> Slope by which the features of both surfaces close the film as they pass: of each surface the
-   !> steepest one, 2 pi A/wavelength, times how fast it moves relative to the flow, |1 - dX/dT|;
-   !> profiles, whose slopes differ, are left out.
+   !> Slope by which the features of both surfaces close the film as they pass: for each surface the
+   !> steepest one, 2 pi A/wavelength, times its speed relative to the flow, |1 - dX/dT|; profiles,
+   !> whose slopes differ, are left out.
    pure function closing_slope(contact) result(slope)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: slope
@@ -74,7 +72,7 @@ contains
 
    contains
 
-      !> That of one surface.
+      !> The same of one surface.
       pure function slope_of(surface) result(slope)
          type(rough_surface_t), intent(in) :: surface
          real(wp) :: slope
@@ -88,8 +86,7 @@ contains
 
    end function closing_slope
 
-   !> Time T in which the finest wave of a moving surface passes a place; above 1e9 if there is
-   !> none.
+   !> Time T in which the finest wave of a moving surface passes a point; above 1e9: none.
    pure function shortest_passage(contact) result(time)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: time
@@ -98,7 +95,7 @@ contains
 
    contains
 
-      !> That of one surface.
+      !> The same of one surface.
       pure function passage_of(surface) result(time)
          type(rough_surface_t), intent(in) :: surface
          real(wp) :: time
@@ -118,8 +115,8 @@ contains
       if (allocated(surface%profile)) wave = min(wave, surface%profile%finest_wave)
    end function wave_of
 
-   !> Has the profiles of both surfaces at hand for the whole of a complete domain at `time`. Error:
-   !> a file cannot be read.
+   !> Loads the part of both profiles that covers a complete domain at `time`. Error: a file cannot
+   !> be read.
    subroutine move_profiles(contact, time, error)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in) :: time

@@ -1,5 +1,5 @@
-!> The grids of a lubricated line contact from the coarsest of the nested start to the finest, and
-!> the settings resolved.
+!> Grids of a lubricated line contact, from the coarsest of the nested start to the finest, and the
+!> resolved settings.
 module line_hierarchy
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
@@ -19,15 +19,15 @@ module line_hierarchy
       pose_steady_problem, roughness_at
    public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, report_cost
 
-   !> Smoother words.
+   !> The smoothers.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
       smoother_line = 3, smoother_hybrid = 4
 
-   !> The methods are the cycle; sweeps on the finest level alone; Newton steps on the finest level.
+   !> The methods: FAS cycles; sweeps on the finest level alone; Newton steps on the finest level.
    integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, &
       method_newton_dense = 3, method_newton_krylov = 4
 
-   !> How a solution is sought: the method, how its cycle relaxes, and when the cycles end.
+   !> How to find a solution: the method, the relaxation of its cycles, and when these end.
    type :: relaxation_t
       !> One of the method constants.
       integer :: method = method_fas
@@ -36,70 +36,71 @@ module line_hierarchy
       !> Sweeps before and after the coarse-grid correction.
       integer :: pre_sweeps = 5, post_sweeps = 5
       !> Sweeps on the coarsest level of a cycle (0: solved exactly by Newton's method), and those
-      !> of plain Block-Jacobi between two looks at the residual.
+      !> of plain Block-Jacobi between two evaluations of the residual.
       integer :: coarse_sweeps = 0
       !> Coarse-grid visits in a cycle: 1 = V, 2 = W.
       integer :: visits = 1
       !> Under-relaxation of P and H.
       real(wp) :: relaxation = 0.8_wp
-      !> Under-relaxation of H0 where the coarsest level is swept.
+      !> Under-relaxation of H0 if the coarsest level is swept.
       real(wp) :: load_relaxation = 0.05_wp
-      !> The kernel K_0/pi of a node itself is taken no larger than -bound dX; 0: as it is.
+      !> Smoothers use at most -bound dX as the kernel K_0/pi of a node itself; 0: the kernel as it
+      !> is.
       real(wp) :: kernel_bound = 3.0_wp
-      !> Film of the first start over the Moes film.
+      !> Film of the first start relative to the Moes film.
       real(wp) :: start_film = 1.0_wp
-      !> The first solution sought is that of an Eyring stress higher by this factor, which is then
-      !> lowered in steps.
+      !> The first solution uses an Eyring stress higher by this factor, which is then lowered in
+      !> steps.
       real(wp) :: first_stress = 1.0_wp
-      !> Kappa scheme: the finest level is first solved by the thesis's scheme.
+      !> Kappa scheme: the finest level is first solved by upwind2.
       logical :: thesis_first = .false.
-      !> Where Newton's method fails on a level it follows the pressure in pseudo-time.
+      !> If Newton's method fails on a level, it follows the pressure in pseudo-time.
       logical :: follows_time = .false.
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as
       !> in the thesis).
       logical :: film_is_recomputed = .true.
-      !> Bound on the residuals (theory page, residuals and convergence), and cycles at most.
+      !> Bound on the residuals (theory page, residuals and convergence), and most cycles.
       real(wp) :: tolerance = 1.0e-8_wp
       integer :: max_cycles = 60
-      !> Stagnation: the smallest residual has not fallen by a third within this many cycles.
+      !> Without a fall of the smallest residual by 30 % in this many cycles it stagnates.
       integer :: patience = 12
    end type relaxation_t
 
-   !> All grids, and what their solution works with.
+   !> All grids, and the data of their solution.
    type :: line_hierarchy_t
       !> Levels 1 (coarsest of the nested start) to `top`; a growing hierarchy has room for more.
       type(line_level_t), allocatable :: levels(:)
       integer :: top = 0
-      !> Coarsest level of the present method's cycles (the finest for a method on one level), the
-      !> same for FAS, and the finest level in use.
+      !> Coarsest level of the cycles of the present method (the finest for a method on one level),
+      !> the same for FAS, and the finest level in use.
       integer :: coarsest = 1, fas_coarsest = 1, finest = 1
       type(relaxation_t) :: relaxation
       !> Exact solver of the coarsest level.
       type(newton_t) :: newton
-      !> Bound on the Reynolds residual that the cycles are to reach; 0: not known.
+      !> Bound on the Reynolds residual that cycles must reach; 0: not known.
       real(wp) :: goal = 0.0_wp
-      !> The answer is that of the kappa space scheme: coarse runs are too (module reynolds_line).
+      !> The result uses the kappa space scheme, and so do coarse runs (module reynolds_line).
       logical :: is_kappa = .false.
-      !> The nested start solves the two levels below the finest well enough to be compared with it.
+      !> The nested start solves the two levels below the finest well enough to compare with it.
       logical :: wants_coarse_runs = .false.
-      !> Wall time that the levels took to set up [s].
+      !> Wall time to set up the levels [s].
       real(wp) :: setup_seconds = 0.0_wp
       !> Sweeps weighted by nodes, in sweeps of the finest level.
       real(wp) :: work_units = 0.0_wp
-      !> Pairs of transforms before these levels.
+      !> Pairs of transforms made before these levels.
       integer(int64) :: earlier_pairs = 0_int64
    end type line_hierarchy_t
 
    !> Bounds of the coarsest grid of the cycles (intervals).
    integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
-   !> No grid has fewer intervals.
+   !> Fewest intervals of a grid.
    integer, parameter :: smallest_grid = 8
 
 contains
 
-   !> Intervals of the coarsest grid that still carries a film with a factor of 2 in hand
-   !> (semiseparable rule): dX <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at
-   !> least `fewest` or 32; M with the sum velocity.
+   !> Intervals of the coarsest grid that carries a film with a margin of 2 (semiseparable rule): dX
+   !> <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least `fewest` or 32; M with
+   !> the sum velocity.
    pure function coarsest_for_film(contact, fewest) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer, intent(in), optional :: fewest
@@ -117,9 +118,9 @@ contains
       end do
    end function coarsest_for_film
 
-   !> Builds the grids for `contact%domain%intervals` = n, each of half the intervals of the next.
+   !> Builds the grids for `contact%domain%intervals` = n, each with half the intervals of the next.
    !> `levels` > 0 fixes the number of levels of the cycles. n is a power of two, or a small odd
-   !> number times one: the coarsest grid is no finer than n allows.
+   !> number times one, which limits how coarse the grids become.
    subroutine new_hierarchy(hierarchy, contact, levels, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -142,8 +143,8 @@ contains
       hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
    end subroutine new_hierarchy
 
-   !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to `most`
-   !> intervals.
+   !> Builds a hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to
+   !> `most` intervals.
    subroutine new_growing_hierarchy(hierarchy, contact, most, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -160,7 +161,7 @@ contains
       call new_grid(hierarchy, contact, first, error)   ! error: the caller looks
    end subroutine new_growing_hierarchy
 
-   !> Adds a level of twice the intervals and poses the steady problem of rough surfaces on it.
+   !> Adds a level of twice the intervals and poses the steady problem of the rough surfaces on it.
    subroutine add_level(hierarchy, contact, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -176,7 +177,7 @@ contains
       call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness=.true.)
    end subroutine add_level
 
-   !> No level yet, room for `most`.
+   !> Removes all levels and makes room for `most`.
    pure subroutine make_room(hierarchy, most)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: most
@@ -187,8 +188,8 @@ contains
       hierarchy%fas_coarsest = 1
    end subroutine make_room
 
-   !> Adds a level on the domain of the contact, the first of `first` intervals and each of twice
-   !> those of the one before, which becomes the finest.
+   !> Adds a level on the domain of the contact, which becomes the finest: the first of `first`
+   !> intervals, the others of twice those of the level before.
    subroutine new_grid(hierarchy, contact, first, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -207,7 +208,7 @@ contains
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
    end subroutine new_grid
 
-   !> Intervals of the coarsest grid of the cycles, where the nested start begins with `first`.
+   !> Intervals of the coarsest grid of the cycles if the nested start begins with `first`.
    pure function cycle_coarsest(first, n) result(coarsest)
       integer, intent(in) :: first, n
       integer :: coarsest
@@ -226,7 +227,7 @@ contains
       end do
    end function halved
 
-   !> How often `coarse` is doubled to get `fine`.
+   !> Number of doublings from `coarse` to `fine`.
    pure function doublings(coarse, fine) result(times)
       integer, intent(in) :: coarse, fine
       integer :: times
@@ -245,7 +246,7 @@ contains
          time) + surface_height(contact%surface_2, level%x, time)
    end function roughness_at
 
-   !> The steady problem on every level, with the surfaces of time 0 (`with_roughness`) or smooth.
+   !> Poses the steady problem on every level, with surfaces at time 0 (`with_roughness`) or smooth.
    pure subroutine pose_steady_problem(hierarchy, contact, with_roughness)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -257,8 +258,8 @@ contains
       end do
    end subroutine pose_steady_problem
 
-   !> The same on the levels below the finest, from the right side there: cycles have left their
-   !> coarse problems on them.
+   !> Poses it on the levels below the finest, from the right side of the finest: cycles have left
+   !> their coarse problems there.
    pure subroutine pose_coarser_levels(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer :: k
@@ -269,7 +270,7 @@ contains
       end do
    end subroutine pose_coarser_levels
 
-   !> The steady problem on one level.
+   !> Poses the steady problem on one level.
    pure subroutine pose_level(level, contact, with_roughness)
       type(line_level_t), intent(inout) :: level
       type(line_contact_t), intent(in) :: contact
@@ -280,8 +281,8 @@ contains
       level%has_tail = contact%domain%inlet == 'tail'
    end subroutine pose_level
 
-   !> Whether the method is Newton's on the finest level, which leaves the film that of pressure and
-   !> H0.
+   !> Whether the method is Newton's on the finest level, after which the film is that of pressure
+   !> and H0.
    pure function is_newton(relaxation)
       type(relaxation_t), intent(in) :: relaxation
       logical :: is_newton
@@ -289,7 +290,7 @@ contains
       is_newton = any(relaxation%method == [method_newton_krylov, method_newton_dense])
    end function is_newton
 
-   !> Adds `sweeps` on level k to the work done.
+   !> Adds `sweeps` on level k to the work.
    pure subroutine count_work(hierarchy, k, sweeps)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k, sweeps
@@ -298,7 +299,7 @@ contains
          + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(hierarchy%top)%n
    end subroutine count_work
 
-   !> Puts what has been done so far into the report.
+   !> Writes the cost so far into the report.
    pure subroutine report_cost(hierarchy, report)
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(report_t), intent(inout) :: report

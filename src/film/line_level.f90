@@ -13,18 +13,18 @@ module line_level
 
    public :: line_level_t, new_level, set_plain_problem, has_close_exit
 
-   !> No sweep takes a film below this [b^2/R]: a film that is halved a thousand times must not
-   !> reach 0, by which the slip factor divides; the cube of this is still above 0.
+   !> Smallest film after a sweep [b^2/R]: a film that is halved a thousand times must not reach 0,
+   !> by which the slip factor divides; the cube of this is still above 0.
    real(wp), parameter, public :: thinnest_film = 1.0e-30_wp
-   !> No sweep takes a pressure above this [p_h], and none begins there: an iteration that diverges
-   !> stays finite until its residual ends it.
+   !> Largest pressure after a sweep [p_h]; no sweep begins above it: a diverging iteration stays
+   !> finite until its residual ends it.
    real(wp), parameter, public :: largest_pressure = 1.0e6_wp
-   !> Load of the contact: Hertz's pressure, integrated over X.
+   !> Load of the contact: the Hertz pressure integrated over X.
    real(wp), parameter, public :: contact_load = 0.5_wp*pi
 
-   !> How the bodies deform under a pressure on the grid.
+   !> Deformation of the bodies by a pressure on the grid.
    type, public :: elastic_line_t
-      !> How much of the deformation counts, that of the contact; 0: rigid bodies.
+      !> Fraction of the deformation, that of the contact; 0: rigid bodies.
       real(wp) :: elasticity = 1.0_wp
       !> Kernel K_j/pi, j = 0..n, times the elasticity, and its product by FFT.
       real(wp), allocatable :: kernel(:)
@@ -37,19 +37,19 @@ module line_level
       procedure :: apply => apply_kernel
    end type elastic_line_t
 
-   !> Coefficients at the last evaluation: e = rho H^3 S/mu (of the thesis's scheme), rho and
+   !> Coefficients at the last evaluation: e = rho H^3 S/mu (of the upwind2 scheme), rho and
    !> ln(mu/mu_0) of the nodes (0:n), mobility e(i-1/2) of the face left of node i (1:n).
    type :: coefficients_t
       real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:)
    end type coefficients_t
 
-   !> What a coarse problem adds to a grid (module fas_cycle).
+   !> Additions of a coarse problem to a grid (module fas_cycle).
    type :: coarse_problem_t
-      !> The last node with P > 0 where it is posed, how far behind it [dX] the finest grid has
-      !> P = 0 again, and what that adds to the conductance e/dX^2 to the next node.
+      !> Last node with P > 0 where the problem is posed, distance [dX] behind it at which the
+      !> finest grid has P = 0, and the addition to the conductance e/dX^2 to the next node.
       integer :: exit_node = 0
       real(wp) :: exit_distance = 1.0_wp, exit_conductance = 0.0_wp
-      !> P and H that it was posed with (0:n).
+      !> P and H with which it was posed (0:n).
       real(wp), allocatable :: start_pressure(:), start_film(:)
    end type coarse_problem_t
 
@@ -66,17 +66,17 @@ module line_level
       !> Spacing dX [b], and nodes X.
       real(wp) :: dx = 0.0_wp
       real(wp), allocatable :: x(:)
-      !> Speed parameter lambda and scaled laws of the oil, those of the contact.
+      !> Speed parameter lambda and scaled laws of the oil, as in the contact.
       real(wp) :: lambda = 0.0_wp
       type(fluid_t) :: fluid
       !> Slide-to-roll ratio of the contact.
       real(wp) :: slide_to_roll = 0.0_wp
-      !> Space scheme: kappa, else that of the thesis (module reynolds_line).
+      !> Space scheme: kappa, else upwind2 (module reynolds_line).
       logical :: is_kappa = .false.
       !> 1/dT of the time step, 0 in the steady problem.
       real(wp) :: inverse_time_step = 0.0_wp
-      !> Pressure and film are the solution of the original problem on this grid, accurate enough to
-      !> be compared with finer ones.
+      !> Pressure and film solve the original problem on this grid accurately enough to be compared
+      !> with finer ones.
       logical :: is_coarse_run = .false.
       !> Pressure and load in front of the grid are those of module inlet_tail.
       logical :: has_tail = .false.
@@ -85,7 +85,7 @@ module line_level
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = contact_load
-      !> L_R at the last evaluation, what it is made of, and how the bodies deform.
+      !> L_R at the last evaluation, its coefficients, and the deformation of the bodies.
       real(wp), allocatable :: operator(:)
       type(coefficients_t) :: oil
       type(elastic_line_t) :: elastic
@@ -95,8 +95,8 @@ module line_level
 
 contains
 
-   !> Allocates a level of `n` intervals between the `ends` X of the domain with unknowns zero and
-   !> plans its convolution. `elasticity`: of the contact, 1 where it is not given.
+   !> Allocates a level of `n` intervals between the `ends` X of the domain with zero unknowns and
+   !> plans its convolution. `elasticity`: that of the contact, 1 by default.
    subroutine new_level(level, lambda, fluid, ends, n, error, elasticity)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: lambda
@@ -128,7 +128,7 @@ contains
       end associate
    end subroutine new_level
 
-   !> The deflection K p/pi of a pressure (0:n), by FFT.
+   !> Computes the deflection K p/pi of a pressure (0:n) by FFT.
    subroutine apply_kernel(self, p, deflection)
       class(elastic_line_t), intent(inout) :: self
       real(wp), intent(in), contiguous :: p(:)
@@ -138,7 +138,7 @@ contains
       self%products = self%products + 1
    end subroutine apply_kernel
 
-   !> The right sides of the original (not the coarse-grid) steady problem for surface heights
+   !> Sets the right sides of the original (not the coarse-grid) steady problem for surface heights
    !> `roughness` = Psi_1 + Psi_2.
    pure subroutine set_plain_problem(level, roughness)
       type(line_level_t), intent(inout) :: level
@@ -152,7 +152,7 @@ contains
       level%posed%exit_conductance = 0.0_wp
    end subroutine set_plain_problem
 
-   !> Whether the finest grid has P = 0 before the next node of this one, which has P = 0 still.
+   !> Whether the finest grid has P = 0 before the next node of this one, where P is still 0.
    pure function has_close_exit(level) result(is_close)
       type(line_level_t), intent(in) :: level
       logical :: is_close

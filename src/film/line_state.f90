@@ -1,4 +1,4 @@
-!> The fields of a lubricated line contact at one time, as the solver hands them out.
+!> Fields of a lubricated line contact at one time, as the solver returns them.
 module line_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use friction_sums, only: friction_t
@@ -24,11 +24,11 @@ module line_state
       !> Eyring slip factor S; 1 for a Newtonian fluid.
       real(wp), allocatable :: slip_factor(:)
       !> Shear stress at the wall of surface 1, mean across the film, and at the wall of surface 2,
-      !> over p_h b/R; 0 where the film cavitates. Not allocated where the speeds are not known.
+      !> over p_h b/R; 0 where the film cavitates. Not allocated if the speeds are not known.
       real(wp), allocatable :: shear_stress_1(:), shear_stress_mean(:), shear_stress_2(:)
-      !> What they add up to; not allocated without a film.
+      !> Integrals of the stresses; not allocated without a film.
       type(friction_t), allocatable :: friction
-      !> How far it is from the limit of Reynolds' equation; not allocated without a film.
+      !> Distance from the limit of Reynolds' equation; not allocated without a film.
       type(reynolds_limits_t), allocatable :: limits
       !> Psi_1 = psi_1 R/b^2: height of surface 1, positive out of the material (towards the gap).
       real(wp), allocatable :: roughness_1(:)
@@ -42,7 +42,7 @@ module line_state
 
 contains
 
-   !> Whether pressure, film and rigid displacement are there and are numbers, all of them.
+   !> Whether pressure, film and rigid displacement are present and finite.
    pure function all_finite(state)
       type(line_state_t), intent(in) :: state
       logical :: all_finite

@@ -1,5 +1,5 @@
-!> The quantities of a state of a lubricated line contact, or their extremes over several times,
-!> each with what is known of its error.
+!> Quantities of a state of a lubricated line contact, or their extremes over several times, each
+!> with its known errors.
 !>
 !> Dimensionless (H, P, X, T).
 module line_summary
@@ -17,42 +17,43 @@ module line_summary
    public :: crests_t, keep_extremes, line_summary_t, new_quantity, quantity_t, summary_of, &
       summary_of_fields, take_values, value_between
 
-   !> One quantity, when it was reached and how far off it may be.
+   !> One quantity, the time at which it was reached, and its errors.
    type :: quantity_t
       real(wp) :: value
-      !> The value between the nodes, from which errors are estimated.
+      !> Value between the nodes, from which errors are estimated.
       real(wp) :: between
       !> T at which it was reached; 0 in steady state.
       real(wp) :: time
-      !> Estimated error of `value`: the sum of the five below; NaN = not estimated.
+      !> Estimated error of `value`: sum of the five below; NaN = not estimated.
       real(wp) :: error_estimate
-      !> Richardson's extrapolation of `value`, of x_cavitation the exit between the nodes;
-      !> NaN = not known.
+      !> Richardson extrapolation of `value`, for x_cavitation of the exit between the nodes; NaN =
+      !> not known.
       real(wp) :: extrapolated
-      !> Because of grid and time step; NaN = not estimated.
+      !> Error by grid and time step; NaN = not estimated.
       real(wp) :: error_grid
-      !> Because the domain ends, and because the iteration does; 0 = not estimated.
+      !> Errors by the finite domain and by the iteration; 0 = not estimated.
       real(wp) :: error_domain = 0.0_wp, error_iteration = 0.0_wp
-      !> Because a transient has begun: NaN = the start is in the quantity.
+      !> Error by the start of a transient: NaN = the quantity includes the start.
       real(wp) :: error_start = 0.0_wp
-      !> Because something was left out of the model; NaN = not known.
+      !> Error by what was left out of the model; NaN = not known.
       real(wp) :: error_model = 0.0_wp
    end type quantity_t
 
    !> Maxima of P; NaN: there is none.
    type :: crests_t
-      !> The largest, and the largest but the spike, each by the parabola through three nodes.
+      !> The largest one, and the largest except the spike, each by the parabola through three
+      !> nodes.
       real(wp) :: highest, other
-      !> The spike, the last maximum before the exit if P falls behind it by the share `spike_drop`
-      !> within two spacings: P and H of its top node.
+      !> The spike, the last maximum before the exit if P falls behind it by `spike_drop` of its
+      !> value within two spacings: P and H of its top node.
       real(wp) :: spike, spike_film
-      !> That maximum if the grid does not resolve its bends: P of its node, and how high it may be
-      !> between the nodes; 0: it does; negative: these are the extremes of several times.
+      !> That maximum if the grid does not resolve its bends: P of its node, and its possible height
+      !> between the nodes; 0: resolved; negative: extremes of several times.
       real(wp) :: corner = 0.0_wp, corner_top = 0.0_wp
    end type crests_t
 
-   !> (Of 90 contacts on 64 to 32768 intervals spikes that are not resolved fell by 0.3 and more,
-   !> other maxima by 0.02 and less; those that fell by 0.08 to 0.3 still grew by up to 7 %.)
+   !> (Of 90 contacts on 64 to 32768 intervals unresolved spikes fell by 0.3 and more, other maxima
+   !> by 0.02 and less; those that fell by 0.08 to 0.3 still grew by up to 7 %.)
    real(wp), parameter :: spike_drop = 0.1_wp
    !> A bend is a corner if the slope changes there, from one spacing to the next, by more than this
    !> share of the steepest slope: by 1 to 2 where flanks meet, by 1/5 at a parabola whose
@@ -63,15 +64,15 @@ module line_summary
    type :: line_summary_t
       !> In the order of the table of quantities.
       type(quantity_t) :: of(quantity_count)
-      !> What the error of p_max is estimated from; over several times the largest.
+      !> Maxima from which the error of p_max is estimated; over several times the largest.
       type(crests_t) :: crests
-      !> How far the film is from the limit of Reynolds' equation; over several times the largest.
+      !> Distance from the limit of Reynolds' equation; over several times the largest.
       type(reynolds_limits_t) :: limits
    end type line_summary_t
 
 contains
 
-   !> The quantities of one state.
+   !> Quantities of one state.
    pure function summary_of(state) result(summary)
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
@@ -81,8 +82,8 @@ contains
       if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of
 
-   !> The quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
-   !> (nx), and of their friction if that is known.
+   !> Quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
+   !> (nx), and of their friction if known.
    pure function summary_of_fields(x, p, h, time, friction) result(summary)
       real(wp), intent(in) :: x(:), p(:), h(:), time
       type(friction_t), intent(in), optional :: friction
@@ -99,8 +100,8 @@ contains
       summary%limits = unknown_limits()
    end function summary_of_fields
 
-   !> Copies the values of `other`, a solution of other equations on the same grid: the estimated
-   !> errors stay, extrapolated values go along.
+   !> Copies the values of `other`, a solution of other equations on the same grid: error estimates
+   !> stay, extrapolated values change by as much as the values.
    pure subroutine take_values(summary, other)
       type(line_summary_t), intent(inout) :: summary
       type(line_summary_t), intent(in) :: other
@@ -156,9 +157,9 @@ contains
       end do
    end function crests_of
 
-   !> Whether the maximum of p (nx) at node `top` has a corner, where P has not fallen by the share
-   !> `spike_drop`: it is known to half a spacing, and the height to half of what P falls or bends
-   !> over one.
+   !> Checks whether the maximum of p (nx) at node `top` has a corner where P has not yet fallen by
+   !> `spike_drop` of its value: it is known to half a spacing, and the height to half of the
+   !> largest fall or bend of P over one spacing.
    pure subroutine find_corner(p, top, crests)
       real(wp), intent(in) :: p(:)
       integer, intent(in) :: top
@@ -191,8 +192,8 @@ contains
       if (curvature < 0.0_wp) top = values(2) - 0.125_wp*(values(3) - values(1))**2/curvature
    end function vertex
 
-   !> The value of row `i` that does not change with the place of the nodes, and is followed from
-   !> grid to grid.
+   !> Value of row `i` that does not depend on the position of the nodes, and is compared between
+   !> grids.
    pure function value_between(summary, i) result(value)
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
@@ -225,8 +226,8 @@ contains
       if (quantity_rows(i)%rule == rule_between) quantity%extrapolated = values(2)
    end function new_quantity
 
-   !> Takes `other` of row `i` if it is smaller or larger, as the table says, or not known; of the
-   !> values between the nodes the extreme of those that are known.
+   !> Keeps the smaller or larger one of row `i`, as the table says, or the unknown one; of the
+   !> values between the nodes the extreme of the known ones.
    pure subroutine keep_extreme(i, quantity, other)
       integer, intent(in) :: i
       type(quantity_t), intent(inout) :: quantity

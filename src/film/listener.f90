@@ -1,4 +1,4 @@
-!> How a solver reports its progress and hands over time steps without knowing who listens.
+!> How a solver reports its progress and passes on time steps without knowing its listener.
 module listener
    use film_state, only: film_state_t
    use iteration_report, only: report_t
@@ -13,23 +13,23 @@ module listener
 
    public :: follower_t, is_stopped, listener_t, relay_t
 
-   !> Repeats the time steps of a passage with other equations.
+   !> Repeats the time steps of a transient with other equations.
    type, abstract :: follower_t
       !> Its pressure, film and H0 at the end of the last step.
       type(film_state_t) :: state
-      !> Its largest difference of pressures across the film then [p_h].
+      !> Its largest pressure difference across the film then [p_h].
       real(wp) :: pressure_variation = 0.0_wp
-      !> Where it goes on; not allocated: at T = 0.
+      !> State from which it resumes; not allocated: it begins at T = 0.
       type(momentum_history_t), allocatable :: earlier
    contains
-      !> From the smooth steady pressure of a contact, whose film the surfaces have entered, at
-      !> T = 0; `reason` why it cannot.
+      !> Begins at T = 0 from the smooth steady pressure of a contact whose film the surfaces have
+      !> entered; `reason`: why it cannot.
       procedure(begin_interface), deferred :: begin
-      !> Begins, or goes on from where it stood `earlier`.
+      !> Begins, or resumes from `earlier`.
       procedure, non_overridable :: start
-      !> Goes on by one part; `reason` why it cannot.
+      !> Advances by one part of a step; `reason`: why it cannot.
       procedure(advance_interface), deferred :: advance
-      !> Where it stands after a step, and going on from there; `reason` why it cannot.
+      !> Returns its state after a step, and resumes from one; `reason`: why it cannot.
       procedure(kept_interface), deferred :: kept
       procedure(resume_interface), deferred :: resume
    end type follower_t
@@ -70,31 +70,31 @@ module listener
       end subroutine resume_interface
    end interface
 
-   !> Listens to a solver. This one ignores everything: extend it to hear something.
+   !> Listens to a solver. This type ignores everything: extend it to receive something.
    type :: listener_t
-      !> The solver ends after this cycle or step, as not converged (a full disk, a signal).
+      !> The solver ends after this cycle or step, not converged (a full disk, a signal).
       logical :: is_stopping = .false.
-      !> Number of time steps between states with shear stresses; 0: none has them.
+      !> Number of time steps between states with shear stresses; 0: none.
       integer :: stress_stride = 0
-      !> Repeats the time steps with other equations; not allocated: there are none.
+      !> Repeats the time steps with other equations; not allocated: none.
       class(follower_t), allocatable :: follower
-      !> Set by the solver after a steady solution: quantities on the coarser grids that it has
-      !> passed, of n/2 intervals, n/4 ...
+      !> Set by the solver after a steady solution: quantities on the coarser grids of its nested
+      !> start, n/2 intervals, n/4 ...
       type(line_summary_t), allocatable :: coarser(:)
    contains
-      !> Whether the state of a time step is to have shear stresses.
+      !> Whether the state of a time step needs shear stresses.
       procedure, non_overridable :: wants_stresses
-      !> After each time step, and once at T = 0 with step = 0.
+      !> Called after each time step, and once at T = 0 with step = 0.
       procedure :: on_step => ignore_step
-      !> What is computed from now on, or after a cycle of a steady solution.
+      !> Called when a new stage begins, and after each cycle of a steady solution.
       procedure :: on_stage => ignore_stage
-      !> Whether the solver shall end: asked after each cycle of a steady solution and between the
-      !> parts of its start.
+      !> Whether to end the solver: called after each cycle of a steady solution, between the parts
+      !> of its start, and before each time step.
       procedure :: wants_stop
    end type listener_t
 
-   !> Listens to a run that serves another one: forwards stages to the listener of that run, and
-   !> stops where that one wants to.
+   !> Listens to an auxiliary run: forwards stages to the parent run's listener, and stops when that
+   !> one asks to.
    type, extends(listener_t) :: relay_t
       class(listener_t), pointer :: parent => null()
    contains
@@ -104,7 +104,7 @@ module listener
 
 contains
 
-   !> Begins, or goes on from where it stood; `reason` why it cannot.
+   !> Begins, or resumes from `earlier`; `reason`: why it cannot.
    subroutine start(self, contact, state, reason)
       class(follower_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -120,7 +120,7 @@ contains
       end if
    end subroutine start
 
-   !> Whether the listener, if any, wants the solver to end.
+   !> Whether the listener, if any, asks to stop.
    function is_stopped(listener)
       class(listener_t), intent(inout), optional :: listener
       logical :: is_stopped
@@ -129,7 +129,7 @@ contains
       if (present(listener)) is_stopped = listener%wants_stop()
    end function is_stopped
 
-   !> At step 0, and at every one of `stress_stride` after that.
+   !> Whether `step` is 0 or a multiple of `stress_stride`.
    pure function wants_stresses(self, step) result(answer)
       class(listener_t), intent(in) :: self
       integer, intent(in) :: step
@@ -139,8 +139,8 @@ contains
       if (answer) answer = mod(step, self%stress_stride) == 0
    end function wants_stresses
 
-   !> Time step `step` of `steps` is done (0 = the start) and left `state`, from which later steps
-   !> go on with `history`; `report` as far as it is known.
+   !> Ignores time step `step` of `steps` (0 = the start) and its `state`, from which later steps
+   !> continue with `history`; `report` as far as known.
    subroutine ignore_step(self, step, steps, state, history, report)
       class(listener_t), intent(inout) :: self
       integer, intent(in) :: step, steps
@@ -153,8 +153,8 @@ contains
       end associate
    end subroutine ignore_step
 
-   !> `words` in a few words; of a cycle its number, from 1, and the residual and the load error
-   !> after it [-].
+   !> Ignores a stage, described by `words`; for a cycle its number, from 1, and the residual and
+   !> the load error after it [-].
    subroutine ignore_stage(self, words, cycle, residuals)
       class(listener_t), intent(inout) :: self
       character(*), intent(in) :: words
@@ -174,7 +174,7 @@ contains
       wants_stop = self%is_stopping
    end function wants_stop
 
-   !> Forwards a stage; cycles stay here.
+   !> Forwards a stage, but not cycles.
    recursive subroutine forward_stage(self, words, cycle, residuals)
       class(relay_t), intent(inout) :: self
       character(*), intent(in) :: words
@@ -185,7 +185,7 @@ contains
       call self%parent%on_stage(words)
    end subroutine forward_stage
 
-   !> Asks the listener of the other run.
+   !> Asks the parent run's listener.
    recursive function ask_parent(self) result(wants_stop)
       class(relay_t), intent(inout) :: self
       logical :: wants_stop

@@ -1,4 +1,4 @@
-!> The last solutions of a transient: a new one enters, and the first guess of the next comes out.
+!> The last solutions of a transient, and the first guess of the next one from them.
 module march_history
    use film_state, only: film_state_t
    use kinds, only: wp
@@ -11,16 +11,16 @@ module march_history
 
    public :: extrapolate, predictors, remember
 
-   !> The past predicts a step where the line through two solutions missed the next by no more than
+   !> The history predicts a step if the line through two solutions missed the next one by at most
    !> this share of its change.
    real(wp), parameter :: largest_miss = 0.5_wp
 
 contains
 
-   !> From how many of the last solutions the next is best guessed: all, or only the newest where
-   !> the line through the two before missed that (features that move by a spacing in a step, or
-   !> more). In 48 passages with dT = dX this saves 20 % of the cycles on 64 intervals, 10 % on 128,
-   !> 3 % on 256.
+   !> Number of last solutions that best predict the next one: all, or only the newest if the line
+   !> through the two before missed it (features that move by a spacing or more in a step). In 48
+   !> transients with dT = dX this saves 20 % of the cycles on 64 intervals, 10 % on 128, 3 % on
+   !> 256.
    pure function predictors(history) result(count)
       type(march_state_t), intent(in) :: history
       integer :: count
@@ -35,8 +35,8 @@ contains
       end associate
    end function predictors
 
-   !> P (cut at 0) and H0 at the end of a step of `length`, by the curve of lowest degree through
-   !> the last `count` solutions.
+   !> P (cut at 0) and H0 at the end of a step of `length`, by the polynomial of lowest degree
+   !> through the last `count` solutions.
    pure subroutine extrapolate(history, count, length, state)
       type(march_state_t), intent(in) :: history
       integer, intent(in) :: count
@@ -52,7 +52,7 @@ contains
       end associate
    end subroutine extrapolate
 
-   !> Takes the present solution, at the end of a step of `length`, into the history.
+   !> Adds the present solution, at the end of a step of `length`, to the history.
    pure subroutine remember(history, level, length)
       type(march_state_t), intent(inout) :: history
       type(line_level_t), intent(inout) :: level

@@ -1,5 +1,5 @@
-!> Where a transient stands after a time step: everything that the later steps depend on, so that a
-!> run can be interrupted and taken up again without changing a bit of its result.
+!> State of a transient after a time step: everything that later steps depend on, so that an
+!> interrupted run resumes without changing a bit of its result.
 module march_state
    use film_state, only: film_state_t
    use iteration_report, only: report_t
@@ -20,16 +20,15 @@ module march_state
       real(wp), allocatable :: pressure(:, :)
       !> H0 of these solutions.
       real(wp) :: rigid_displacement(3) = 0.0_wp
-      !> Time from each of these solutions back to the next older one, dT or the part of it that was
-      !> a step.
+      !> Time from each of these solutions back to the next older one: dT, or a part of it.
       real(wp) :: lengths(2) = 0.0_wp
       !> rho H of the last two times (0:n, 2), for the squeeze term.
       real(wp), allocatable :: mass(:, :)
-      !> Which of the ways of solution found it; the next step begins with that where the ways are
-      !> relaxations of one method.
+      !> Number of the relaxation that found it; the next step begins with it if all are relaxations
+      !> of one method.
       integer :: way = 1
-      !> H of the newest solution (0:n), and outcome, history and cost up to here: of a state that
-      !> is kept.
+      !> H of the newest solution (0:n), and outcome, history and cost up to here; set in a stored
+      !> state.
       real(wp), allocatable :: film(:)
       type(report_t) :: report
    end type march_state_t

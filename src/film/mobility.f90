@@ -1,8 +1,8 @@
 !> Mobility e = rho H^3 S/mu of the Reynolds-Eyring equation on a grid, with its derivatives.
 !>
-!> All laws are joined in ONE exponential, e = rho H^3 f exp(g - ln mu) with S = f exp(g), lest one
-!> overflows (ln mu reaches 714). Nodes are treated in blocks that stay in cache; each loop calls no
-!> procedure but the laws' own array loops.
+!> All laws are joined in ONE exponential, e = rho H^3 f exp(g - ln mu) with S = f exp(g), to avoid
+!> overflow (ln mu reaches 714). Nodes are computed in blocks that stay in cache; each loop calls
+!> only the laws' array loops.
 module mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp

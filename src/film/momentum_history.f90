@@ -1,6 +1,6 @@
-!> Where the march of the full momentum equations stands: everything that its later steps and its
-!> result depend on, so that a run can be interrupted and taken up again without changing a bit; and
-!> what its last films predict of the next.
+!> State of the march of the full momentum equations: everything that its later steps and its result
+!> depend on, so that an interrupted run resumes without changing a bit; and the prediction of the
+!> next film from the last ones.
 module momentum_history
    use film_state, only: film_state_t
    use kinds, only: wp
@@ -10,45 +10,44 @@ module momentum_history
 
    public :: excess_t, max_excesses, momentum_history_t, next_count, past_t, weights_of
 
-   !> Films that predict the next one, at most.
+   !> Most films that predict the next one.
    integer, parameter :: max_excesses = 3
 
-   !> What the equations need of an old time, or make of several: H, z1 (0:n), rho H of the layers
-   !> (layers, 0:n).
+   !> Quantities of an old time that the equations need, or a combination of several: H, z1 (0:n),
+   !> rho H of the layers (layers, 0:n).
    type :: past_t
       real(wp), allocatable :: film(:), lower(:), mass(:, :)
    end type past_t
 
-   !> P (layers, 0:n), U (layers, n), V (0:layers, 0:n) and H0 of a film, or what they have above
-   !> those of the Reynolds equation at the same time, U above that of the thin film with its P and
-   !> H.
+   !> P (layers, 0:n), U (layers, n), V (0:layers, 0:n) and H0 of a film, or their excess over those
+   !> of the Reynolds equation at the same time; U over that of the thin film with its P and H.
    type :: excess_t
       real(wp), allocatable :: p(:, :), u(:, :), v(:, :)
       real(wp) :: rigid_displacement = 0.0_wp
    end type excess_t
 
-   !> The past of the march, the newest first, and its present film.
+   !> History of the march, the newest first, and its present film.
    type :: momentum_history_t
       integer :: layers = 0
-      !> The film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
+      !> Film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
       type(film_state_t) :: reynolds
       real(wp), allocatable :: heights(:, :)
-      !> How many of `past` and of `excess` there are.
+      !> Numbers of `past` and of `excess` in use.
       integer :: times = 0, films = 0
       type(past_t) :: past(2)
       type(excess_t) :: excess(max_excesses)
       !> Time from each of these films back to the next older one.
       real(wp) :: lengths(max_excesses - 1) = 0.0_wp
-      !> How many of the films predict the next one.
+      !> Number of films that predict the next one.
       integer :: best_count = 0
       !> Largest T_max so far.
       real(wp) :: stress_rise = 0.0_wp
-      !> Time steps, or parts of them, with their Newton steps: all, most for one, and how many
-      !> took more than three.
+      !> Time steps, or parts of them, with their Newton steps: all, most for one, and the number of
+      !> those with more than three.
       integer :: solutions = 0, steps = 0, most_steps = 0, longer = 0
       integer :: factorisations = 0, linear_iterations = 0
-      !> Set where it is kept: the present film, its H (0:n), half the weight of the new value in
-      !> d/dT, and what the old ones make of it.
+      !> Set in a stored state: the present film, its H (0:n), half the weight of the new value in
+      !> d/dT, and the contribution of the old ones to it.
       type(excess_t) :: flow
       real(wp), allocatable :: film(:)
       real(wp) :: half_rate = 0.0_wp
@@ -57,7 +56,7 @@ module momentum_history
 
 contains
 
-   !> Weights of the last `count` films in what they predict at the end of a step of this length.
+   !> Weights of the last `count` films in the prediction for the end of a step of this length.
    pure function weights_of(past, length, count) result(weights)
       type(momentum_history_t), intent(in) :: past
       real(wp), intent(in) :: length
@@ -69,8 +68,8 @@ contains
       if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
    end function weights_of
 
-   !> From how many of its films the past would best have predicted the present `excess`, after a
-   !> step of this length: pressures and velocities count alike.
+   !> Number of films that would best have predicted the present `excess` after a step of this
+   !> length: pressures and velocities count alike.
    function next_count(past, excess, length) result(best)
       type(momentum_history_t), intent(in) :: past
       type(excess_t), intent(in) :: excess

@@ -22,26 +22,26 @@ module nested_start
 
    public :: bump_start, first_guess, full_multigrid_start, solve_level
 
-   !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
+   !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
-   !> Accuracy of a level that finer ones are compared with (docs/decisions.md).
+   !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter, public :: coarse_run_tolerance = 1.0e-3_wp
-   !> First grids that are tried.
+   !> Most first grids to try.
    integer, parameter, public :: max_firsts = 4
-   !> Bound on Sigma in the start of a level, and smoothings at most to reach it.
+   !> Bound on Sigma in the start of a level, and most smoothings to reach it.
    real(wp), parameter :: largest_sigma = 10.0_wp
    integer, parameter :: max_smoothings = 30
-   !> Above this film [b^2/R] the pressure is far from Hertz's and the start is a wide bump.
+   !> Above this film [b^2/R] the pressure is far from Hertzian and the start is a wide bump.
    real(wp), parameter :: thick_film = 0.5_wp
 
 contains
 
-   !> Exact solutions from the coarsest grid that carries a film (level 1 unless the user's number
-   !> of levels makes that one coarser) up to the coarsest of the cycles, then cubic interpolation
-   !> and one cycle on each finer level; the finest is left with the interpolated pressure. Where no
-   !> film is found on the first grid, the next finer ones are tried. `is_sound` is false if that
-   !> fails too, or `listener` wants to stop.
+   !> Solves exactly from the coarsest grid that carries a film (level 1 unless the user's number of
+   !> levels makes that one coarser) up to the coarsest of the cycles, then interpolates cubically
+   !> and makes one cycle on each finer level; the finest keeps the interpolated pressure. If the
+   !> first grid has no solution, the next finer ones are tried. `is_sound` is false if that fails
+   !> too, or `listener` asks to stop.
    subroutine full_multigrid_start(hierarchy, contact, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -73,9 +73,9 @@ contains
       end do
    end subroutine full_multigrid_start
 
-   !> Exact solutions on the levels from `first` (`first_stress`: there by way of a higher Eyring
-   !> stress) to the coarsest of the cycles; if that is the finest level, it is left with the
-   !> interpolated pressure, or (`follows_time`) where that has moved to.
+   !> Solves exactly on the levels from `first` (`first_stress`: there from a higher Eyring stress)
+   !> to the coarsest of the cycles; if that is the finest level, it keeps the interpolated
+   !> pressure, or (`follows_time`) the one reached in pseudo-time.
    subroutine nested_solutions(hierarchy, contact, first, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -114,7 +114,8 @@ contains
       end associate
    end subroutine nested_solutions
 
-   !> Where level k starts from: the level below, or nothing on the `first` one.
+   !> Sets the first guess of level k: from the level below, or from `bump_start` on the `first`
+   !> one.
    subroutine first_guess(hierarchy, contact, k, first)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -127,9 +128,9 @@ contains
       end if
    end subroutine first_guess
 
-   !> Exact solution on level k from its present pressure, of a coarse run by the space scheme of
-   !> the hierarchy: from the solution of the thesis's scheme to that of the kappa scheme. Where
-   !> that step fails, the first solution stays, which is no coarse run.
+   !> Solves level k exactly from its present pressure; a coarse run by the space scheme of the
+   !> hierarchy: first upwind2, then kappa from its solution. If kappa fails, the upwind2 solution
+   !> stays, which is no coarse run.
    subroutine solve_level(hierarchy, k, tolerance, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
@@ -155,11 +156,11 @@ contains
       end associate
    end subroutine solve_level
 
-   !> Pressure of level k from level k - 1 by cubic interpolation, film from the pressure.
+   !> Interpolates the pressure of level k cubically from level k - 1, and computes its film.
    !>
    !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the
-   !> fine grid, where the slip factor would start at exp(100): the pressure of a fluid that thins
-   !> is smoothed until no wall stress is larger than `largest_sigma`.
+   !> fine grid, where the slip factor would start at exp(100): the pressure of a shear-thinning
+   !> fluid is smoothed until no wall stress exceeds `largest_sigma`.
    subroutine refine(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
@@ -185,9 +186,9 @@ contains
       call count_work(hierarchy, k, 1)
    end subroutine refine
 
-   !> The interpolated pressure round the exit: its root is nearly linear there (module
-   !> quantities), and Newton's method moves the exit by one node a step only, so that it has to
-   !> start within one.
+   !> Interpolates the pressure near the exit: its square root is nearly linear there (module
+   !> quantities), and Newton's method moves the exit by only one node a step, so that it must start
+   !> within one.
    pure subroutine place_exit(coarse, fine)
       type(line_level_t), intent(in) :: coarse
       type(line_level_t), intent(inout) :: fine
@@ -206,9 +207,9 @@ contains
       end do
    end subroutine place_exit
 
-   !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure
-   !> build-up, scaled to the load, all of it on the node next to X = 0 where no node lies under the
-   !> bump; H0 so that H(0) is the Moes film times `start_film` of the relaxation.
+   !> Starts from the Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the
+   !> pressure build-up, scaled to the load, which acts on the node next to X = 0 if no node lies
+   !> under the bump; H0 so that H(0) is the Moes film times `start_film` of the relaxation.
    subroutine bump_start(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact

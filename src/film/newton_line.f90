@@ -1,9 +1,8 @@
 !> Newton's method for the line contact with its exact elastic Jacobian.
 !>
-!> Unknowns are P(1..n-1) and H0, the film follows exactly from P; complementarity P >= 0, r <= 0 by
+!> Unknowns are P(1..n-1) and H0; the film follows exactly from P. Complementarity P >= 0, r <= 0 by
 !> an active set: a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the
-!> elastic diagonal). How the linear system is solved is decided by the `linear_solver_t`: by
-!> LAPACK, or in O(n log n).
+!> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
    use film_equation, only: load_defect, take_film
    use inlet_tail, only: close_inlet
@@ -19,36 +18,36 @@ module newton_line
 
    public :: solve_newton
 
-   !> A step changes no pressure by more than this share of max(1, P), one that is bent by no more
-   !> than the second, and no film to less than the third.
+   !> A step changes no pressure by more than the first share of max(1, P), a bent one by no more
+   !> than the second, and reduces no film below the third.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, &
       smallest_film_share = 0.5_wp
-   !> A step is bent where it changes ln e by more than this; the oil of a node flows where its
-   !> mobility is more than the second share of the diagonal (1000 Newtonian contacts: of 0.02-2 the
+   !> A step is bent where it changes ln e by more than the first; the oil of a node flows where its
+   !> mobility exceeds the second share of the diagonal (1000 Newtonian contacts: of 0.02-2 the
    !> fastest).
    real(wp), parameter :: small_change = 0.3_wp, flowing_share = 0.1_wp
-   !> A step changes no Sigma of the slip factor by more than this.
+   !> Largest change of Sigma of the slip factor in a step.
    real(wp), parameter :: largest_slip_step = 10.0_wp
-   !> The step may be halved this often before the method gives up.
+   !> Most halvings of a step before the method gives up.
    integer, parameter :: max_halvings = 20
-   !> A step within a tolerance of the pressure must leave every film within this many times that,
-   !> as a share of it: 0.01 p_h is all of a film of 1e-4 b^2/R.
+   !> A step within a tolerance of the pressure must change every film, relatively, by less than
+   !> this many times that: 0.01 p_h is all of a film of 1e-4 b^2/R.
    real(wp), parameter :: film_share = 10.0_wp
-   !> A full step below `settled` that is no longer ten times smaller than the one before has
-   !> reached the round-off.
+   !> A full step below `settled` that is not ten times smaller than the one before has reached
+   !> round-off.
    real(wp), parameter :: settled = 1.0e-7_wp
 
-   !> What the linear solution may leave of the goal of a step that can reach it: one that has to
-   !> lower the residual to no less than this share of it.
+   !> The linear solution may leave the first share of the goal of a step that can reach it: one
+   !> that must reduce the residual to no less than the second share of it.
    real(wp), parameter :: goal_share = 0.5_wp, max_reduction = 3.0e-6_wp
 
 contains
 
-   !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are
-   !> updated. Ends when a full step is below `tolerance` in P and H0, and below ten times that in
-   !> relative H, or at round-off, after `max_steps`, or before a step where `listener` wants to
-   !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
-   !> is already that of its pressure and of H0.
+   !> Solves the level's equations (with its right sides) from its present pressure; updates film
+   !> and H0. Ends when a full step is below `tolerance` in P and H0 and below ten times that in
+   !> relative H, or at round-off, after `max_steps`, or before a step when `listener` asks to stop.
+   !> `goal`: bound on |r|/lambda that the caller needs. `film_is_exact`: the level's film is
+   !> already that of its pressure and of H0.
    subroutine solve_newton(newton, level, tolerance, max_steps, listener, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
@@ -63,7 +62,7 @@ contains
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
       newton%stress_scale = wall_stress(level%fluid, 1.0_wp)
-      ! bent steps do not converge for thinning oils under heavy load (docs/decisions.md)
+      ! bent steps do not converge for shear-thinning oils under heavy load (docs/decisions.md)
       newton%is_bent = .not. thins(level%fluid)
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
@@ -104,7 +103,7 @@ contains
       end do
    end subroutine solve_newton
 
-   !> What the linear solution may leave of |r| where Newton's method is after the bound `goal` on
+   !> Bound on the |r| left by the linear solution if Newton's method must reach `goal` of
    !> |r|/lambda.
    pure function linear_goal(residual, lambda, goal) result(bound)
       real(wp), intent(in) :: residual, lambda
@@ -116,7 +115,7 @@ contains
       if (goal*lambda > max_reduction*residual) bound = goal_share*goal*lambda
    end function linear_goal
 
-   !> Active set and right side; rows of the bands are divided by the elastic diagonal.
+   !> Sets active set and right side; divides the rows of the bands by the elastic diagonal.
    pure subroutine prepare_system(newton, level)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(in) :: level
@@ -141,10 +140,10 @@ contains
 
    !> Bends the step of nodes whose mobility e would change by much.
    !>
-   !> Where oil is as good as solid, its film fixes P, linearly; where it flows, what is linear is
-   !> the flow, in e ~ exp(-a P). A falling pressure goes no further than to where the oil begins to
-   !> flow, or than e grows as its tangent in P says; a rising one as far as e falls as that tangent
-   !> says, but not past where the flow ends. Unbent, the step overshoots at a spike, which then
+   !> Where oil is nearly solid, its film fixes P, linearly; where it flows, the flow is linear, in
+   !> e ~ exp(-a P). A falling pressure goes no further than to where the oil begins to flow, or to
+   !> where e has grown as its tangent in P predicts; a rising one as far as e falls by that
+   !> tangent, but not past where the flow ends. Unbent, the step overshoots at a spike, which then
    !> comes back by one e-fold, or one node, a step.
    pure subroutine bend_step(newton, level)
       type(newton_t), intent(inout) :: newton
@@ -166,7 +165,7 @@ contains
       end associate
    end subroutine bend_step
 
-   !> Takes the step, shortened until no pressure moves too far and no film falls below half;
+   !> Applies the step, shortened until no pressure moves too far and no film falls below half;
    !> share = 0 if that fails.
    subroutine apply_step(newton, level, share)
       type(newton_t), intent(inout) :: newton
@@ -207,8 +206,8 @@ contains
       end associate
    end subroutine apply_step
 
-   !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step
-   !> must not run ahead of it.
+   !> Largest change of Sigma in a full step: the slip factor grows as exp(|Sigma|), and a Newton
+   !> step must not run ahead of it.
    pure function slip_step(newton, level) result(largest)
       type(newton_t), intent(in) :: newton
       type(line_level_t), intent(in) :: level

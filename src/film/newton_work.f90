@@ -1,9 +1,8 @@
-!> What Newton's method keeps from call to call, what the last call did, and the linear system of
-!> one of its steps.
+!> Work space and outcome of Newton's method, and the linear system of one of its steps.
 !>
-!> Unknowns of that are the changes of P(1..n-1) and of H0. Row i < n is the Reynolds equation of
-!> node i divided by the elastic diagonal (the identity where the node is cavitated), row n the
-!> force balance.
+!> Its unknowns are the changes of P(1..n-1) and H0. Row i < n is the Reynolds equation of node i
+!> divided by the elastic diagonal (the identity where the node is cavitated), row n the force
+!> balance.
 module newton_work
    use face_mobility, only: face_slopes_t
    use film_state, only: film_state_t
@@ -28,11 +27,11 @@ module newton_work
       type(face_slopes_t) :: faces
    end type reynolds_jacobian_t
 
-   !> A way to solve the system.
+   !> A solver of the system.
    type, abstract :: linear_solver_t
       !> Share of the right side that an iterative solution may leave.
       real(wp) :: tolerance = 1.0e-2_wp
-      !> Bound on what it may leave of a Reynolds residual |r|.
+      !> Bound on the Reynolds residual |r| that it may leave.
       real(wp) :: goal = huge(1.0_wp)
       !> Iterations of the last call (0 for a direct solution).
       integer :: iterations = 0
@@ -45,18 +44,18 @@ module newton_work
       class(linear_solver_t), allocatable :: linear
       type(reynolds_jacobian_t) :: jacobian
       real(wp), allocatable :: step(:)
-      !> Where the last step began.
+      !> State before the last step.
       type(film_state_t) :: before
       logical, allocatable :: is_cavitated(:)
       !> Wall stress per H dP/dX of the lubricant; 0 for a Newtonian one.
       real(wp) :: stress_scale = 0.0_wp
       !> Whether steps are bent (`bend_step`): Newtonian lubricants.
       logical :: is_bent = .false.
-      !> Largest |r| of the nodes that are not cavitated, at the last linearisation.
+      !> Largest |r| of the nodes not cavitated, at the last linearisation.
       real(wp) :: residual = 0.0_wp
       !> Newton steps of the last call, and steps of the linear solver in all calls.
       integer :: steps = 0, linear_iterations = 0
-      !> Size of the last full step in P and H0; below `tolerance` when converged.
+      !> Size of the last step in P and H0; below `tolerance` when converged.
       real(wp) :: last_step = huge(1.0_wp)
       !> Largest relative change of a film in the last step.
       real(wp) :: last_film_step = huge(1.0_wp)
@@ -65,9 +64,9 @@ module newton_work
    end type newton_t
 
    abstract interface
-      !> `jacobian` holds bands that are already divided by the elastic diagonal; `step` (n) is the
-      !> right side on entry and the solution on return. `is_solved` is false if the system is
-      !> singular.
+      !> Solves with `jacobian`, whose bands are already divided by the elastic diagonal; `step` (n)
+      !> is the right side on entry and the solution on return. `is_solved` is false if the system
+      !> is singular.
       subroutine solve_interface(self, level, jacobian, is_cavitated, step, is_solved)
          import :: line_level_t, linear_solver_t, reynolds_jacobian_t, wp
          implicit none (type, external)
@@ -95,7 +94,7 @@ contains
       end associate
    end subroutine new_jacobian
 
-   !> Work space for n intervals.
+   !> Allocates work space for n intervals and resets the count of steps.
    subroutine allocate_work(newton, n)
       type(newton_t), intent(inout) :: newton
       integer, intent(in) :: n

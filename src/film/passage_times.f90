@@ -1,14 +1,14 @@
-!> Which times of a transient count for its quantities: from when its start is forgotten.
+!> Times of a transient that count for its quantities: those after its start is forgotten.
 !>
 !> At T = 0 the film is that of the smooth contact, and surfaces that are then inside the contact
-!> have entered it without a new solve. With S = sqrt(2 H_c) the film is made in front of
-!> X = -1 - S/2 and carried through the contact with the mean speed, one half-width per unit of T,
-!> in the time 2 + S. What the start has left of an extreme was below 1.4 % after that time in 9
-!> waves of 5 to 35 % of the film, below 0.1 % after 1.6 times that, and fell by a factor of 10 or
-!> more in each further such time. A ridge that begins in front of X = -1 - S/2 leaves nothing of
-!> the start: its film differs by less than 0.4 % from that of a start far outside (10 contacts).
+!> have entered it without a new solve. With S = sqrt(2 H_c) the film forms in front of X = -1 - S/2
+!> and moves through the contact with the mean speed, one half-width per unit of T, in the time 2 +
+!> S. The effect of the start on an extreme was below 1.4 % after that time in 9 waves of 5 to 35 %
+!> of the film, below 0.1 % after 1.6 times that, and fell by a factor of 10 or more in each further
+!> such time. A ridge that begins in front of X = -1 - S/2 is free of the start: its film differs by
+!> less than 0.4 % from that of a start far outside (10 contacts).
 !>
-!> A passage of nothing but waves becomes periodic: its quantities are those of the last whole
+!> A transient of waves only becomes periodic: its quantities are those of the last complete
 !> periods.
 module passage_times
    use entry_zone, only: arrival_of, half_ridge, first_passage, front_arrival, &
@@ -23,48 +23,47 @@ module passage_times
 
    public :: new_passage_times, passage_note, passage_times_t, place_features
 
-   !> The start is forgotten after this many times 2 + S, and half of that suffices for a
+   !> The start is forgotten after `settling` times 2 + S; `comparable` times suffice for a
    !> comparison.
    real(wp), parameter :: settling = 1.5_wp, comparable = 1.0_wp
-   !> Quantities of periodic passages are taken over whole periods that last this many times 2 + S
-   !> at least.
+   !> Quantities of periodic transients cover complete periods of at least this many times 2 + S.
    real(wp), parameter :: least_window = 1.0_wp/3.0_wp
-   !> A feature is put in front of X = -1 - c S.
+   !> A feature is placed in front of X = -1 - c S.
    real(wp), parameter :: entry = 1.0_wp
-   !> Several waves repeat themselves where each is this part of its period from where it was, at
-   !> most; looked for up to this many periods of the slowest.
+   !> Several waves repeat themselves when each is within this part of its period from where it was;
+   !> searched up to this many periods of the slowest.
    real(wp), parameter :: same_phase = 0.05_wp
    integer, parameter :: max_periods = 1000
-   !> Times are equal to this share of the end.
+   !> Times are equal within this share of the end.
    real(wp), parameter :: rounding = 1.0e-9_wp
 
-   !> The times of one passage, all T.
+   !> Times of one transient, all T.
    type :: passage_times_t
-      !> Quantities are the extremes over this time and all later ones.
+      !> Quantities are the extremes from this time on.
       real(wp) :: counts_from = 0.0_wp
-      !> Where a period is known: the extremes between this time and `counts_from` tell how far the
-      !> passage is from periodic.
+      !> If a period is known: the extremes between this time and `counts_from` show how far the
+      !> transient is from periodic.
       real(wp) :: earlier_from = 0.0_wp
-      !> Period of the passage; 0: it has none.
+      !> Period of the transient; 0: none.
       real(wp) :: period = 0.0_wp
-      !> From here on the start is forgotten and all waves have entered.
+      !> From this time on the start is forgotten and all waves have entered.
       real(wp) :: settled_from = 0.0_wp
-      !> Before this time the contact is smooth still; 0 where that lasts to the end.
+      !> Before this time the contact is still smooth; 0 if that lasts to the end.
       real(wp) :: arrival = 0.0_wp
-      !> End that the passage needs.
+      !> End time that the transient needs.
       real(wp) :: needed_end = 0.0_wp
       real(wp) :: end_time = 0.0_wp
-      !> At T = 0 something stands inside the contact.
+      !> At T = 0 roughness is inside the contact, without a smooth entry.
       logical :: is_artificial = .false.
-      !> `counts_from` is the user's.
+      !> The user gave `counts_from`.
       logical :: is_given = .false.
    contains
       !> Whether a time counts, and whether it belongs to the comparison.
       procedure :: counts
       procedure :: is_earlier
-      !> From when statistics of the film count.
+      !> Time from which statistics of the film count.
       procedure :: statistics_from
-      !> Whether the run lasts until the quantities have nothing of the start in them.
+      !> Whether the run lasts until its quantities are free of the start.
       procedure :: is_settled
    end type passage_times_t
 
@@ -79,8 +78,8 @@ contains
       counts = time >= self%counts_from - rounding*self%end_time
    end function counts
 
-   !> Statistics of the film count no times at which the contact is smooth still, unless the user
-   !> has said from when.
+   !> Time from which statistics of the film count: not while the contact is still smooth, unless
+   !> the user gave it.
    pure function statistics_from(self) result(from)
       class(passage_times_t), intent(in) :: self
       real(wp) :: from
@@ -90,7 +89,7 @@ contains
       from = from - rounding*self%end_time
    end function statistics_from
 
-   !> Whether the quantities at `time` are those to compare with.
+   !> Whether the quantities at `time` belong to the comparison.
    pure elemental function is_earlier(self, time)
       class(passage_times_t), intent(in) :: self
       real(wp), intent(in) :: time
@@ -100,8 +99,8 @@ contains
          .and. time <= self%counts_from + rounding*self%end_time
    end function is_earlier
 
-   !> Whether the start is forgotten where the times begin that count; of a given beginning nothing
-   !> is asked.
+   !> Whether the start is forgotten when the times that count begin; true if the user gave that
+   !> time.
    pure function is_settled(self)
       class(passage_times_t), intent(in) :: self
       logical :: is_settled
@@ -148,7 +147,8 @@ contains
       end if
    end function new_passage_times
 
-   !> Whether a surface is artificial at T = 0, and until when; when its waves fill the contact.
+   !> Sets whether a surface is artificial at T = 0, until when, and when its waves fill the
+   !> contact.
    pure subroutine settle_surface(surface, zone, times)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -169,8 +169,8 @@ contains
       times%settled_from = max(times%settled_from, settled)
    end subroutine settle_surface
 
-   !> How much later than from T = 0 on the film is made of a whole wave, where that rises behind a
-   !> front or with time.
+   !> Delay until the film comes from a complete wave, which rises behind a front or with time,
+   !> against a wave that is present at T = 0.
    pure function entering_time(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -188,7 +188,7 @@ contains
       end associate
    end function entering_time
 
-   !> Whether a surface is at rest, or nothing of it moves but waves.
+   !> Whether a surface is at rest, or only waves of it move.
    pure function is_repeating(surface)
       type(rough_surface_t), intent(in) :: surface
       logical :: is_repeating
@@ -200,7 +200,7 @@ contains
          .and. .not. any(is_ridge(surface%features))
    end function is_repeating
 
-   !> Time in which each wave of a moving surface goes on by its length.
+   !> Time in which each wave of a moving surface moves by its length.
    pure function periods_of(surface) result(periods)
       type(rough_surface_t), intent(in) :: surface
       real(wp), allocatable :: periods(:)
@@ -211,7 +211,7 @@ contains
          is_wave(surface%features))/abs(surface%speed)
    end function periods_of
 
-   !> The shortest time in which all waves repeat themselves, about; 0 without waves.
+   !> Shortest time after which all waves nearly repeat themselves; 0 without waves.
    pure function common_period(periods) result(period)
       real(wp), intent(in) :: periods(:)
       real(wp) :: period
@@ -225,9 +225,8 @@ contains
       end do
    end function common_period
 
-   !> Puts the features of moving surfaces that have no place just in front of the contact, on the
-   !> side they come from; where something else has to settle first, so far that they enter after
-   !> it.
+   !> Places the features of moving surfaces that have no position just in front of the contact, on
+   !> the side they come from; if something else must settle first, so far that they enter after it.
    pure subroutine place_features(contact)
       type(line_contact_t), intent(inout) :: contact
       type(passage_times_t) :: times
@@ -241,7 +240,7 @@ contains
 
    contains
 
-      !> The features of one surface; a sinusoid has a crest at X = 0.
+      !> Places the features of one surface; a sinusoid has a crest at X = 0.
       pure subroutine place_on(surface)
          type(rough_surface_t), intent(inout) :: surface
          real(wp) :: distance
@@ -263,8 +262,7 @@ contains
 
    end subroutine place_features
 
-   !> What should be known about the times: quantities that have the start in them, a passage that
-   !> is not whole; empty: nothing.
+   !> Note on the times: quantities that include the start, an incomplete passage; empty: none.
    pure function passage_note(contact, times) result(note)
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t), intent(in) :: times
@@ -295,7 +293,7 @@ contains
          //rounded_up(left, 3)//' or more is needed')
    end function passage_note
 
-   !> What should be known of features that pass before the quantities count, `from` then on.
+   !> Note on features that pass before the quantities count, at `from`; empty: none.
    pure function uncounted_passage(contact, from) result(note)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: from
@@ -315,7 +313,7 @@ contains
 
    contains
 
-      !> When the first feature of a surface reaches the contact; huge where it is at rest.
+      !> Time at which the first feature of a surface reaches the contact; huge if it is at rest.
       pure function own_passage(surface) result(time)
          type(rough_surface_t), intent(in) :: surface
          real(wp) :: time

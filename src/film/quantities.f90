@@ -1,10 +1,9 @@
-!> The quantities of a lubricated line contact that everybody asks for first: smallest and central
-!> film, largest and central pressure, exit, friction. What each is stands in one table; the summary
-!> of a state, extremes over time, error estimates, forecasts, checkpoints, results and the closing
-!> table go through it.
+!> The main quantities of a lubricated line contact: smallest and central film, largest and central
+!> pressure, exit, friction. One table defines them; the summary of a state, extremes over time,
+!> error estimates, predictions, checkpoints, results and the closing table use it.
 !>
-!> Dimensionless (H, P, X; forces and powers as in module film_shear). Where a quantity cannot be
-!> known it is NaN, never a number that looks like an answer.
+!> Dimensionless (H, P, X; forces and powers as in module film_shear). A quantity that cannot be
+!> known is NaN, never a number that looks like an answer.
 module quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use constants, only: pi
@@ -22,28 +21,29 @@ module quantities
       p_central = 5, x_cavitation = 6, friction_coefficient = 7, rolling_coefficient = 8, &
       sliding_power = 9, rolling_power = 10
 
-   !> How the error of a quantity is estimated from other grids. `rule_value`: by its own values, in
-   !> a transient by those between the nodes. `rule_node`: by both, and their distance is added.
-   !> `rule_between`: by those between the nodes, their distance is added, and the value between the
-   !> nodes counts as extrapolated. `rule_crest`: by the crests of the pressure, and how much a
-   !> spike may grow.
+   !> How the error of a quantity is estimated from other grids. `rule_value`: by its values, in a
+   !> transient by those between the nodes. `rule_node`: by both, plus their distance.
+   !> `rule_between`: by those between the nodes, plus their distance; the value between the nodes
+   !> counts as extrapolated. `rule_crest`: by the crests of the pressure, and the possible growth
+   !> of a spike.
    integer, parameter, public :: rule_value = 1, rule_node = 2, rule_between = 3, rule_crest = 4
 
-   !> What a quantity is.
+   !> One quantity.
    type, public :: quantity_row_t
       !> Name in the result.
       character(len=28) :: name
-      !> Name in the closing table; empty: it is not there.
+      !> Name in the closing table; empty: not there.
       character(len=9) :: short
-      !> The field of /solution whose unit it has; that says what an inlet too near does to it, too.
+      !> The field of /solution whose unit it has; the effect of an inlet too near follows from it,
+      !> too.
       character(len=20) :: field
-      !> Which one over several times counts: 'smallest' or 'largest'.
+      !> Extreme that counts over several times: 'smallest' or 'largest'.
       character(len=8) :: extreme
       integer :: rule
       !> Bounds of its observed order in space in the kappa scheme: at a spike that of h_min is
-      !> chance, and h_central falls faster than with the second order.
+      !> random, and h_central converges faster than with the second order.
       real(wp) :: kappa_orders(2)
-      !> Its estimate is wider than others by this factor.
+      !> Factor that widens its estimate.
       real(wp) :: widening
       !> Text of its data set.
       character(len=80) :: text
@@ -76,13 +76,13 @@ module quantities
 
    integer, parameter, public :: quantity_count = size(quantity_rows)
 
-   !> Rows that are not known where the speeds of the surfaces are not.
+   !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
 
 contains
 
-   !> Whether the order of a quantity in the kappa scheme is chance: what a finer grid changes of it
-   !> tells little then.
+   !> Whether the order of a quantity in the kappa scheme is random: its change on a finer grid then
+   !> says little.
    pure function is_chance(row)
       type(quantity_row_t), intent(in) :: row
       logical :: is_chance
@@ -91,9 +91,8 @@ contains
    end function is_chance
 
    !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx), or of
-   !> what their stresses add up to: its value and that between the nodes, which does not change
-   !> with the place of the nodes. The same number twice where there is no other; of the pressure
-   !> the crests are used in its place.
+   !> their `friction`: its value and that between the nodes, which does not depend on their
+   !> position. The same number twice if there is no other; for the pressure the crests replace it.
    pure function quantity_values(row, x, p, h, friction) result(values)
       integer, intent(in) :: row
       real(wp), intent(in) :: x(:), p(:), h(:)
@@ -181,8 +180,8 @@ contains
       if (.not. ieee_is_finite(film)) film = not_known()
    end function central_value
 
-   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear
-   !> where there are not four; NaN if the grid does not reach it. x, h (nx).
+   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear if
+   !> there are not four; NaN if the grid does not reach it. x, h (nx).
    pure function central_by_cubic(x, h) result(film)
       real(wp), intent(in) :: x(:), h(:)
       real(wp) :: film, t, weights(4)
@@ -210,9 +209,9 @@ contains
    end function exit_position
 
    !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly
-   !> linear: the zero of the parabola through the roots of P at the last three nodes with P > 0, of
-   !> the line through the last two where that has no zero ahead, at most two spacings behind the
-   !> last node. NaN if there are not three such nodes in a row. x, p (nx).
+   !> linear: the zero of the parabola through the roots of P at the last three nodes with P > 0, or
+   !> of the line through the last two if that has no zero ahead, at most two spacings behind the
+   !> last node. NaN without three such nodes in a row. x, p (nx).
    pure function exit_between_nodes(x, p) result(position)
       real(wp), intent(in) :: x(:), p(:)
       real(wp) :: position, root(3), slope, curvature, discriminant, ahead

@@ -14,18 +14,18 @@ module residuals
    type :: residual_t
       !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0.
       real(wp) :: reynolds = huge(1.0_wp)
-      !> |dX sum P - pi/2|, with what the tail of this state carries.
+      !> |dX sum P - pi/2|, with the load of the tail of this state.
       real(wp) :: load = huge(1.0_wp)
       !> Round-off floor of `reynolds`, see `round_off`.
       real(wp) :: floor = 0.0_wp
-      !> False if the film of the pressure closes somewhere, so that no residual exists.
+      !> False if the film of the pressure closes somewhere, so that there is no residual.
       logical :: film_is_open = .false.
    end type residual_t
 
 contains
 
-   !> The residuals with the film that belongs exactly to the pressure.
-   !> The level's film becomes that film unless it closes; with `film_is_exact` it is that already.
+   !> Computes the residuals with the film that belongs exactly to the pressure. The level's film
+   !> becomes that film unless it closes; with `film_is_exact` it already is.
    subroutine measure_residual(level, residual, film_is_exact)
       type(line_level_t), intent(inout) :: level
       type(residual_t), intent(out) :: residual
@@ -57,9 +57,9 @@ contains
       residual%floor = round_off(level)
    end subroutine measure_residual
 
-   !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P
-   !> and H in their differences; where the compensation of P is kept, 1e-15 ( max(H) + max|K P|/pi
-   !> )/dX, that of the mass flux: of e, of H and of what H is a sum of.
+   !> Round-off of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), by P and H in their
+   !> differences; with the compensation of P, 1e-15 ( max(H) + max|K P|/pi )/dX, by the mass flux:
+   !> by e, H and the terms of H.
    pure function round_off(level) result(floor)
       type(line_level_t), intent(in) :: level
       real(wp) :: floor

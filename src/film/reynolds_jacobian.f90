@@ -18,9 +18,9 @@ module reynolds_jacobian
 
 contains
 
-   !> The bands at the present pressure and film of the level; rows 0 and n stay zero. The laws are
-   !> evaluated once: the level gets its coefficients and the operator L_R from the same values (as
-   !> from `evaluate_reynolds`).
+   !> Computes the bands at the present pressure and film of the level; rows 0 and n stay zero. The
+   !> laws are evaluated once: the level receives its coefficients and the operator L_R from the
+   !> same values (as from `evaluate_reynolds`).
    pure subroutine evaluate_jacobian(level, jacobian)
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
@@ -39,7 +39,7 @@ contains
             jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), &
                right_p(0) - left_p(1), right_p(1)]
             jh(:, i) = [-left_h(-2), right_h(-2) - left_h(-1), right_h(-1) - left_h(0), right_h(0)]
-            ! rH(i-2) ... rH(i) in the wedge and the squeeze term, alike from the second row on
+            ! rH(i-2) ... rH(i) in the wedge and the squeeze term, the same from the second row on
             if (i <= 2) weights = wedge_weights(i)*level%lambda/level%dx &
                + [0.0_wp, 0.0_wp, level%lambda*level%inverse_time_step]
             do o = max(-2, -i), 0
@@ -57,7 +57,7 @@ contains
       end associate
    end subroutine evaluate_jacobian
 
-   !> Mobility and density with their derivatives, and the coefficients of the level.
+   !> Computes mobility and density with their derivatives, and the coefficients of the level.
    pure subroutine evaluate_slopes(level, jacobian)
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
@@ -86,7 +86,7 @@ contains
    end subroutine evaluate_slopes
 
    !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with
-   !> what the kappa scheme adds to the mass flux rH there, by P(i-2..i+1) and H(i-2..i).
+   !> the kappa scheme's addition to the mass flux rH there, by P(i-2..i+1) and H(i-2..i).
    pure subroutine differentiate_flux(level, jacobian, i, flux_p, flux_h)
       type(line_level_t), intent(in) :: level
       type(reynolds_jacobian_t), intent(in) :: jacobian
@@ -115,7 +115,7 @@ contains
       end if
    end subroutine differentiate_flux
 
-   !> The part of -lambda/dX theta/3 ( rH(i) - 2 rH(i-1) + rH(i-2) ) in these derivatives.
+   !> Adds the part of -lambda/dX theta/3 ( rH(i) - 2 rH(i-1) + rH(i-2) ) to these derivatives.
    pure subroutine add_third_order_slopes(level, rho_p, i, flux_p, flux_h)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i

@@ -6,14 +6,14 @@
 !> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at
 !> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT.
 !>
-!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and the mass flux
-!> rH at a face from one node downstream too,
+!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and includes one
+!> node downstream in the mass flux rH at a face,
 !>
 !>     rH(i+1/2) = ( 3 rH(i) - rH(i-1) )/2 + theta(i)/3 ( rH(i+1) - 2 rH(i) + rH(i-1) )
 !>
 !> which with theta = 1 is (2 rH(i+1) + 5 rH(i) - rH(i-1))/6, of third order, and with theta = 0 the
-!> flux of the thesis's wedge. The share theta falls where the pressure curves beyond what the grid
-!> resolves (`third_order_share`). At the first face both schemes have (rH(0) + rH(1))/2.
+!> flux of upwind2. The share theta falls where the pressure curves more than the grid resolves
+!> (`third_order_share`). At the first face both schemes have (rH(0) + rH(1))/2.
 module reynolds_line
    use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
@@ -25,14 +25,13 @@ module reynolds_line
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
       reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
 
-   !> Curvature c at which half of the third order is left in the flux of the kappa scheme.
+   !> Curvature c that halves the third order in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
 
 contains
 
-   !> Density rho and ln(mu/mu_0) of the nodes and mobility e(i-1/2) of the faces at the present
-   !> pressure and film;
-   !> in the thesis's scheme that of the nodes too.
+   !> Computes density rho and ln(mu/mu_0) of the nodes and mobility e(i-1/2) of the faces at the
+   !> present pressure and film; with upwind2 the mobility of the nodes too.
    pure subroutine evaluate_coefficients(level)
       type(line_level_t), intent(inout) :: level
 
@@ -47,7 +46,7 @@ contains
       end if
    end subroutine evaluate_coefficients
 
-   !> Weights of rH(i-2) ... rH(i) in dX d(rho H)/dX of row i by the thesis's scheme.
+   !> Weights of rH(i-2) ... rH(i) in dX d(rho H)/dX of row i by upwind2.
    pure function wedge_weights(i) result(weights)
       integer, intent(in) :: i
       real(wp) :: weights(-2:0)
@@ -60,11 +59,11 @@ contains
    !> curvature c = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the
    !> slope of ln mu from interval to interval.
    !>
-   !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so
-   !> with a part of H that changes its sign from node to node and falls upstream by 2.7 a node, of
-   !> any size: a zigzag of the pressure in front of the spike, and several solutions. (What the
-   !> flux from upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order
-   !> in dX.
+   !> Where oil is nearly solid, rH is the same at all faces. The third order would allow that with
+   !> a part of H that changes its sign from node to node and falls upstream by 2.7 a node, of any
+   !> size: a zigzag of the pressure in front of the spike, and several solutions. (The remainder of
+   !> the flux from upstream alone falls downstream, by 3 a node.) 1 - theta is of fourth order in
+   !> dX.
    pure elemental function third_order_share(curvature) result(share)
       real(wp), intent(in) :: curvature
       real(wp) :: share
@@ -80,7 +79,7 @@ contains
       slope = -2*curvature/strong_curvature**2*third_order_share(curvature)**2
    end function third_order_slope
 
-   !> Coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
+   !> Computes the coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
    pure subroutine evaluate_reynolds(level)
       type(line_level_t), intent(inout) :: level
 
@@ -88,7 +87,7 @@ contains
       call apply_reynolds(level)
    end subroutine evaluate_reynolds
 
-   !> L_R with the present coefficients.
+   !> Computes L_R with the present coefficients.
    pure subroutine apply_reynolds(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: diffusion, squeeze, w(-2:0)
@@ -119,7 +118,7 @@ contains
       if (allocated(level%state%compensation)) call add_flow_of_compensation(level)
    end subroutine apply_reynolds
 
-   !> Adds what the kappa scheme adds to the mass flux rH at the faces (in the work space of the
+   !> Adds the kappa scheme's addition to the mass flux rH at the faces (in the work space of the
    !> level, by the node upstream).
    pure subroutine add_third_order(level)
       type(line_level_t), intent(inout) :: level
@@ -136,7 +135,7 @@ contains
       end associate
    end subroutine add_third_order
 
-   !> What the kappa scheme adds to the mass flux rH at the face behind node i, 1 <= i < n.
+   !> The kappa scheme's addition to the mass flux rH at the face behind node i, 1 <= i < n.
    pure elemental function third_order_flux(level, i) result(flux)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
@@ -148,8 +147,8 @@ contains
       end associate
    end function third_order_flux
 
-   !> Mass flux rho H - e/lambda dP/dX at the faces (1:n), face i left of node i, as the space
-   !> scheme has it, with the present coefficients.
+   !> Mass flux rho H - e/lambda dP/dX at the faces (1:n), face i left of node i, by the space
+   !> scheme with the present coefficients.
    pure function mass_flux(level) result(flux)
       type(line_level_t), intent(in) :: level
       real(wp) :: flux(level%n), conductance
@@ -170,8 +169,8 @@ contains
       end do
    end function mass_flux
 
-   !> Adds what the slopes of the compensation of P bring to L_R. (P(i) - P(i-1) is exact, being the
-   !> difference of neighbours.)
+   !> Adds the slopes of the compensation of P to L_R. (P(i) - P(i-1) is exact, being the difference
+   !> of neighbours.)
    pure subroutine add_flow_of_compensation(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: diffusion
@@ -186,9 +185,9 @@ contains
       end associate
    end subroutine add_flow_of_compensation
 
-   !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients,
-   !> b = dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi, the change of L_R with P(i)
-   !> alone when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
+   !> For the smoothers, upwind2 only: diagonals at nodes 1..n-1 with frozen coefficients, b =
+   !> dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi, the change of L_R with P(i) alone
+   !> when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
    pure subroutine reynolds_diagonals(level, kernel_diagonal)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: kernel_diagonal

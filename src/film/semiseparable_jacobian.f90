@@ -1,10 +1,10 @@
-!> The Newton system of the line contact in O(n log n): GMRES on the exact product (bands and FFT),
-!> preconditioned by the LU of nearly the same matrix, in which the logarithmic kernel is a sum of
-!> exponentials.
+!> Solves the Newton system of the line contact in O(n log n): GMRES on the exact product (bands and
+!> FFT), preconditioned by the LU of nearly the same matrix, in which the logarithmic kernel is a
+!> sum of exponentials.
 !>
 !> With kappa(j) ~ C - sum_l w_l rho_l^j the elastic Jacobian JP - JH K is pentadiagonal plus
 !> semiseparable and factors in one sweep. The constant part of the kernel acts like a change of H0
-!> and moves there.
+!> and is moved there.
 module semiseparable_jacobian
    use constants, only: pi
    use errors, only: error_t
@@ -20,9 +20,9 @@ module semiseparable_jacobian
 
    public :: semiseparable_jacobian_t
 
-   !> What one unit of dL_R(i)/dH(i+o), o = -2..1, adds to row i: to the exponentials to the left
-   !> and to the right, and to the slots of the five inner diagonals (-2:2), which make the entries
-   !> there exact.
+   !> Contribution of one unit of dL_R(i)/dH(i+o), o = -2..1, to row i: to the exponentials to the
+   !> left and to the right, and to the slots of the five inner diagonals (-2:2), which make the
+   !> entries there exact.
    type :: kernel_rows_t
       real(wp) :: ratio(terms) = 0.0_wp
       real(wp) :: left(terms, -2:1) = 0.0_wp, right(terms, -2:1) = 0.0_wp
@@ -31,8 +31,8 @@ module semiseparable_jacobian
       real(wp) :: constant = 0.0_wp
    end type kernel_rows_t
 
-   !> The bordered system as GMRES sees it: unknowns P(1..n-1), H0. Points to the level and the
-   !> bands of one call.
+   !> The bordered system for GMRES: unknowns P(1..n-1), H0. Points to the level and the bands of
+   !> one call.
    type, extends(krylov_system_t) :: bordered_system_t
       type(line_level_t), pointer :: level => null()
       type(reynolds_jacobian_t), pointer :: jacobian => null()
@@ -50,7 +50,7 @@ module semiseparable_jacobian
 
    !> Work space, kept from call to call.
    type, extends(linear_solver_t) :: semiseparable_jacobian_t
-      !> Smallest |pivot| of the last factorisation, of rows scaled to 1.
+      !> Smallest |pivot| of the last factorisation, with rows scaled to 1.
       real(wp) :: smallest_pivot = 0.0_wp
       integer, private :: n = 0
       type(kernel_rows_t), private :: rows
@@ -62,7 +62,8 @@ module semiseparable_jacobian
 
 contains
 
-   !> Factors, solves with them, and goes on by GMRES if what is left is more than the tolerance.
+   !> Factors the approximate Jacobian, solves with the factors, and continues with GMRES if the
+   !> remainder exceeds the tolerance.
    subroutine solve_semiseparable_system(self, level, jacobian, is_cavitated, step, is_solved)
       class(semiseparable_jacobian_t), intent(inout), target :: self
       type(line_level_t), intent(inout), target :: level
@@ -104,7 +105,7 @@ contains
       is_solved = is_solved .or. self%krylov%iterations > 0
    end subroutine solve_semiseparable_system
 
-   !> Fit of kappa_j = pi K_j/dX - ln dX, times the elasticity, and storage, once per grid.
+   !> Fits kappa_j = pi K_j/dX - ln dX, times the elasticity, and allocates storage, once per grid.
    subroutine prepare_kernel(self, level, is_ready)
       class(semiseparable_jacobian_t), intent(inout) :: self
       type(line_level_t), intent(in) :: level
@@ -138,8 +139,8 @@ contains
       end associate
    end subroutine prepare_kernel
 
-   !> Rows of the approximate Jacobian: exponentials everywhere, exact entries on the five inner
-   !> diagonals.
+   !> Fills the rows of the approximate Jacobian: exponentials everywhere, exact entries on the five
+   !> inner diagonals.
    pure subroutine fill_factors(factors, rows, jacobian, is_cavitated)
       type(semiseparable_t), intent(inout) :: factors
       type(kernel_rows_t), intent(in) :: rows
@@ -180,8 +181,8 @@ contains
       end associate
    end subroutine fill_factors
 
-   !> The column of H0, its solution and work space; `x` becomes the first approximation, the
-   !> bordered solution with the factors.
+   !> Computes the column of H0 and its solution, and allocates work space; `x` becomes the first
+   !> approximation, the bordered solution with the factors.
    subroutine solve_first(system, x)
       type(bordered_system_t), intent(inout) :: system
       real(wp), intent(inout) :: x(:)
@@ -202,8 +203,8 @@ contains
       call close_border(system, x)
    end subroutine solve_first
 
-   !> y = J x: bands in P and, with H = H0 - K P by FFT, in H; identity where cavitated; load in the
-   !> last row.
+   !> Computes y = J x: bands in P and, with H = H0 - K P by FFT, in H; identity where cavitated;
+   !> load in the last row.
    subroutine multiply_bordered(self, x, y)
       class(bordered_system_t), intent(inout) :: self
       real(wp), intent(in) :: x(:)
@@ -231,7 +232,7 @@ contains
       y(n) = self%level%dx*sum(x(1:n - 1))
    end subroutine multiply_bordered
 
-   !> Bordered solution with the factors.
+   !> Computes the bordered solution with the factors.
    subroutine precondition_bordered(self, x)
       class(bordered_system_t), intent(inout) :: self
       real(wp), intent(inout) :: x(:)
@@ -240,8 +241,8 @@ contains
       call close_border(self, x)
    end subroutine precondition_bordered
 
-   !> From the solution of the rows of the nodes, without a change of H0, to that with the force
-   !> balance; the constant part of the kernel is put back into H0.
+   !> Turns the solution of the rows of the nodes, without a change of H0, into that with the force
+   !> balance; returns the constant part of the kernel to H0.
    pure subroutine close_border(system, x)
       type(bordered_system_t), intent(in) :: system
       real(wp), intent(inout) :: x(:)

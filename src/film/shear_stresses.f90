@@ -1,10 +1,10 @@
-!> Shear stress in the film of a line contact, on both walls and between them, and the velocity
-!> of the oil across it.
+!> Shear stress in the film of a line contact, on both walls and between them, and the velocity of
+!> the oil across it.
 !>
 !> Across the film the stress is linear, tau = tau_m + (z - h/2) dp/dx with z from surface 1 to
-!> surface 2, (2.6): tau_m is the mean, which the law of flow gives from u2 - u1, and the walls have
-!> tau_m -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units
-!> of p_h b/R.
+!> surface 2, (2.6): tau_m is the mean, given by the flow law and u2 - u1, and the walls have tau_m
+!> -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units of p_h
+!> b/R.
 module shear_stresses
    use flow_law, only: block_size => slip_block, largest_exponent
    use kinds, only: wp
@@ -23,9 +23,9 @@ module shear_stresses
 contains
 
    !> Stress at the wall of surface 1, mean stress, and stress at the wall of surface 2, (nx, 3), on
-   !> the nodes `x` of a uniform grid, from pressure `p`, film `h` and, where they are at hand,
-   !> values `known` of ln(mu/mu_0), each (nx): 0 where the film cavitates, for how much of the
-   !> width oil fills there is not known; the oil begins at the first node.
+   !> the nodes `x` of a uniform grid, from pressure `p`, film `h` and, if present, values `known`
+   !> of ln(mu/mu_0), each (nx); 0 where the film cavitates, as the width that oil fills is not
+   !> known there; the oil begins at the first node.
    pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h, known) result(stresses)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll
@@ -85,7 +85,7 @@ contains
    !>
    !> Closed form of module eyring. Its mean across the film is the flow of the Reynolds equation at
    !> the node, with the slope of P by the central difference, of the first interval at the first
-   !> node, and 0 at the last. Where the film cavitates there is the straight line of shear alone.
+   !> node, and 0 at the last. Where the film cavitates it is the straight line of shear alone.
    pure function velocity_profile(fluid, lambda, slide_to_roll, x, p, h, layers) result(u)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll

@@ -1,6 +1,6 @@
 !> Smoothers of the line contact: Block-Jacobi as in the thesis, and two that need fewer sweeps.
 !>
-!> Each does ONE sweep on one level from the operator, coefficients and deflection evaluated just
+!> Each makes ONE sweep on one level from the operator, coefficients and deflection evaluated just
 !> before it, and keeps P >= 0.
 module smoothers
    use film_equation, only: evaluate_deflection, relax_load, update_film
@@ -14,9 +14,9 @@ module smoothers
 
    public :: block_jacobi_sweep, gauss_seidel_sweep, line_sweep, smooth, sweep_under_load
 
-   !> The exit moves by the smoother, and holds the largest residual of a time step: Gauss-Seidel
-   !> passes over the nodes round it after each sweep, upstream and downstream of the last node with
-   !> P > 0.
+   !> The smoother moves the exit, which has the largest residual of a time step: Gauss-Seidel
+   !> passes over the nodes around it after each sweep, upstream and downstream of the last node
+   !> with P > 0.
    integer, parameter :: exit_passes = 4, exit_upstream = 16, exit_downstream = 4
 
    !> A line sweep changes a pressure by at most this share of max(1, P).
@@ -24,8 +24,8 @@ module smoothers
 
 contains
 
-   !> `coarse_sweeps` sweeps on level k with the force balance relaxed after each (thesis, section
-   !> 2.7).
+   !> Makes `coarse_sweeps` sweeps on level k and relaxes the force balance after each (thesis,
+   !> section 2.7).
    subroutine sweep_under_load(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
@@ -37,8 +37,8 @@ contains
       end do
    end subroutine sweep_under_load
 
-   !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream
-   !> after the correction.
+   !> Makes `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before the
+   !> correction and by Gauss-Seidel after it.
    subroutine smooth(hierarchy, k, sweeps, is_last_leg)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k, sweeps
@@ -55,7 +55,7 @@ contains
       call count_work(hierarchy, k, sweeps)
    end subroutine smooth
 
-   !> One sweep of one smoother, from coefficients evaluated at the present state.
+   !> Makes one sweep of one smoother, with coefficients at the present state.
    subroutine sweep(hierarchy, k, smoother)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k, smoother
@@ -85,8 +85,8 @@ contains
    end subroutine sweep
 
    !> Block-Jacobi (2.70)-(2.73): at every node the 2x2 system for the changes of P and H, from old
-   !> values. `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches
-   !> P = 0 takes its change of H from the change of P that was really made.
+   !> values. `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches P
+   !> = 0 takes its change of H from the actual change of P.
    pure subroutine block_jacobi_sweep(level, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: kernel_diagonal, relaxation
@@ -113,8 +113,8 @@ contains
    end subroutine block_jacobi_sweep
 
    !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is
-   !> frozen, only the diagonal K_0/pi of a change enters H at once. The nodes round the exit are
-   !> passed a few times more.
+   !> frozen, only the diagonal K_0/pi of a change enters H at once. The nodes around the exit are
+   !> passed a few more times.
    pure subroutine gauss_seidel_sweep(level, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: kernel_diagonal, relaxation

@@ -1,4 +1,4 @@
-!> From the words of the settings to the way the cycle relaxes, and what is tried next when it does
+!> Translates the settings into the relaxation of the cycles, and lists what to try next if they do
 !> not converge.
 module solver_choice
    use dense_jacobian, only: dense_jacobian_t
@@ -18,23 +18,24 @@ module solver_choice
 
    public :: steady_attempts, time_step_attempts, adopt, method_name, note_choice
 
-   !> A contact that sliding does not thin is heavy above one of these (sum velocity): full steps of
-   !> any smoother then overshoot at the spike or in the inlet.
+   !> A contact without shear thinning is heavy above one of these (sum velocity): full steps of any
+   !> smoother then overshoot at the spike or in the inlet.
    real(wp), parameter :: heavy_m = 4.0_wp, heavy_l = 12.0_wp
-   !> Factor from which the Eyring stress is lowered where nothing else works.
+   !> Factor from which the Eyring stress is lowered if nothing else works.
    real(wp), parameter :: high_stress = 16.0_wp
    !> Slide-to-roll ratio from which an Eyring contact is not heavy. (Case 1, Gauss-Seidel and line
-   !> on 1024 intervals: full steps fail up to 0.1; from 0.3 on full and relaxed steps both do it.)
+   !> on 1024 intervals: full steps fail up to 0.1; from 0.3 on full and relaxed steps both
+   !> converge.)
    real(wp), parameter :: thinning_slide = 0.25_wp
-   !> An Eyring contact with L (sum velocity) above this is started from a thin film.
+   !> Above this L (sum velocity) an Eyring contact starts from a thin film.
    real(wp), parameter :: thinning_l = 2.0_wp
-   !> Up to this many intervals the dense Newton method solves the coarsest level of a cycle, and is
+   !> Most intervals with which the dense Newton method solves the coarsest level of a cycle, and is
    !> the last resort of 'auto' in a time step.
    integer, parameter :: largest_dense = 512
-   !> Default bound on the cycles of a time step.
+   !> Default limit of cycles of a time step.
    integer, parameter :: default_step_cycles = 40
 
-   !> Names of the methods and smoothers, by their constants; those of the settings but for FAS.
+   !> Names of the methods and smoothers, by their constants; as in the settings, except for FAS.
    character(len=13), parameter :: methods(4) = &
       [character(len=13) :: 'fas', 'block_jacobi', 'newton_dense', 'newton_krylov']
    character(len=12), parameter :: smoothers(4) = &
@@ -42,8 +43,8 @@ module solver_choice
 
 contains
 
-   !> The ways to try in turn for a steady contact (measured: theory page, section on the methods).
-   !> A stated smoother whose relaxation is left to the program goes on with gentler sweeps.
+   !> Relaxations to try in turn for a steady contact (measured: theory page, section on the
+   !> methods). A given smoother without a given relaxation continues with gentler sweeps.
    pure function steady_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -65,7 +66,7 @@ contains
          attempts = newton_starts(contact, films)
          if (contact%domain%intervals >= intervals_for_film(contact) &
             .and. settings%space_scheme /= 'kappa') then
-            ! it shares nothing with Newton's method above the coarsest level
+            ! it is independent of Newton's method above the coarsest level
             cycles = cycle_with(merge(smoother_gauss_seidel, smoother_line, is_heavy), is_heavy)
             cycles%start_film = films(1)
             attempts = [attempts, cycles]
@@ -83,13 +84,13 @@ contains
          attempts = [attempts(1), attempts]
          attempts(2:)%thesis_first = .true.
       end if
-      ! with a given limit of cycles there is no time stepping to a start, which takes many
+      ! a given limit of cycles excludes time stepping to a start, which takes many
       if (settings%max_cycles > 0) attempts = pack(attempts, .not. attempts%follows_time)
       call override(settings, steady_tolerance, attempts)
    end function steady_attempts
 
-   !> The ways of Newton-Krylov to a first solution: from both films, from a higher Eyring stress,
-   !> in pseudo-time.
+   !> Newton-Krylov relaxations that lead to a first solution: from both films, from a higher Eyring
+   !> stress, in pseudo-time.
    pure function newton_starts(contact, films) result(attempts)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: films(2)
@@ -102,14 +103,14 @@ contains
       attempts(size(attempts))%follows_time = .true.
    end function newton_starts
 
-   !> The ways to try in turn for a time step; no line smoother, it diverges with the squeeze term.
-   !> All have the limits of the first.
+   !> Relaxations to try in turn for a time step; no line smoother, which diverges with the squeeze
+   !> term. All have the limits of the first.
    !>
-   !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the
-   !> equation of a step is H(P) = given: a sweep with the diagonal K_0 of the kernel only changes
-   !> long waves of P by up to n/10 times too much, and the cycle diverges unless the coarse grids
-   !> get the better of that. So stated smoothers go on with a larger diagonal, at least 3 dX/pi,
-   !> less relaxation and more sweeps.
+   !> If the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the equation
+   !> of a step is H(P) = given: a sweep with only the diagonal K_0 of the kernel changes long waves
+   !> of P by up to n/10 times too much, and the cycle diverges unless the coarse grids correct
+   !> that. So given smoothers continue with a larger diagonal, at least 3 dX/pi, less relaxation
+   !> and more sweeps.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -143,7 +144,7 @@ contains
       call override(settings, step_tolerance, attempts)
    end function time_step_attempts
 
-   !> True where neither method nor smoother is stated.
+   !> Whether neither method nor smoother is given.
    pure function is_automatic(settings) result(automatic)
       type(solver_settings_t), intent(in) :: settings
       logical :: automatic
@@ -151,7 +152,7 @@ contains
       automatic = settings%method == 'auto' .and. settings%smoother == 'auto'
    end function is_automatic
 
-   !> The way that method and smoother of the settings name; 'auto' with a smoother is the cycle
+   !> Relaxation given by method and smoother of the settings; 'auto' with a smoother is the cycle
    !> with it.
    pure function stated_way(settings, is_heavy) result(choice)
       type(solver_settings_t), intent(in) :: settings
@@ -168,8 +169,8 @@ contains
       end if
    end function stated_way
 
-   !> Makes the hierarchy follow a way: coarsest level of its cycles, and how its Newton steps are
-   !> solved.
+   !> Applies a relaxation to the hierarchy: coarsest level of its cycles, and solver of its Newton
+   !> steps.
    subroutine adopt(hierarchy, choice)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(relaxation_t), intent(in) :: choice
@@ -190,9 +191,9 @@ contains
       end if
    end subroutine adopt
 
-   !> The cycle with a smoother, with less relaxation and more sweeps where the contact is heavy.
-   !> Block-Jacobi relaxes H with P (thesis) where that converges, and has it recomputed
-   !> before each sweep, as the others do, where the contact is heavy.
+   !> Cycle with a smoother, with less relaxation and more sweeps for a heavy contact. Block-Jacobi
+   !> relaxes H with P (thesis) where that converges; for a heavy contact H is recomputed before
+   !> each sweep, as with the others.
    pure function cycle_with(smoother, is_heavy) result(choice)
       integer, intent(in) :: smoother
       logical, intent(in) :: is_heavy
@@ -209,7 +210,7 @@ contains
       if (.not. choice%film_is_recomputed) choice%kernel_bound = 0.0_wp
    end function cycle_with
 
-   !> The same way with another relaxation, other numbers of sweeps and another bound of the kernel.
+   !> The same with another relaxation, other numbers of sweeps and another bound of the kernel.
    pure function with_sweeps(base, relaxation, sweeps, kernel_bound) result(choice)
       type(relaxation_t), intent(in) :: base
       real(wp), intent(in) :: relaxation
@@ -224,8 +225,9 @@ contains
       choice%kernel_bound = kernel_bound
    end function with_sweeps
 
-   !> One level: blocks of Block-Jacobi sweeps with the force balance relaxed after each, of which
-   !> many are needed, or single Newton steps, whose residual may rise for long while a spike grows.
+   !> One level: blocks of Block-Jacobi sweeps with the force balance relaxed after each, many of
+   !> which are needed, or single Newton steps, whose residual may rise for long while a spike
+   !> grows.
    pure function one_level(method) result(choice)
       integer, intent(in) :: method
       type(relaxation_t) :: choice
@@ -238,7 +240,7 @@ contains
       choice%patience = 40
    end function one_level
 
-   !> What the user gave wins; `tolerance` is the default.
+   !> Applies the user's values; `tolerance` is the default.
    pure elemental subroutine override(settings, tolerance, choice)
       type(solver_settings_t), intent(in) :: settings
       real(wp), intent(in) :: tolerance
@@ -254,7 +256,7 @@ contains
          settings%coarse_sweeps
    end subroutine override
 
-   !> Writes into the report what a way uses.
+   !> Writes the parameters of a relaxation into the report.
    pure subroutine note_choice(report, choice)
       type(report_t), intent(inout) :: report
       type(relaxation_t), intent(in) :: choice
@@ -269,7 +271,7 @@ contains
       report%load_relaxation = merge(choice%load_relaxation, 0.0_wp, choice%coarse_sweeps > 0)
    end subroutine note_choice
 
-   !> Short name of a way, e.g. `fas gauss_seidel V(2,2)`.
+   !> Short name of a relaxation, e.g. `fas gauss_seidel V(2,2)`.
    pure function method_name(choice) result(name)
       type(relaxation_t), intent(in) :: choice
       character(:), allocatable :: name

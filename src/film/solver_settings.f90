@@ -1,4 +1,4 @@
-!> What a caller may choose about the numerical solution: domain, time steps, method.
+!> Choices of the caller for the numerical solution: domain, time steps, method.
 !>
 !> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words
 !> are lower case.
@@ -11,13 +11,12 @@ module solver_settings
    public :: domain_t, max_chosen, max_intervals_of, solver_settings_t, time_settings_t
 
    !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and
-   !> with 'block_jacobi', which converges on no more than some hundred and notices that it does not
-   !> after 40 blocks of 200 sweeps at least.
+   !> with 'block_jacobi', which converges on no more than some hundred and reports failure only
+   !> after 40 blocks of 200 sweeps or more.
    integer, parameter, public :: max_small_intervals = 8192
-   !> Bound on the residuals and the load error where none is given: of a steady solution, and of a
-   !> time step.
+   !> Default bound on the residuals and the load error: of a steady solution, and of a time step.
    real(wp), parameter, public :: steady_tolerance = 1.0e-8_wp, step_tolerance = 1.0e-6_wp
-   !> No grid that the program refines until it is good enough has more intervals.
+   !> Most intervals of a grid that the program refines until it is good enough.
    integer, parameter, public :: max_refined_intervals = 2**20
 
    !> Length of the words below.
@@ -29,60 +28,60 @@ module solver_settings
       real(wp) :: x_inlet = 0.0_wp
       !> Outlet [half-widths], above the end of the contact; used only with `has_outlet`.
       real(wp) :: x_outlet = 0.0_wp
-      !> False: the program chooses the inlet from the regime.
+      !> Whether the inlet is given; else the program chooses it from the regime.
       logical :: has_inlet = .false.
-      !> False: the program chooses the outlet from the regime.
+      !> Whether the outlet is given; else the program chooses it from the regime.
       logical :: has_outlet = .false.
       !> Grid intervals on the finest grid, 2^k or 3, 5, 7 times that; 0: chosen by the program.
       integer :: intervals = 0
-      !> In front of the inlet: 'zero', no pressure, or 'tail', what module inlet_tail finds (steady
-      !> only); 'auto': chosen.
+      !> In front of the inlet: 'zero', no pressure, or 'tail', computed by module inlet_tail
+      !> (steady only); 'auto': chosen.
       character(len=word_length) :: inlet = 'zero'
-      !> True: the outlet is the program's, which moves it out where it cuts the film off.
+      !> Whether the outlet is the program's, which moves it out if it cuts off the film.
       logical :: may_lengthen = .false.
-      !> True: so is the inlet; what is in front of it; the number of intervals.
+      !> Whether the program chose the inlet, what lies in front of it, and the number of intervals.
       logical :: inlet_is_chosen = .false., front_is_chosen = .false., &
          intervals_are_chosen = .false.
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).
    type :: time_settings_t
-      !> True: a transient from the smooth steady solution at T = 0.
+      !> Whether to solve a transient from the smooth steady solution at T = 0.
       logical :: is_transient = .false.
       !> End of the transient [-].
       real(wp) :: end_time = 0.0_wp
       !> Time step [-]; zero: dX of the grid.
       real(wp) :: time_step = 0.0_wp
-      !> 'bdf2' (second order) or 'backward_euler' (first order, the thesis's).
+      !> 'bdf2' (second order) or 'backward_euler' (first order, as in the thesis).
       character(len=word_length) :: scheme = 'bdf2'
-      !> T from which the quantities and the statistics of the film count; below 0: chosen by
-      !> the program.
+      !> T from which the quantities and the statistics of the film count; below 0: chosen by the
+      !> program.
       real(wp) :: statistics_from = -1.0_wp
-      !> Where an interrupted transient goes on; not allocated: it begins at T = 0.
+      !> State from which an interrupted transient resumes; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from
    end type time_settings_t
 
-   !> The method of solution and its numbers.
+   !> The method of solution and its parameters.
    type :: solver_settings_t
       !> 'auto', 'newton_krylov', 'newton_dense', 'fas_block_jacobi' or 'block_jacobi' (one level).
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
       !> Space discretisation (module reynolds_line): 'upwind2', that of the thesis, or 'kappa',
-      !> which needs a Newton method; 'auto': upwind2, but kappa where coarse runs choose the
+      !> which needs a Newton method; 'auto': upwind2, but kappa if coarse runs choose the
       !> resolution of a transient.
       character(len=word_length) :: space_scheme = 'auto'
-      !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is
-      !> that of the domain.
+      !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the
+      !> domain's grid.
       real(wp) :: target = 0.0_wp
-      !> The same of p_max; zero: its error does not count.
+      !> The same of p_max; zero: its error is ignored.
       real(wp) :: target_p_max = 0.0_wp
-      !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough
-      !> for error bars.
+      !> The nested start solves n/2 and n/4 intervals of a steady contact well enough for error
+      !> bars.
       logical :: wants_coarse_runs = .false.
-      !> Most intervals that there is memory for.
+      !> Most intervals that fit into memory.
       integer :: max_intervals = huge(1)
-      !> After a failure: finer grids are tried, to learn whether the grid is the reason.
+      !> After a failure, try finer grids to find out whether the grid is the reason.
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
       character(len=word_length) :: start = 'fmg'
@@ -97,23 +96,22 @@ module solver_settings
       integer :: pre_sweeps = 0
       !> Smoothing sweeps after the coarse-grid correction; zero: automatic.
       integer :: post_sweeps = 0
-      !> Sweeps on the coarsest level where it is not solved exactly; zero: automatic.
+      !> Sweeps on the coarsest level if it is not solved exactly; zero: automatic.
       integer :: coarse_sweeps = 0
       !> Under-relaxation of the smoother, 0 < relaxation <= 1 [-]; zero: automatic.
       real(wp) :: relaxation = 0.0_wp
       !> Under-relaxation of the force balance [-]; zero: automatic.
       real(wp) :: load_relaxation = 0.0_wp
-      !> A film below this is a breakdown, H; zero: only a film that closes.
+      !> Film H below which there is a breakdown; zero: only if the film closes.
       real(wp) :: film_floor = 0.0_wp
-      !> At a breakdown: 'stop', as not converged, or 'continue', with a mark. A film that closes
+      !> At a breakdown: 'stop', not converged, or 'continue', with a mark. A film that closes
       !> always stops.
       character(len=word_length) :: on_film_breakdown = 'stop'
    end type solver_settings_t
 
 contains
 
-   !> Most intervals that a method is given, by the user or by the program; huge: as many as there
-   !> can be.
+   !> Most intervals of a method, whether the user or the program chooses them; huge: no limit.
    pure function max_intervals_of(method) result(most)
       character(*), intent(in) :: method
       integer :: most
@@ -122,7 +120,7 @@ contains
       if (method == 'newton_dense' .or. method == 'block_jacobi') most = max_small_intervals
    end function max_intervals_of
 
-   !> Most intervals that the program chooses by itself, refines to, or tries.
+   !> Most intervals that the program chooses, refines to, or tries.
    pure function max_chosen(settings) result(most)
       type(solver_settings_t), intent(in) :: settings
       integer :: most

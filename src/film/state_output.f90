@@ -1,4 +1,4 @@
-!> From a level of the solver to the fields that are handed out.
+!> Copies a level of the solver to the output fields.
 module state_output
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: surface_height
@@ -21,10 +21,10 @@ module state_output
 
 contains
 
-   !> Pressure, film, roughness, H0, time, and of a level whose mobility and density are those of
-   !> its pressure and film, where these have been evaluated (a stop may come before that), limits
-   !> of Reynolds' equation, friction and mean shear stress; with `has_stresses` those at the walls
-   !> too, and none of another time. Other fields of the lubricant are left to `fill_properties`.
+   !> Sets pressure, film, roughness, H0 and time; if mobility and density of the level have been
+   !> evaluated (a stop may come before that), which must be those of its pressure and film, also
+   !> limits of Reynolds' equation, friction and mean shear stress; with `has_stresses` those at the
+   !> walls too, and none of another time. `fill_properties` sets the other fields of the lubricant.
    pure subroutine fill_state(contact, level, time, state, has_stresses)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -62,8 +62,8 @@ contains
       end if
    end subroutine fill_state
 
-   !> Viscosity mu/mu_0, density rho/rho_0, slip factor S and shear stresses of the state's pressure
-   !> and film.
+   !> Sets viscosity mu/mu_0, density rho/rho_0, slip factor S and shear stresses from the state's
+   !> pressure and film.
    pure subroutine fill_properties(contact, state)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state

@@ -1,9 +1,9 @@
 !> Weights of the time schemes for steps of unequal length, and the lengths with which BDF2 begins.
 !>
-!> At T = 0 surfaces stand in a film that has not flowed round them: P(T) - P(0) then grows like a
-!> broken power of T, about T^0.8, and a first step of length dT leaves an error of that order which
-!> no later step removes from the largest error over all times. The first steps are therefore cut
-!> into parts. With parts of length ~ dT (T/dT)^0.6 every part has an error of about the same size
+!> At T = 0 surfaces stand in a film that has not flowed around them: P(T) - P(0) then grows as a
+!> fractional power of T, about T^0.8, and a first step of length dT leaves an error of that order
+!> which no later step removes from the largest error over all times. The first steps are therefore
+!> divided into parts. With parts of length ~ dT (T/dT)^0.6 every part has about the same error
 !> (graded steps: H. Brunner, Math. Comp. 45, 1985, 417).
 module time_scheme
    use kinds, only: wp
@@ -12,15 +12,15 @@ module time_scheme
 
    public :: derivative_weights, parabola_weights, part_ends
 
-   !> Time from which on whole steps do, T; the exponent of the grading; nothing is cut shorter than
-   !> this, T (round-off).
+   !> Time T from which undivided steps suffice; exponent of the grading; shortest part, T
+   !> (round-off).
    real(wp), parameter :: start_layer = 0.02_wp, grading = 0.6_wp, shortest_part = 1.0e-6_wp
 
 contains
 
    !> Weights (new, old, older) of the values of y in h dy/dT at the new time, h the length of the
    !> step and `ratio` h over the length of the step before it; exact for parabolas: BDF2. Without
-   !> an older value those of backward Euler.
+   !> an older value, backward Euler.
    pure function derivative_weights(ratio, has_older) result(weights)
       real(wp), intent(in) :: ratio
       logical, intent(in) :: has_older
@@ -31,9 +31,9 @@ contains
          ratio**2/(1.0_wp + ratio)]
    end function derivative_weights
 
-   !> Weights with which the last values (`count` of them, 1 to 3, newest first) give the one at the
-   !> new time by the curve of lowest degree. `ahead`: h over the length h1 of the last step;
-   !> `back`: length h2 of the step before it over h1.
+   !> Weights of the last `count` values (1 to 3, newest first) in the value at the new time by the
+   !> polynomial of lowest degree. `ahead`: h over the length h1 of the last step; `back`: length h2
+   !> of the step before it over h1.
    pure function parabola_weights(count, ahead, back) result(weights)
       integer, intent(in) :: count
       real(wp), intent(in) :: ahead, back
@@ -50,8 +50,8 @@ contains
       end select
    end function parabola_weights
 
-   !> Where the parts of a step end, as shares of its length `time_step`, the last one 1: whole
-   !> steps with backward Euler and behind the start, else parts that follow the grading.
+   !> Ends of the parts of a step, as shares of its length `time_step`, the last one 1: one part
+   !> with backward Euler and after the start, else parts that follow the grading.
    pure function part_ends(scheme, step, time_step) result(ends)
       character(*), intent(in) :: scheme
       integer, intent(in) :: step

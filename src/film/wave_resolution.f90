@@ -1,9 +1,8 @@
 !> How finely the grid and the time steps of a contact resolve the waves of its surfaces: ridges,
-!> dents, sinusoids, profiles; the choice of the time step, which goes by them.
+!> dents, sinusoids, profiles; chooses the time step accordingly.
 !>
-!> A wave that falls between the nodes, or passes within a step, is not there at all, and coarse
-!> runs do not show what is missing (theory page, section on domain and grid;
-!> docs/decisions.md).
+!> A wave that falls between the nodes, or passes within a step, is lost, and coarse runs do not
+!> show the loss (theory page, section on domain and grid; docs/decisions.md).
 module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
@@ -15,22 +14,22 @@ module wave_resolution
    public :: choose_time_step, coarse_waves, intervals_at_least, long_steps, nodes_in_wave, &
       steps_in_wave, unseen_waves
 
-   !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the
-   !> default, and what is told.
+   !> Nodes in the finest wave, and steps in which it passes a point, for 1 % in h_min: used by
+   !> default and in notes.
    integer, parameter, public :: wanted_nodes = 32
    integer, parameter :: wanted_steps = 16
-   !> Nodes (at rest, in time) and steps from which on coarse runs see what this grid sees; steps
-   !> only where they are longer than dX.
+   !> Nodes (at rest, in time) and steps from which coarse runs resolve what this grid resolves;
+   !> steps count only if longer than dX.
    real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
    !> A feature or sinusoid with fewer nodes, or steps in its passage, is refused.
    real(wp), parameter, public :: min_in_a_wave = 2.0_wp
-   !> Steps up to this many spacings are no longer than dX, but for rounding.
+   !> Steps up to this many spacings are no longer than dX, except for rounding.
    real(wp), parameter :: long_step = 1.001_wp
-   !> More steps than these are as good as any.
+   !> More steps than these make no difference.
    real(wp), parameter :: max_steps = 1.0e6_wp
-   !> Grids have these times a power of two of intervals.
+   !> Numbers of intervals are one of these times a power of two.
    integer, parameter :: families(4) = [4, 5, 6, 7]
-   !> So much of a step is rounding: a step given to a few digits is not cut for it.
+   !> Share of a step that is rounding: a step given to a few digits is not shortened for it.
    real(wp), parameter :: rounding = 1.0e-3_wp
 
 contains
@@ -44,8 +43,8 @@ contains
       if (finest_wave(contact) < nodes) nodes = finest_wave(contact)/node_spacing(contact)
    end function nodes_in_wave
 
-   !> Time steps in which the finest moving wave passes a place; huge if there is none, or no step
-   !> is known yet.
+   !> Time steps in which the finest moving wave passes a point; huge without one, or if no step is
+   !> known yet.
    pure function steps_in_wave(contact, time) result(steps)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -56,8 +55,8 @@ contains
       if (time%time_step > 0.0_wp) steps = shortest_passage(contact)/time%time_step
    end function steps_in_wave
 
-   !> What the reader of a result should know about its waves: nodes or steps that are too few for 1
-   !> %, and what would do. Empty: nothing. Domain and time step complete.
+   !> Note on waves with too few nodes or steps for 1 %, and what suffices; empty: none. Domain and
+   !> time step must be complete.
    pure function coarse_waves(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -76,8 +75,8 @@ contains
          ' are needed: time_step = '//rounded_down(shortest_passage(contact)/wanted_steps, 2))
    end function coarse_waves
 
-   !> That time steps are too long for an estimate of the error, and which are not. Empty: they are
-   !> not too long. Domain and time step complete.
+   !> Note that time steps are too long for an error estimate, and which are not; empty: they are
+   !> not too long. Domain and time step must be complete.
    pure function long_steps(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -89,7 +88,7 @@ contains
          //rounded_down(max(shortest_passage(contact)/seen_steps, node_spacing(contact)), 2)
    end function long_steps
 
-   !> Whether longer steps miss the waves that these see.
+   !> Whether longer steps miss waves that these resolve.
    pure function has_long_steps(contact, time) result(are_long)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -99,7 +98,7 @@ contains
          > long_step*node_spacing(contact)
    end function has_long_steps
 
-   !> That they do, for a wave that passes in this many steps.
+   !> Text of that, for a wave that passes in this many steps.
    pure function unseen_passage(steps) result(words)
       real(wp), intent(in) :: steps
       character(:), allocatable :: words
@@ -108,7 +107,7 @@ contains
          'estimate needs '//to_text(nint(seen_steps))//', or steps of dX'
    end function unseen_passage
 
-   !> Why coarser grids and longer steps tell nothing of the error: waves that they do not see.
+   !> Why coarser grids and longer steps give no error estimate: waves that they do not resolve.
    !> Empty: they do, or grid and step are not known yet.
    pure function unseen_waves(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
@@ -128,7 +127,7 @@ contains
       end if
    end function unseen_waves
 
-   !> The least number of intervals that a grid may have, from `wanted` on.
+   !> Smallest allowed number of intervals from `wanted` on.
    pure function intervals_at_least(wanted) result(intervals)
       real(wp), intent(in) :: wanted
       integer :: intervals, scale
@@ -151,9 +150,8 @@ contains
    end function node_spacing
 
    !> Sets the time step of a transient on a complete domain: the given one, or dX, but at least
-   !> `wanted_steps` in the passage of the finest wave; made shorter so that a whole number of steps
-   !> ends at `time%end_time`. A steady case stays as it is, and so does a step that has been
-   !> through here.
+   !> `wanted_steps` in the passage of the finest wave; shortened so that an integer number of steps
+   !> ends at `time%end_time`. A steady case and a step already chosen do not change.
    pure subroutine choose_time_step(contact, time)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(inout) :: time

@@ -12,13 +12,13 @@ module band_matrix
    type :: band_matrix_t
       integer :: n = 0, lower = 0, upper = 0
       !> Row `lower + upper + 1 + i - j` of column j holds A(i, j); the first `lower` rows are room
-      !> for what pivoting fills.
+      !> for the fill-in of pivoting.
       real(wp), allocatable :: entries(:, :)
       integer, allocatable :: pivots(:)
    end type band_matrix_t
 
    interface
-      !> LAPACK: LU factorisation of a band matrix with partial pivoting.
+      !> LU factorisation of a band matrix with partial pivoting (LAPACK).
       subroutine dgbtrf(m, n, kl, ku, ab, ldab, ipiv, info)
          import :: wp
          implicit none (type, external)
@@ -27,7 +27,7 @@ module band_matrix
          integer, intent(out) :: ipiv(*), info
       end subroutine dgbtrf
 
-      !> LAPACK: solution with these factors.
+      !> Solution with these factors (LAPACK).
       subroutine dgbtrs(trans, n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
          import :: wp
          implicit none (type, external)
@@ -41,7 +41,7 @@ module band_matrix
 
 contains
 
-   !> A matrix of zeros.
+   !> Allocates a matrix of zeros.
    pure subroutine new_band(matrix, n, lower, upper)
       type(band_matrix_t), intent(out) :: matrix
       integer, intent(in) :: n, lower, upper
@@ -53,7 +53,7 @@ contains
       allocate (matrix%pivots(n), source=0)
    end subroutine new_band
 
-   !> All entries 0, after which the matrix may be filled and factored again.
+   !> Sets all entries to 0, after which the matrix may be filled and factored again.
    pure subroutine clear_band(matrix)
       type(band_matrix_t), intent(inout) :: matrix
 
@@ -74,7 +74,7 @@ contains
          //to_text(info))
    end subroutine factor_band
 
-   !> Solves with the factors; `x` (n) is the right side on entry.
+   !> Solves with the factors; `x` (n) is the right side on entry, the solution on return.
    subroutine solve_band(matrix, x)
       type(band_matrix_t), intent(in) :: matrix
       real(wp), contiguous, intent(inout) :: x(:)

@@ -1,34 +1,33 @@
 !> A tree over a set of nodes of a grid: each node lies in a cell of 2 (line) or 2 x 2 (area) nodes,
-!> each cell in one twice as large, and so on; only cells with nodes in them are there.
+!> each cell in one twice as large, and so on; only cells that contain nodes exist.
 module cell_tree
    implicit none (type, external)
    private
 
    public :: cell_tree_t, join_cells, place_nodes
 
-   !> Cells of a side double at most so often.
+   !> Most doublings of a cell's side.
    integer, parameter, public :: max_levels = 31
 
-   !> The cells of all levels stand one level after the other, the nodes themselves first, each
-   !> level by rows.
+   !> Cells of all levels are stored one level after the other, the nodes first, each level by rows.
    type :: cell_tree_t
-      !> Place of the grid's first node in the first row of smallest cells, and its row.
+      !> Position of the grid's first node in the first row of smallest cells, and its row.
       integer :: shift(2) = 0
       !> First cell of each level, and of the one above the last.
       integer :: first(0:max_levels + 1) = 1
       !> First cell of each row of the last level.
       integer, allocatable :: row(:)
-      !> Place of each node in the list of nodes.
+      !> Position of each node in the list of nodes.
       integer, allocatable :: place(:)
-      !> Column of each cell on its level; the cell that it is joined to, counted from the first one
-      !> above the nodes.
+      !> Column of each cell on its level; the cell above it, counted from the first one above the
+      !> nodes.
       integer, allocatable :: column(:), parent(:)
    end type cell_tree_t
 
 contains
 
-   !> The nodes in the order of the tree: with the shift, rows and columns that it moves past the
-   !> end of a periodic grid come first.
+   !> Puts the nodes in the order of the tree: with the shift, rows and columns that it moves past
+   !> the end of a periodic grid come first.
    pure subroutine place_nodes(tree, nodes, is_periodic, node, rows)
       type(cell_tree_t), intent(inout) :: tree
       integer, intent(in) :: nodes(2)
@@ -66,8 +65,8 @@ contains
       tree%first(0:1) = [1, n + 1]
    end subroutine place_nodes
 
-   !> Appends the nodes `begin` ... `end` of the list behind the `n` nodes that have a place;
-   !> columns count from `before` + 1.
+   !> Appends the nodes `begin` ... `end` of the list behind the `n` nodes placed before; columns
+   !> count from `before` + 1.
    pure subroutine place_run(tree, node, begin, end, before, n)
       type(cell_tree_t), intent(inout) :: tree
       integer, contiguous, intent(in) :: node(:)
@@ -107,8 +106,8 @@ contains
       rows = rows_above
    end subroutine join_cells
 
-   !> Joins the cells of one row, or of two: `next` ... `ends` - 1 of the columns `cell`, of which
-   !> the first `nodes` are nodes; columns are moved by `shift` bits.
+   !> Joins the cells of one row or of two: `next` ... `ends` - 1 of the columns `cell`, the first
+   !> `nodes` of which are nodes; columns are shifted by `shift` bits.
    pure subroutine join_rows(cell, parent, nodes, next, ends, shift, here)
       integer, contiguous, intent(inout) :: cell(:), parent(:)
       integer, intent(in) :: nodes, ends(2), shift
@@ -127,7 +126,7 @@ contains
             end do same
          end do
       end do
-      ! What is left of one row.
+      ! Remaining cells of one row.
       above = -1
       do k = minval(merge(next, huge(1), next < ends)), maxval(merge(ends, 0, next < ends)) - 1
          column = ishft(cell(k), shift)

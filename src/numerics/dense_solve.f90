@@ -11,7 +11,7 @@ module dense_solve
    public :: solve_dense, use_one_blas_thread
 
    interface
-      !> LAPACK: LU factorisation with partial pivoting and solution.
+      !> LU factorisation with partial pivoting, and solution (LAPACK).
       subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: wp
          implicit none (type, external)
@@ -22,7 +22,7 @@ module dense_solve
    end interface
 
    abstract interface
-      !> OpenBLAS: sets its number of threads.
+      !> Sets the number of threads of OpenBLAS.
       subroutine set_threads_interface(threads) bind(c)
          import :: c_int
          implicit none (type, external)
@@ -43,8 +43,8 @@ module dense_solve
 
 contains
 
-   !> Limits OpenBLAS, if that is the BLAS in use, to one thread, so that a run takes the cores it
-   !> was given and its results do not depend on their number. Any other BLAS is left as it is.
+   !> Limits OpenBLAS, if that is the BLAS in use, to one thread, so that a run uses the cores it
+   !> was given and its results do not depend on their number. Other BLAS libraries are not changed.
    subroutine use_one_blas_thread()
       procedure(set_threads_interface), pointer :: set_threads
       type(c_funptr) :: address

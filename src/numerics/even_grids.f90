@@ -1,4 +1,4 @@
-!> Numbers of nodes that suit a grid: even, with fast transforms and coarse grids below them.
+!> Numbers of nodes that suit a grid: even, with fast transforms and coarse grids below.
 module even_grids
    use kinds, only: wp
    implicit none (type, external)
@@ -6,13 +6,12 @@ module even_grids
 
    public :: even_nodes
 
-   !> Nodes that are chosen are these times a power of two.
+   !> Chosen numbers of nodes are these times a power of two.
    integer, parameter :: sizes(*) = [8, 9, 10, 12, 14, 15], first_unit = 2
 
 contains
 
-   !> The fewest nodes in one direction that are not below `least`, or the most that are not above
-   !> `most`; 0: none.
+   !> Fewest nodes in one direction not below `least`, or the most not above `most`; 0: none.
    pure elemental function even_nodes(least, most) result(nodes)
       real(wp), intent(in) :: least, most
       integer :: nodes, i, unit

@@ -8,9 +8,9 @@ module exponential_sum
 
    public :: exponential_sum_t, fit_exponentials, sample_points
 
-   !> Number of exponentials, even; decay rates then are a factor of 3.6 apart on 1024 intervals and
-   !> 10 on 2^20. Measured on up to 2^17 intervals: with a number that grows like ln n GMRES takes
-   !> the same iterations, with six it takes more.
+   !> Number of exponentials, even; decay rates are then a factor of 3.6 apart on 1024 intervals and
+   !> 10 on 2^20. Measured on up to 2^17 intervals: with a number that grows as ln n GMRES takes the
+   !> same iterations, with six it takes more.
    integer, parameter, public :: terms = 8
 
    !> kappa(j) ~ constant - sum_l weight(l) ratio(l)^j, j = 0..n.
@@ -22,15 +22,15 @@ module exponential_sum
 
    !> Decay rates are spread geometrically from `slowest`/n to `fastest`.
    real(wp), parameter :: slowest = 0.5_wp, fastest = 4.0_wp
-   !> All indices below `dense_points`, then about `sparse_points` spread logarithmically; the first
-   !> ones weigh more.
+   !> Fitted are all indices below `dense_points`, then about `sparse_points` spread
+   !> logarithmically; the first ones weigh more.
    integer, parameter :: dense_points = 30, sparse_points = 50, heavy_points = 3
    real(wp), parameter :: heavy_weight = 5.0_wp
    !> Singular values below this share of the largest are dropped.
    real(wp), parameter :: rank_tolerance = 1.0e-13_wp
 
    interface
-      !> LAPACK: minimum-norm least squares by complete orthogonal factorisation.
+      !> Minimum-norm least squares by complete orthogonal factorisation (LAPACK).
       subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
          import :: wp
          implicit none (type, external)
@@ -45,7 +45,7 @@ module exponential_sum
 
 contains
 
-   !> Indices j in 0..n at which the fit is made: rising, the last one n.
+   !> Indices j in 0..n of the fit: rising, the last one n.
    pure function sample_points(n) result(points)
       integer, intent(in) :: n
       integer, allocatable :: points(:)
@@ -63,8 +63,8 @@ contains
       allocate (points, source=candidates(:count))
    end function sample_points
 
-   !> Fits `kernel` (0:n), n >= 2, to about 1 %, good near j = 0; where there are fewer points than
-   !> terms, exactly. Fails (internal_error) if LAPACK does.
+   !> Fits `kernel` (0:n), n >= 2, to about 1 %, well near j = 0; exactly if there are fewer points
+   !> than terms. Fails (internal_error) if LAPACK does.
    subroutine fit_exponentials(kernel, fit, error)
       real(wp), intent(in) :: kernel(0:)
       type(exponential_sum_t), intent(out) :: fit
@@ -88,7 +88,7 @@ contains
       values = [kernel(points), (0.0_wp, l=size(points), q)]   ! room for all terms
       matrix(:heavy_points, :) = heavy_weight*matrix(:heavy_points, :)
       values(:heavy_points) = heavy_weight*values(:heavy_points)
-      ! an OpenBLAS without threads of its own may not be called by two threads at a time
+      ! an OpenBLAS built without threads must not be called by two threads at a time
       !$omp critical (lapack)
       call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(values), pivots, &
          rank_tolerance, rank, work, size(work), info)

@@ -1,11 +1,11 @@
 !> The routines of FFTW 3 that the project uses, in double (fftw_) and single precision (fftwf_), by
-!> FFTW's own Fortran interface.
+!> FFTW's Fortran interface.
 !>
 !> A transform of real values keeps the first half of the first (fastest) dimension of the spectrum;
-!> dimensions are given in the order of C, the fastest last. Neither direction is normalised. The
-!> real input of a transform out of place is kept, the complex one is destroyed. Planning is not
-!> safe between threads, and overwrites the arrays unless by `fftw_estimate`: by rules, not by
-!> timing, so that a repeated run gives the same bits.
+!> dimensions are given in the order of C, the fastest last. Neither direction is normalised. An
+!> out-of-place transform keeps a real input and destroys a complex one. Planning is not
+!> thread-safe, and overwrites the arrays unless by `fftw_estimate`: by rules, not by timing, so
+!> that a repeated run gives the same bits.
 module fftw
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_double_complex, c_float, &
       c_float_complex, c_funptr, c_int, c_int32_t, c_intptr_t, c_ptr, c_size_t

@@ -7,12 +7,12 @@ module gmres
 
    public :: krylov_system_t, gmres_t, solve_gmres
 
-   !> A linear system that knows its product and an approximate inverse.
+   !> A linear system with its product and an approximate inverse.
    type, abstract :: krylov_system_t
    contains
       !> y = A x.
       procedure(product_interface), deferred :: multiply
-      !> x becomes M x, M close to the inverse of A.
+      !> x = M x, with M close to the inverse of A.
       procedure(precondition_interface), deferred :: precondition
    end type krylov_system_t
 
@@ -35,8 +35,7 @@ module gmres
       end subroutine precondition_interface
    end interface
 
-   !> Basis and preconditioned basis (n, most + 1), kept from call to call; iterations of the last
-   !> call.
+   !> Basis and preconditioned basis (n, most + 1), kept between calls; iterations of the last call.
    type :: gmres_t
       integer :: max_iterations = 20
       integer :: iterations = 0
@@ -47,7 +46,7 @@ contains
 
    !> Solves A x = b to |b - A x| <= tolerance |b|; `x` (n) holds b on entry. `is_solved` is false
    !> if the iteration limit is reached or the numbers fail; x is then the best approximation, or
-   !> not changed.
+   !> unchanged.
    subroutine solve_gmres(gmres, system, tolerance, x, is_solved)
       type(gmres_t), intent(inout) :: gmres
       class(krylov_system_t), intent(inout) :: system
@@ -81,7 +80,7 @@ contains
       call combine(gmres, hessenberg, rest, x)
    end subroutine solve_gmres
 
-   !> Work space for n unknowns; grown where the last call had fewer.
+   !> Allocates work space for n unknowns, unless it has this size.
    subroutine allocate_basis(gmres, n)
       type(gmres_t), intent(inout) :: gmres
       integer, intent(in) :: n
@@ -93,8 +92,8 @@ contains
       allocate (gmres%basis(n, gmres%max_iterations + 1), gmres%directions(n, gmres%max_iterations))
    end subroutine allocate_basis
 
-   !> Modified Gram-Schmidt: the last vector against all before it; `column` takes the products and
-   !> its length.
+   !> Orthogonalises the last vector against all before it (modified Gram-Schmidt); `column`
+   !> receives the products and its length.
    pure subroutine orthogonalise(vectors, column)
       real(wp), intent(inout) :: vectors(:, :)
       real(wp), intent(out) :: column(:)
@@ -131,7 +130,7 @@ contains
       rest(j) = cosine(j)*rest(j)
    end subroutine rotate
 
-   !> x = sum of the directions with the coefficients of the triangular system.
+   !> Sets x to the sum of the directions with the coefficients of the triangular system.
    pure subroutine combine(gmres, triangle, right_side, x)
       type(gmres_t), intent(in) :: gmres
       real(wp), intent(in) :: triangle(:, :)

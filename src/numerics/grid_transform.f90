@@ -1,5 +1,4 @@
-!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for work that is
-!> done once.
+!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for use once.
 module grid_transform
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr
    use errors, only: error_t, fail, internal_error
@@ -14,9 +13,9 @@ module grid_transform
 
 contains
 
-   !> spectrum(k, l) = sum of z exp(-2 pi i (k m/nx + l n/ny)) over the nodes (m, n) of `grid` = nx,
-   !> ny (ny = 1: a line), for k = 0 ... nx/2, l = 0 ... ny - 1. `z` (nx*ny), x fastest. Fails
-   !> (internal_error) if FFTW does.
+   !> Computes spectrum(k, l) = sum of z exp(-2 pi i (k m/nx + l n/ny)) over the nodes (m, n) of
+   !> `grid` = nx, ny (ny = 1: a line), for k = 0 ... nx/2, l = 0 ... ny - 1. `z` (nx*ny), x
+   !> fastest. Fails (internal_error) if FFTW does.
    subroutine transform_field(grid, z, spectrum, error)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: z(:)
@@ -34,8 +33,8 @@ contains
       call fftw_destroy_plan(plan)
    end subroutine transform_field
 
-   !> z = sum of spectrum exp(+2 pi i ...) over all k and l: `transform_field` and back multiplies
-   !> by nx ny. Fails (internal_error) if FFTW does.
+   !> Computes z = sum of spectrum exp(+2 pi i ...) over all k and l: `transform_field` and back
+   !> multiplies by nx ny. Fails (internal_error) if FFTW does.
    subroutine transform_back(grid, spectrum, z, error)
       integer, intent(in) :: grid(2)
       complex(wp), intent(inout) :: spectrum(0:, 0:)
@@ -51,8 +50,8 @@ contains
       call fftw_destroy_plan(plan)
    end subroutine transform_back
 
-   !> Mean over all rows z(:, j) of |sum of z exp(-2 pi i k m/nx)|^2 for k = 0 ... nx/2. Threads may
-   !> call it at the same time. Fails (internal_error) if FFTW does.
+   !> Computes the mean over all rows z(:, j) of |sum of z exp(-2 pi i k m/nx)|^2 for k = 0 ...
+   !> nx/2. Thread-safe. Fails (internal_error) if FFTW does.
    subroutine power_of_rows(z, power, error)
       real(wp), intent(in) :: z(:, :)
       real(wp), allocatable, intent(out) :: power(:)
@@ -80,7 +79,7 @@ contains
       !$omp end critical (planning)
    end subroutine power_of_rows
 
-   !> Error if FFTW has given no plan.
+   !> Fails (internal_error) if FFTW has given no plan.
    subroutine check_plan(plan, grid, error)
       type(c_ptr), intent(in) :: plan
       integer, intent(in) :: grid(2)

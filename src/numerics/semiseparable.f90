@@ -5,9 +5,8 @@
 !>              sum_l upper(l,i) ratio(l)^(j-i), j > i
 !>
 !> and slots q+1, q+2 of `lower` and `upper` add to the entries at distance 1 and 2. One sweep
-!> eliminates, carrying the (q+2)x(q+2) matrix of what the rows above leave for those below. Idea:
-!> Vandebril, Van Barel & Mastronardi, Matrix Computations and Semiseparable Matrices, 2008, chapter
-!> 4.
+!> eliminates, carrying the (q+2)x(q+2) matrix that rows above pass to those below. Idea: Vandebril,
+!> Van Barel & Mastronardi, Matrix Computations and Semiseparable Matrices, 2008, chapter 4.
 module semiseparable
    use exponential_sum, only: q => terms
    use kinds, only: wp
@@ -17,8 +16,9 @@ module semiseparable
    public :: semiseparable_t, new_semiseparable, factor_semiseparable, solve_semiseparable, &
       solve_two
 
-   !> Width of the generators: exponentials and two outer diagonals. Known to the compiler, which
-   !> unrolls all loops over it: a third less time for the factors, nearly half for a solution.
+   !> Width of the generators: exponentials and two outer diagonals. A constant, so that the
+   !> compiler unrolls all loops over it: a third less time for the factors, nearly half for a
+   !> solution.
    integer, parameter :: m = q + 2
 
    !> The matrix and its factors, for n rows and q exponentials.
@@ -34,7 +34,7 @@ module semiseparable
 
 contains
 
-   !> Storage for n rows with exponentials of the given ratios.
+   !> Allocates storage for n rows with exponentials of the given ratios.
    pure subroutine new_semiseparable(matrix, n, ratio)
       type(semiseparable_t), intent(inout) :: matrix
       integer, intent(in) :: n
@@ -132,7 +132,7 @@ contains
    end subroutine solve_semiseparable
 
    !> Solves for two right sides at once: `x` (2, n) holds them on entry. A sweep waits for one
-   !> value after the other, so that the second one costs a third of the first.
+   !> value after the other, so that the second side costs a third of the first.
    pure subroutine solve_two(matrix, x)
       type(semiseparable_t), intent(in) :: matrix
       real(wp), intent(inout), contiguous :: x(:, :)
@@ -141,8 +141,7 @@ contains
          matrix%inverse_pivot, x)
    end subroutine solve_two
 
-   !> Forward and backward substitution on plain arrays. Sums are formed in two parts, of which
-   !> neither waits for the other.
+   !> Forward and backward substitution on plain arrays. Sums are formed in two independent parts.
    pure subroutine substitute_one(n, rho, lower, upper, eta, inverse_pivot, x)
       integer, parameter :: k = 1
       include 'substitution.inc'

@@ -1,10 +1,9 @@
 !> Products with a matrix that is diagonal in Fourier space, in single precision: `grid_product.inc`
 !> for this kind of reals.
 !>
-!> A transform of a grid is done by its parts: rows, then columns in groups that stay in the cache
-!> while they are transformed, multiplied and transformed back, then rows. That is faster than
-!> transforms of the whole grid, rows without a listed node cost nothing, and neither do those that
-!> only pad.
+!> A grid is transformed in parts: rows, then columns in groups that stay in the cache while they
+!> are transformed, multiplied and transformed back, then rows. That is faster than transforms of
+!> the full grid; rows without a listed node and rows of padding cost nothing.
 module single_product
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, &
       c_ptr, c_size_t

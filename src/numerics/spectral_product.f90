@@ -19,12 +19,12 @@ module spectral_product
 
    public :: spectral_product_t, new_spectral_product, new_convolution, padded_size
 
-   !> A product. Fields are stored flat, x fastest: (nx*ny); a line has ny = 1. Not to be copied: it
+   !> A product. Fields are stored flat, x fastest: (nx*ny); a line has ny = 1. Do not copy it: it
    !> owns FFTW plans.
    type :: spectral_product_t
       !> Nodes of the grid in x and y.
       integer, private :: nodes(2) = 0
-      !> Size of the transform: that of the grid, or more where it is padded.
+      !> Size of the transform: that of the grid, or larger if padded.
       integer, private :: sizes(2) = 0
       !> Threads that share the work.
       integer, private :: threads = 1
@@ -42,8 +42,8 @@ contains
 
    !> Plans a periodic product on a grid of `nx` x `ny` >= 1 nodes (ny = 1: a line) with the real
    !> `symbol(0:nx/2, 0:ny-1)` in the order of the FFT: wavenumbers 0 ... nx/2, and 0 ... , -1 in y.
-   !> Work is shared by `threads`. If `is_single`, products in double precision are not planned and
-   !> must not be asked for. Fails (internal_error) if FFTW gives no memory or no plan.
+   !> Work is shared by `threads`. With `is_single`, products in double precision are not planned
+   !> and must not be used. Fails (internal_error) if FFTW gives no memory or no plan.
    subroutine new_spectral_product(self, nx, ny, symbol, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nx, ny, threads
@@ -85,7 +85,7 @@ contains
       call plan_as_wanted(self, [nx, ny], [mx, my], spectrum%re, threads, error, is_single)
    end subroutine new_convolution
 
-   !> Takes the sizes and plans in double precision, or in single alone.
+   !> Sets the sizes and plans in double precision, or in single only.
    subroutine plan_as_wanted(self, nodes, sizes, symbol, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nodes(2), sizes(2), threads
@@ -110,8 +110,8 @@ contains
       end if
    end subroutine plan_as_wanted
 
-   !> Length of the transform of an open line of `n` nodes: the least 2^a 3^b 5^c >= 2n - 1 (1 for a
-   !> single node).
+   !> Length of the transform of an open line of `n` nodes: the smallest 2^a 3^b 5^c >= 2n - 1 (1
+   !> for a single node).
    pure function padded_size(n) result(m)
       integer, intent(in) :: n
       integer :: m, rest
@@ -133,7 +133,7 @@ contains
       end do
    end function padded_size
 
-   !> y = A x, both (nx*ny).
+   !> Computes y = A x, both (nx*ny).
    subroutine apply(self, x, y)
       class(spectral_product_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: x(:)
@@ -142,7 +142,8 @@ contains
       call self%double%apply(x, y)
    end subroutine apply
 
-   !> y = A^-1 x of a periodic product, both (nx*ny), without the waves for which A is not positive.
+   !> Computes y = A^-1 x of a periodic product, both (nx*ny), without the waves for which A is not
+   !> positive.
    subroutine apply_inverse(self, x, y)
       class(spectral_product_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: x(:)
@@ -159,7 +160,7 @@ contains
       call move_alloc(symbol, self%double%symbol)
    end subroutine apply_inverse
 
-   !> Transforms done: size, pairs in double, pairs in single precision.
+   !> Transforms made: size, pairs in double, pairs in single precision.
    pure function transforms(self)
       class(spectral_product_t), intent(in) :: self
       integer :: transforms(4)

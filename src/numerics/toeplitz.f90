@@ -2,16 +2,16 @@
 !>
 !> The matrix is embedded in a circulant of length 2n, whose eigenvalues lambda(k) are the real,
 !> even transform of its first column (Golub & Van Loan, Matrix Computations, 4th ed., section 4.8).
-!> The 2n real values are taken as n complex ones, those of even places their real parts: of their
-!> transform Z the product makes
+!> The 2n real values are taken as n complex ones, with those of even index as real parts: the
+!> product turns their transform Z into
 !>
 !>   Z'(k) = (a - b sin t) Z(k) + i b cos t conj(Z(n-k)),   t = pi k/n,
 !>   a = (lambda(k) + lambda(n-k))/2,   b = (lambda(k) - lambda(n-k))/2,
 !>
-!> for the transforms of even and odd places, E and O, make X(k) = E + exp(-it) O and X(k+n) =
-!> E - exp(-it) O. FFTW plans complex transforms in a tenth of the time that it takes for real ones.
-!> Plans are made by FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated
-!> run gives the same bits. Those of short transforms are made once in a process, for all matrices.
+!> as the transforms of even and odd indices, E and O, make X(k) = E + exp(-it) O and X(k+n) = E -
+!> exp(-it) O. FFTW plans complex transforms in a tenth of the time of real ones. Plans are made by
+!> FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated run gives the same bits.
+!> Those of short transforms are made once in a process, for all matrices.
 module toeplitz
    use, intrinsic :: iso_c_binding, only: c_associated, c_double_complex, c_f_pointer, &
       c_int, c_loc, c_null_ptr, c_ptr, c_size_t
@@ -32,12 +32,12 @@ module toeplitz
       type(c_ptr) :: backward = c_null_ptr
    end type plans_t
 
-   !> Longest transform whose plans are kept: they hold some numbers for each of its places.
+   !> Longest transform whose plans are kept: they hold some numbers for each of its values.
    integer, parameter :: longest_kept = 4096
 
    !> The matrix T(i,j) = column(|i-j|), i = 0..n, applied to vectors that are zero at both ends,
-   !> x(0) = x(n) = 0: a transform of length 2n is then enough. Not to be copied: it owns memory
-   !> of FFTW and long plans.
+   !> x(0) = x(n) = 0: a transform of length 2n then suffices. Do not copy it: it owns memory of
+   !> FFTW and long plans.
    type :: toeplitz_t
       private
       integer :: n = 0
@@ -83,8 +83,8 @@ contains
       end if
    end subroutine new_toeplitz
 
-   !> Plans for the length of the matrix, from those that are kept if it is short: FFTW needs 40 000
-   !> instructions even for a plan that it has made before. One thread at a time may call this.
+   !> Sets the plans for the length of the matrix, from the kept ones if it is short: FFTW needs 40
+   !> 000 instructions even for a plan that it has made before. One thread at a time may call this.
    subroutine find_plans(self)
       type(toeplitz_t), intent(inout) :: self
       type(plans_t), save :: kept(longest_kept)
@@ -100,7 +100,7 @@ contains
       if (self%n <= longest_kept .and. c_associated(self%plans%forward)) kept(self%n) = self%plans
    end subroutine find_plans
 
-   !> Memory of FFTW's for (0:n-1), where its transforms are fastest; not associated: there is none.
+   !> Allocates (0:n-1) by FFTW, where its transforms are fastest; not associated: no memory.
    function new_complex(n) result(values)
       integer, intent(in) :: n
       complex(c_double_complex), pointer, contiguous :: values(:), from_one(:)
@@ -110,7 +110,7 @@ contains
       if (associated(from_one)) values(0:) => from_one
    end function new_complex
 
-   !> The coefficients a -+ b sin t, b cos t of the matrix.
+   !> Computes the coefficients a -+ b sin t, b cos t of the matrix.
    subroutine find_coefficients(self, column)
       type(toeplitz_t), intent(inout) :: self
       real(wp), intent(in) :: column(0:)
@@ -140,7 +140,7 @@ contains
       self%crossed = b*cos(angle)
    end subroutine find_coefficients
 
-   !> y = T x for x(0:n) with x(0) = x(n) = 0; y(0:n) is filled at every node.
+   !> Computes y = T x for x(0:n) with x(0) = x(n) = 0; y(0:n) is filled at every node.
    subroutine apply(self, x, y)
       class(toeplitz_t), intent(inout) :: self
       real(wp), intent(in) :: x(0:)
@@ -158,7 +158,7 @@ contains
       y(1:n:2) = self%pairs(:half - 1)%im
    end subroutine apply
 
-   !> Z'(k) and Z'(n-k) in place of `z` (0:n-1).
+   !> Replaces `z` (0:n-1) by Z'(k) and Z'(n-k).
    pure subroutine multiply(z, own, mirrored, crossed)
       complex(wp), intent(inout) :: z(0:)
       real(wp), intent(in) :: own(0:), mirrored(0:), crossed(0:)
@@ -166,7 +166,7 @@ contains
       integer :: k, n
 
       n = size(z)
-      ! k = 0 and, if n is even, n/2 are their own partners
+      ! k = 0 and, if n is even, n/2 pair with themselves
       z(0) = own(0)*z(0) + crossed(0)*cmplx(z(0)%im, z(0)%re, wp)
       if (modulo(n, 2) == 0) z(n/2) = own(n/2)*z(n/2)
       do k = 1, (n - 1)/2
@@ -178,7 +178,7 @@ contains
       end do
    end subroutine multiply
 
-   !> Gives plans and memory back.
+   !> Releases plans and memory.
    subroutine destroy_toeplitz(self)
       type(toeplitz_t), intent(inout) :: self
 

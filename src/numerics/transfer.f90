@@ -1,4 +1,4 @@
-!> Transfer between a grid of n intervals and one of n/2 (nodes 0..n): pure, one-dimensional,
+!> Transfers between a grid of n intervals and one of n/2 (nodes 0..n): pure, one-dimensional,
 !> uniform.
 !>
 !> Source: Trottenberg, Oosterlee & Schueller, Multigrid, 2001, section 2.3; thesis section 2.4.2.
@@ -9,7 +9,7 @@ module transfer
 
    public :: inject, full_weighting, prolong_linear, prolong_cubic
 
-   !> Ratio of neighbouring pressures beyond which there is a spike.
+   !> Ratio of neighbouring pressures above which there is a spike.
    real(wp), parameter :: steep = 4.0_wp
 
 contains
@@ -51,8 +51,8 @@ contains
 
    !> Cubic interpolation of a pressure `coarse` (0..n/2) >= 0 to `fine` (0..n) >= 0; linear at both
    !> ends, in front of the cavitated zone (where the slope jumps), and where the cubic would
-   !> undershoot zero. Beside a spike, where the four values differ by more than `steep` times, the
-   !> cubic goes beyond neither neighbour.
+   !> undershoot zero. Near a spike, where the four values differ by more than a factor `steep`, the
+   !> cubic stays between both neighbours.
    pure subroutine prolong_cubic(coarse, fine)
       real(wp), intent(in) :: coarse(0:)
       real(wp), intent(out) :: fine(0:)

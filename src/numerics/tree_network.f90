@@ -2,21 +2,21 @@
 !> is a tree.
 !>
 !> Pressure and deflection of a half-space are current into and potential of its surface (transfer
-!> function 1/q). Replace its inside by a tree: each node is joined by a resistor to a cell of 2
-!> (line) or 2 x 2 (area) nodes, each cell to one twice as large, and so on. A current into one node
-!> then raises the potential of another by the resistance that their ways to the root share, which
-!> depends on their distance alone, about as in the half-space; the resistances are chosen so. Where
-!> potentials are given at some nodes and the others are left open, the currents of a tree follow
-!> exactly by one sweep to the root and one back, in work proportional to the number of nodes given.
+!> function 1/q). A tree replaces its inside: a resistor joins each node to a cell of 2 (line) or 2
+!> x 2 (area) nodes, each cell to one twice as large, and so on. A current into one node then raises
+!> the potential of another by the resistance that their paths to the root share, which depends on
+!> their distance alone, about as in the half-space; the resistances are chosen so. If potentials
+!> are given at some nodes and the others are left open, one sweep to the root and one back give the
+!> currents of a tree exactly, in work proportional to the number of given nodes.
 !>
-!> This inverts the tree's matrix T restricted to the set F of nodes given; and if c <= x.K x/x.T
-!> x <= C for all x, so it is for all x that are zero off F: the bound C/c on the condition number
-!> does not depend on F. That of |q|, the inverse of K on all nodes, does: restricted to F it takes
-!> the nodes off F for loaded too, and its condition number grows with the number of contacts.
+!> This inverts the tree's matrix T restricted to the set F of given nodes; if c <= x.K x/x.T x <= C
+!> for all x, this also holds for all x that are zero off F: the bound C/c on the condition number
+!> does not depend on F. That of |q|, the inverse of K on all nodes, does: restricted to F it treats
+!> the nodes off F as loaded too, and its condition number grows with the number of contacts.
 !>
-!> A tree parts neighbours that lie on two sides of a large cell. The mean of two trees, one shifted
-!> by a third of the grid, does not: condition numbers of 2 to 5. Which cells there are is found in
-!> module cell_tree.
+!> A tree separates neighbours that lie on two sides of a large cell. The mean of two trees, one
+!> shifted by a third of the grid, does not: condition numbers of 2 to 5. Module cell_tree finds the
+!> cells.
 module tree_network
    use cell_tree, only: cell_tree_t, join_cells, max_levels, place_nodes
    use constants, only: pi
@@ -30,8 +30,8 @@ module tree_network
 
    !> One tree with its resistors.
    type, extends(cell_tree_t) :: tree_t
-      !> Seen from beyond the resistor above each cell but the nodes: conductance, and current at no
-      !> potential (2, cells).
+      !> Seen from beyond the resistor above each cell except the nodes: conductance, and current at
+      !> zero potential (2, cells).
       real(wp), allocatable :: seen(:, :)
       real(wp), allocatable :: potential(:)
       !> Currents into the nodes, in the order of the tree.
@@ -40,7 +40,7 @@ module tree_network
 
    !> The trees over a grid.
    type :: tree_network_t
-      !> Threads: each tree has one.
+      !> Number of threads: each tree has one.
       integer :: threads = 1
       !> Nodes in x and y (1: a line).
       integer, private :: nodes(2) = 0
@@ -60,15 +60,15 @@ module tree_network
 
 contains
 
-   !> Prepares the trees of a grid of `nodes` (nx, ny >= 1; ny = 1: a line) at the distances
-   !> `spacing` (2), in which first and last nodes are neighbours if it `is_periodic`.
+   !> Prepares the trees of a grid of `nodes` (nx, ny >= 1; ny = 1: a line) with `spacing` (2),
+   !> whose first and last nodes are neighbours if it `is_periodic`.
    pure subroutine new_tree_network(self, nodes, spacing, is_periodic)
       type(tree_network_t), intent(out) :: self
       integer, intent(in) :: nodes(2)
       real(wp), intent(in) :: spacing(2)
       logical, intent(in) :: is_periodic
-      !> Answer of a tree to a current into one half of a cell and out of the other, over that of a
-      !> wave as long as the cell.
+      !> Response of a tree to a current into one half of a cell and out of the other, over that to
+      !> a wave as long as the cell.
       real(wp), parameter :: halves = 2.0_wp*log(2.0_wp)
       real(wp) :: answer, answer_below, side(2)
       logical :: joined(2)
@@ -102,7 +102,7 @@ contains
       end do
    end subroutine new_tree_network
 
-   !> Grows the trees over the listed nodes `node` (rising).
+   !> Builds the trees over the listed nodes `node` (rising).
    subroutine settle(self, node)
       class(tree_network_t), intent(inout) :: self
       integer, contiguous, intent(in) :: node(:)
@@ -122,7 +122,7 @@ contains
       !$omp end parallel do
    end subroutine settle
 
-   !> Memory for `n` nodes and `cells` cells.
+   !> Allocates memory for `n` nodes and `cells` cells.
    pure subroutine make_room(tree, n, cells)
       type(tree_t), intent(inout) :: tree
       integer, intent(in) :: n
@@ -133,16 +133,16 @@ contains
          if (size(tree%place) >= n .and. size(tree%parent) >= cells) return
          deallocate (tree%place, tree%column, tree%parent, tree%seen, tree%potential, tree%current)
       end if
-      ! A set that grows does not ask for more each time.
+      ! A growing set does not reallocate each time.
       room = int(min(1.2_wp*cells, real(huge(1), wp)))
       allocate (tree%place(n + n/5), tree%column(room), tree%parent(room))
       room = int(min(1.2_wp*(cells - n), real(huge(1), wp)))
       allocate (tree%seen(2, room), tree%potential(room), tree%current(n + n/5))
    end subroutine make_room
 
-   !> Currents into the nodes of the last `settle`, in its order, that give them the potentials
-   !> `given` up to a constant, or are `given` themselves where `is_given`; the mean of the trees.
-   !> They add up to zero unless all are given.
+   !> Computes the currents into the nodes of the last `settle`, in its order, that give them the
+   !> potentials `given` up to a constant, or are `given` themselves where `is_given`; the mean of
+   !> the trees. They add up to zero unless all are given.
    subroutine solve(self, given, current, is_given)
       class(tree_network_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: given(:)
@@ -163,7 +163,7 @@ contains
       call add_trees(self%tree(1)%current, self%tree(2)%current, self%tree(2)%place, current)
    end subroutine solve
 
-   !> current = first + second, the latter at its `place`.
+   !> Computes current = first + second, the latter at its `place`.
    pure subroutine add_trees(first, second, place, current)
       real(wp), contiguous, intent(in) :: first(:), second(:)
       integer, contiguous, intent(in) :: place(:)
@@ -175,7 +175,7 @@ contains
       end do
    end subroutine add_trees
 
-   !> The share of one tree in `solve`: `tree%current`.
+   !> Computes the currents of one tree in `solve`: `tree%current`.
    pure subroutine solve_tree(tree, levels, resistance, given, is_given)
       type(tree_t), intent(inout) :: tree
       integer, intent(in) :: levels
@@ -215,7 +215,7 @@ contains
       end if
    end subroutine solve_tree
 
-   !> From the nodes, seen from beyond their resistors of the `conductance`, to the cells above.
+   !> Passes from the nodes, seen from beyond their resistors of `conductance`, to the cells above.
    pure subroutine leave_nodes(conductance, given, place, parent, seen)
       real(wp), intent(in) :: conductance
       real(wp), contiguous, intent(in) :: given(:)
@@ -229,7 +229,7 @@ contains
       end do
    end subroutine leave_nodes
 
-   !> The same where some currents are given.
+   !> The same with some currents given.
    pure subroutine leave_mixed(conductance, given, is_given, place, parent, seen)
       real(wp), intent(in) :: conductance
       real(wp), contiguous, intent(in) :: given(:)
@@ -245,7 +245,7 @@ contains
       end do
    end subroutine leave_mixed
 
-   !> From the cells `begin` ... `end` of a level through their resistors to those above.
+   !> Passes from the cells `begin` ... `end` of a level through their resistors to those above.
    pure subroutine lift(begin, end, resistance, parent, seen)
       integer, intent(in) :: begin, end
       real(wp), intent(in) :: resistance
@@ -263,7 +263,7 @@ contains
       end do
    end subroutine lift
 
-   !> Potentials of the cells `begin` ... `end` from those above.
+   !> Computes the potentials of the cells `begin` ... `end` from those above.
    pure subroutine lower(begin, end, resistance, parent, seen, potential)
       integer, intent(in) :: begin, end
       real(wp), intent(in) :: resistance
@@ -278,7 +278,7 @@ contains
       end do
    end subroutine lower
 
-   !> Currents into the nodes from the potentials above them.
+   !> Computes the currents into the nodes from the potentials above them.
    pure subroutine reach_nodes(conductance, given, place, parent, potential, current)
       real(wp), intent(in) :: conductance
       real(wp), contiguous, intent(in) :: given(:), potential(:)
@@ -291,7 +291,7 @@ contains
       end do
    end subroutine reach_nodes
 
-   !> The same where some currents are given.
+   !> The same with some currents given.
    pure subroutine reach_mixed(conductance, given, is_given, place, parent, potential, current)
       real(wp), intent(in) :: conductance
       real(wp), contiguous, intent(in) :: given(:), potential(:)

@@ -1,5 +1,5 @@
-!> What rounding cuts off a sum of two numbers, itself a number (Knuth, The Art of Computer
-!> Programming 2, section 4.2.2).
+!> Rounding error of a sum of two numbers, itself a number (Knuth, The Art of Computer Programming
+!> 2, section 4.2.2).
 module two_sum
    use kinds, only: wp
    implicit none (type, external)
@@ -9,7 +9,7 @@ module two_sum
 
 contains
 
-   !> a + b - total, exactly, where `total` is a + b rounded to nearest and nothing overflows.
+   !> a + b - total, exactly, if `total` is a + b rounded to nearest and nothing overflows.
    elemental function rest_of_sum(total, a, b) result(rest)
       real(wp), intent(in) :: total, a, b
       real(wp) :: rest, share

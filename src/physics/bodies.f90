@@ -6,7 +6,7 @@ module bodies
 
    public :: reduced_radius, reduced_modulus
 
-   !> What the line contact knows of its bodies.
+   !> Data of the bodies in a line contact.
    type, public :: bodies_t
       !> R [m] > 0 of (2.24), see `reduced_radius`.
       real(wp) :: reduced_radius
@@ -14,7 +14,7 @@ module bodies
       real(wp) :: reduced_modulus
       !> Speed u1, u2 [m/s] of the surfaces in x; u1 + u2 > 0.
       real(wp) :: speed_1, speed_2
-      !> R/R1, the share of surface 1 in the curvature of the gap; 1/2 where only R is known.
+      !> R/R1, the share of surface 1 in the curvature of the gap; 1/2 if only R is known.
       real(wp) :: curvature_share = 0.5_wp
    end type bodies_t
 

@@ -1,5 +1,5 @@
-!> Reference values of dry contacts: the only place where they pass from SI to dimensionless numbers
-!> and back.
+!> Reference values of dry contacts: the only place that converts between SI and dimensionless
+!> numbers.
 module dry_scaling
    use kinds, only: wp
    implicit none (type, external)
@@ -12,13 +12,13 @@ module dry_scaling
    type :: dry_scaling_t
       !> L, length of the domain in x [m].
       real(wp) :: length
-      !> s, rms of the heights; of a flat surface L [m].
+      !> s, rms of the heights; for a flat surface L [m].
       real(wp) :: height
       !> E' s/(4 L) [Pa].
       real(wp) :: pressure
       !> E' [Pa].
       real(wp) :: reduced_modulus
-      !> The heights are all the same, but for rounding.
+      !> Whether all heights are equal, except for rounding.
       logical :: is_flat = .false.
    contains
       procedure :: height_in_si
@@ -62,7 +62,7 @@ contains
       pascal = self%pressure*pressure
    end function pressure_in_si
 
-   !> The work of pressure on height, over an `area` [m^2] in J, over a length [m] in J/m.
+   !> Work of pressure on height, over an `area` [m^2] in J, over a length [m] in J/m.
    pure elemental function energy_in_si(self, area, work) result(energy)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: area, work
@@ -100,9 +100,9 @@ contains
       if (.not. is_line) area = area*self%length*aspect
    end function domain_area
 
-   !> A `pressure` [Pa] over the mean pressure w/L [Pa] of a load, above 0. Of E' s/(4 L) this is
-   !> E' s/(4 w), the number that is left of an elastic contact in (3.19) of the thesis; of the
-   !> hardness it is H_s L/w.
+   !> `pressure` [Pa] over the mean pressure w/L [Pa] of a load, above 0. For E' s/(4 L) this is E'
+   !> s/(4 w), the only number of an elastic contact in (3.19) of the thesis; for the hardness it is
+   !> H_s L/w.
    pure elemental function load_number(pressure, mean_pressure) result(number)
       real(wp), intent(in) :: pressure, mean_pressure
       real(wp) :: number

@@ -22,27 +22,26 @@ module eyring
       procedure :: flow_shapes => shapes_of_drive
    end type eyring_t
 
-   !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can
-   !> change S [-].
+   !> Value of ln B that represents B = 0 (equal surface speeds): far below any ln B that can change
+   !> S [-].
    real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
 
-   !> Larger |Sigma| and |ln B| count as this large, so that no power of them overflows [-].
+   !> Larger |Sigma| and |ln B| are reduced to this, so that no power of them overflows [-].
    real(wp), parameter :: largest_argument = 1.0e60_wp
 
-   !> Where ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the
-   !> root vanishes [-].
+   !> If ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the root
+   !> is negligible [-].
    real(wp), parameter :: lowest_exponent = -300.0_wp, highest_exponent = 100.0_wp
 
-   !> Below this argument arsinh is its series, whose next term is then below 4e-17 of it [-].
+   !> Below this argument arsinh uses its series, whose next term is below 4e-17 of it [-].
    real(wp), parameter :: small_stress = 1.0_wp/256.0_wp
 
-   !> Nodes worked on at a time, so that what is kept for the derivatives stays in fixed small
-   !> arrays.
+   !> Nodes computed at a time, so that values kept for the derivatives fit into small fixed arrays.
    integer, parameter :: block_size = 64
-   !> Nodes whose mean stress takes one form or the other.
+   !> Nodes whose mean stresses are computed by the same form.
    integer, parameter :: stress_block_size = 16
 
-   !> Up to this |x| the series of sinh(x)/x is used [-]: nine terms are cut off below 1e-17 there,
+   !> The series of sinh(x)/x is used up to this |x| [-]: nine terms are cut off below 1e-17 there,
    !> and the closed form above it loses no digit by cancellation (at 0.5 it would lose one).
    real(wp), parameter, public :: series_limit = 1.0_wp
 
@@ -65,7 +64,7 @@ module eyring
    real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), &
       5.0_wp*c(5), 6.0_wp*c(6), 7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
 
-   !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their
+   !> Values of a block that the derivatives reuse: exp(-2|Sigma|), shear and ratio without their
    !> powers of |Sigma|, and t^2.
    type :: parts_t
       real(wp), dimension(block_size) :: decay, curve, inverse_sinh, t_squared
@@ -73,7 +72,7 @@ module eyring
 
 contains
 
-   !> S, with the derivatives where they are wanted.
+   !> Computes S, with the derivatives if asked for.
    pure subroutine evaluate_slip(self, drive, inverse_film, ln_mu, has_slopes, slip)
       class(eyring_t), intent(in) :: self
       real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
@@ -95,7 +94,7 @@ contains
       slip%by_ln_film(:m) = by_sigma(:m)*sigma(:m) - slip%by_ln_mu(:m)
    end subroutine evaluate_slip
 
-   !> ln S at one place, and its derivative by the drive.
+   !> Computes ln S at one point, and its derivative by the drive.
    pure elemental subroutine ln_slip(self, drive, film, ln_mu, ln_s, by_drive)
       class(eyring_t), intent(in) :: self
       real(wp), intent(in) :: drive, film, ln_mu
@@ -107,8 +106,8 @@ contains
       by_drive = by_drive*self%sigma_scale
    end subroutine ln_slip
 
-   !> Mean shear stress, in units of tau_0 = 0.5/sigma_scale [p_h b/R]; 0 where `couette` is 0, NaN
-   !> where it is not known.
+   !> Computes the mean shear stress, in units of tau_0 = 0.5/sigma_scale [p_h b/R]; 0 where
+   !> `couette` is 0, NaN where it is not known.
    pure subroutine evaluate_stress(self, couette, drive, inverse_film, ln_mu, stress)
       class(eyring_t), intent(in) :: self
       real(wp), intent(in) :: couette
@@ -122,7 +121,7 @@ contains
       stress = unit*stress
    end subroutine evaluate_stress
 
-   !> d tau/dp of the sliding.
+   !> d tau/dp of sliding.
    pure elemental function stress_rise(self, newtonian, slope) result(rise)
       class(eyring_t), intent(in) :: self
       real(wp), intent(in) :: newtonian, slope
@@ -131,13 +130,13 @@ contains
       rise = pressure_derivative_of_stress(newtonian, 0.5_wp/self%sigma_scale, slope)
    end function stress_rise
 
-   !> d tau/dp [-] of the flow between two walls at a given shear rate: what the derivation of
-   !> Reynolds' equation takes for small. It is d tau/d ln mu times `slope` = d ln mu/dp [1/Pa].
+   !> d tau/dp [-] of the flow between two walls at a given shear rate, which the derivation of
+   !> Reynolds' equation assumes small: d tau/d ln mu times `slope` = d ln mu/dp [1/Pa].
    !>
-   !> `newtonian` stress mu |u2 - u1|/h [Pa] >= 0. With Eyring's tau = tau_0 asinh B, B =
-   !> mu |u2 - u1|/(tau_0 h), it is tau_0 B/sqrt(1 + B^2) d ln mu/dp; `eyring` tau_0 [Pa] > 0, or
-   !> <= 0 for an oil that does not thin, where it is the Newtonian stress times the slope. S. Bair,
-   !> M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573.
+   !> `newtonian`: stress mu |u2 - u1|/h [Pa] >= 0. With Eyring's tau = tau_0 asinh B, B = mu |u2 -
+   !> u1|/(tau_0 h), it is tau_0 B/sqrt(1 + B^2) d ln mu/dp; `eyring`: tau_0 [Pa] > 0, or <= 0 for a
+   !> Newtonian oil, for which it is the Newtonian stress times the slope. S. Bair, M. Khonsari and
+   !> W. O. Winer, Tribol. Int. 31, 1998, 573.
    pure elemental function pressure_derivative_of_stress(newtonian, eyring, &
       slope) result(derivative)
       real(wp), intent(in) :: newtonian, eyring, slope
@@ -187,9 +186,9 @@ contains
       ln_s = value(1)
    end function ln_slip_factor
 
-   !> S = exp(growth) factor on arrays (n), with the derivatives of `slip_factor`, in loops that the
-   !> compiler vectorises. S as a product spares the callers its logarithm, B = scale exp(ln_b) that
-   !> of the film; `scale` 1e-40 ... 1e40.
+   !> Computes S = exp(growth) factor on arrays (n), with the derivatives of `slip_factor`, in loops
+   !> that the compiler vectorises. S as a product saves the callers its logarithm, B = scale
+   !> exp(ln_b) that of the film; `scale` 1e-40 ... 1e40.
    pure subroutine slip_factors(sigma, ln_b, scale, growth, factor, dln_s_dsigma, dln_s_dln_b)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
       real(wp), intent(out), contiguous :: growth(:), factor(:), dln_s_dsigma(:), dln_s_dln_b(:)
@@ -231,12 +230,12 @@ contains
       ln_s = growth + log(factor)
    end subroutine ln_slip_factors
 
-   !> S = exp(growth) factor of one block (m <= block_size), B = scale exp(ln_b).
+   !> Computes S = exp(growth) factor of one block (m <= block_size), B = scale exp(ln_b).
    !>
    !> With x = |Sigma|, 3 (x cosh x - sinh x)/x^3 = exp(shift) shear and x/sinh x = exp(-shift)
    !> ratio: S = exp(shift) shear sqrt(1 + t^2), t = B ratio exp(-shift). Series and closed form are
-   !> both evaluated, at arguments that are safe for them, and the right one is picked by a weight
-   !> of 0 or 1: of `merge` gfortran makes a branch round a division, which it cannot vectorise.
+   !> both evaluated, at arguments safe for them, and a weight of 0 or 1 selects the right one:
+   !> gfortran turns `merge` into a branch around a division, which it cannot vectorise.
    pure subroutine block_values(sigma, ln_b, scale, growth, factor, parts)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
       real(wp), intent(out), contiguous :: growth(:), factor(:)
@@ -290,14 +289,14 @@ contains
       end do
    end subroutine block_slopes
 
-   !> Mean shear stress over tau_0, without its sign, on arrays (n), with B = scale exp(ln_b) as in
-   !> `slip_factors`:
+   !> Computes the mean shear stress over tau_0, without its sign, on arrays (n), with B = scale
+   !> exp(ln_b) as in `slip_factors`:
    !>
    !>     stress = arsinh( B |Sigma|/sinh|Sigma| ) ,
    !>
    !> (2.14), that of the mid-plane: with it the shear rate tau_0/mu sinh(tau/tau_0) of Eyring's law
-   !> adds up to u2 - u1 across the film. At the walls tau/tau_0 is that -+ Sigma. What has no
-   !> argument of the exponential left is the logarithm of twice the whole; small arguments have
+   !> integrates to u2 - u1 across the film. At the walls tau/tau_0 is that -+ Sigma. Where the
+   !> exponent exceeds its bound, arsinh is the logarithm of twice its argument; small arguments use
    !> three terms of the series, which keep the relative accuracy.
    pure subroutine mean_stresses(sigma, ln_b, scale, stress)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
@@ -316,7 +315,7 @@ contains
       end do
    end subroutine mean_stresses
 
-   !> `mean_stresses` where every |Sigma| is in the range of the series: one exponential less.
+   !> `mean_stresses` if every |Sigma| is in the range of the series: one exponential less.
    pure subroutine gentle_stresses(sigma, ln_b, scale, stress)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
       real(wp), intent(out), contiguous :: stress(:)
@@ -361,14 +360,14 @@ contains
          + is_large*log(t + sqrt(1.0_wp + t*t))
    end function arsinh
 
-   !> How velocity lies across the film at y = 2 z/h - 1, from -1 at surface 1 to 1 at surface 2,
-   !> for the `sigma` of `slip_factor`: u = (u1 + u2)/2 + (u2 - u1)/2 sliding - S h^2/(12 mu) dp/dx
+   !> Velocity shapes across the film at y = 2 z/h - 1, from -1 at surface 1 to 1 at surface 2, for
+   !> the `sigma` of `slip_factor`: u = (u1 + u2)/2 + (u2 - u1)/2 sliding - S h^2/(12 mu) dp/dx
    !> driven.
    !>
-   !> The integral of du/dz = tau_0/mu sinh(tau/tau_0) with the stress of (2.6), where the mean
-   !> stress is replaced by what the walls say: sliding = sinh(Sigma y)/sinh Sigma goes from -1 to
-   !> 1, driven = Sigma (cosh Sigma - cosh(Sigma y))/(Sigma cosh Sigma - sinh Sigma) is 0 at both
-   !> and has mean 1. A Newtonian oil, Sigma = 0, has y and 1.5 (1 - y^2).
+   !> The integral of du/dz = tau_0/mu sinh(tau/tau_0) with the stress of (2.6), where the speeds of
+   !> the walls replace the mean stress: sliding = sinh(Sigma y)/sinh Sigma goes from -1 to 1,
+   !> driven = Sigma (cosh Sigma - cosh(Sigma y))/(Sigma cosh Sigma - sinh Sigma) is 0 at both and
+   !> has mean 1. A Newtonian oil, Sigma = 0, has y and 1.5 (1 - y^2).
    pure elemental subroutine flow_shapes(sigma, y, sliding, driven)
       real(wp), intent(in) :: sigma, y
       real(wp), intent(out) :: sliding, driven

@@ -1,5 +1,5 @@
-!> Films by the formulas of handbooks for smooth, steady line contacts, to stand beside the computed
-!> one, and how far they are known to be off.
+!> Films by handbook formulas for smooth, steady line contacts, to compare with the computed one,
+!> and their known deviations.
 !>
 !> With U = mu_0 u/(E' R), mean speed u, G = alpha E' and W = w/(E' R) Moes' numbers of (2.53, 2.54)
 !> are M = W U^(-1/2) and L = G U^(1/4), and h/R = U^(1/2) times a function of M and L alone: the
@@ -13,16 +13,16 @@ module film_formulas
 
    public :: film_by_formula, formula_row_t, formulas_hold, known_bias
 
-   !> What a formula is.
+   !> One formula.
    type :: formula_row_t
       !> Name in the result, and on screen.
       character(len=16) :: name, authors
-      !> The quantity that it gives.
+      !> Quantity that it gives.
       character(len=9) :: quantity
       character(len=96) :: text, source
-      !> By how much it lies above what this program computes [-], between which nine of ten of 240
-      !> contacts lie (`make formulas`): with Roelands' viscosity and constant density, with Dowson
-      !> and Higginson's, with Barus' viscosity and either; of h_central without that density.
+      !> Range of its deviation above the result of this program [-] for nine of ten of 240 contacts
+      !> (`make formulas`): with Roelands' viscosity and constant density, with Dowson and
+      !> Higginson's, with Barus' viscosity and either; of h_central without that density.
       real(wp) :: bias(2, 4)
    end type formula_row_t
 
@@ -45,14 +45,14 @@ module film_formulas
          reshape([-0.04_wp, 0.11_wp, -0.05_wp, 0.04_wp, -0.07_wp, -0.01_wp, -0.09_wp, -0.03_wp], &
          [2, 4]))]
 
-   !> Moes' numbers (mean speed) between which the formulas are compared: elastic bodies and an oil
+   !> Moes' numbers (mean speed) for which the formulas are compared: elastic bodies and an oil
    !> whose viscosity rises with pressure.
    real(wp), parameter :: m_range(2) = [3.0_wp, 500.0_wp], l_range(2) = [5.0_wp, 30.0_wp]
 
 contains
 
-   !> Whether a contact of Moes' numbers `m_mean` and `l_mean` (mean speed) is one for which the
-   !> formulas are meant, and their bias is known: 3 <= M <= 500, 5 <= L <= 30.
+   !> Whether the formulas are meant for a contact of Moes' numbers `m_mean` and `l_mean` (mean
+   !> speed), and their bias is known: 3 <= M <= 500, 5 <= L <= 30.
    pure function formulas_hold(m_mean, l_mean) result(hold)
       real(wp), intent(in) :: m_mean, l_mean
       logical :: hold
@@ -79,10 +79,10 @@ contains
       end select
    end function film_by_formula
 
-   !> By how much row `i` usually lies above the computed film of an oil that does not thin, from
-   !> the lowest to the highest [-]. In the middle of the contact the formulas know nothing of
-   !> density: there the same mass of oil takes less room by that at the Hertzian pressure, at the
-   !> exit, where h_min is, hardly any less.
+   !> Least and most by which row `i` usually lies above the computed film of a Newtonian oil [-].
+   !> The formulas ignore density in the middle of the contact: there the same mass of oil takes
+   !> less room by the density at the Hertzian pressure; at the exit, where h_min is, hardly any
+   !> less.
    pure function known_bias(i, fluid) result(bias)
       integer, intent(in) :: i
       type(fluid_t), intent(in) :: fluid

@@ -1,26 +1,26 @@
-!> What every shear-thinning flow law of an oil provides: a law without one of these procedures does
-!> not compile.
+!> What every shear-thinning flow law of an oil must provide: a law without one of these procedures
+!> does not compile.
 module flow_law
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   !> Places evaluated at a time, at most.
+   !> Most points evaluated at a time.
    integer, parameter, public :: slip_block = 128
 
    !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No
    !> solution comes near it.
    real(wp), parameter, public :: largest_exponent = 500.0_wp
 
-   !> S = exp(growth) factor at up to `slip_block` places, and the derivatives of ln S by the drive
-   !> H dP/dX, by ln(mu/mu_0), and by ln H where dP/dX stays.
+   !> S = exp(growth) factor at up to `slip_block` points, and the derivatives of ln S by the drive
+   !> H dP/dX, by ln(mu/mu_0), and by ln H at constant dP/dX.
    type, public :: slip_t
       real(wp), dimension(slip_block) :: growth = 0.0_wp, factor = 1.0_wp, by_drive = 0.0_wp, &
          by_ln_mu = 0.0_wp, by_ln_film = 0.0_wp
    end type slip_t
 
-   !> A law with one stress scale tau_0. The flow that H dP/dX drives is S >= 1 times that of the
-   !> viscosity mu alone. Arrays have m <= `slip_block` places.
+   !> A law with one stress scale tau_0. The flow driven by H dP/dX is S >= 1 times that of the
+   !> viscosity mu alone. Arrays have m <= `slip_block` points.
    type, abstract, public :: flow_law_t
       !> Sigma = sigma_scale H dP/dX: b p_h/(2 R tau_0) [-], from (2.12) and (2.51).
       real(wp) :: sigma_scale = 0.0_wp
@@ -28,11 +28,11 @@ module flow_law
       !> and (2.51).
       real(wp) :: ln_b_scale = 0.0_wp
    contains
-      !> S with the `drive` H dP/dX, 1/H and ln(mu/mu_0); without slopes the derivatives stay.
+      !> Computes S from the `drive` H dP/dX, 1/H and ln(mu/mu_0); derivatives only `has_slopes`.
       procedure(slip_interface), deferred :: evaluate_slip
-      !> ln S at one place, with the `film` H, and its derivative by the drive.
+      !> Computes ln S at one point, with the `film` H, and its derivative by the drive.
       procedure(ln_slip_interface), deferred :: ln_slip
-      !> Mean shear stress across the film [p_h b/R] with the sign of `couette`, which is
+      !> Computes the mean shear stress across the film [p_h b/R] with the sign of `couette` =
       !> lambda/6 (u2 - u1)/(u1 + u2).
       procedure(stress_interface), deferred :: evaluate_stress
       !> d tau/dp [b/R] of sliding at a given shear rate, from the stress of a Newtonian oil and the

@@ -9,8 +9,8 @@ module half_space
 
    public :: line_kernel, line_deflection_coefficients
 
-   !> From this cell distance on the series is used: its terms up to j^-12 leave 1e-18 there, while
-   !> the closed form loses digits by cancellation in proportion to j.
+   !> From this cell distance on the series is used: its terms up to j^-12 leave an error of 1e-18
+   !> there, while the closed form loses digits by cancellation in proportion to j.
    integer, parameter, public :: series_start = 10
 
 contains

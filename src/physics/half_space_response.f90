@@ -18,12 +18,12 @@ module half_space_response
       open_area_kernel
 
    !> Beyond this many element widths the kernel of an element is a series in its size: its terms up
-   !> to the fourth power leave 1e-12 there, while the closed form loses digits in proportion to the
-   !> square of the distance.
+   !> to the fourth power leave an error of 1e-12 there, while the closed form loses digits in
+   !> proportion to the square of the distance.
    real(wp), parameter :: series_start = 40.0_wp
    !> Images of the wavenumber on either side that the element kernel sums, under a smooth window.
    integer, parameter :: images = 24
-   !> Of the window; the sum is good to 1e-8 with it.
+   !> Steepness of the window; with it the sum is accurate to 1e-8.
    real(wp), parameter :: steepness = 4.3_wp
 
 contains
@@ -57,10 +57,10 @@ contains
       response(0, 0) = 0.0_wp
    end function band_limited_response
 
-   !> Response (0:nx/2, 0:ny-1) [m] to a pressure that is constant over each element round a node,
-   !> deflection at the nodes: the sum of sinc(q_x dx/2) sinc(q_y dy/2)/q over all images q + 2 pi
-   !> (k/dx, l/dy) of the wavenumber. The terms of the sum alternate; a smooth window over `images`
-   !> of them leaves 1e-8 of it.
+   !> Response (0:nx/2, 0:ny-1) [m] at the nodes to a pressure that is constant over each element
+   !> around a node: the sum of sinc(q_x dx/2) sinc(q_y dy/2)/q over all images q + 2 pi (k/dx,
+   !> l/dy) of the wavenumber. The terms of the sum alternate; a smooth window over `images` of them
+   !> leaves an error of 1e-8.
    pure function element_response(nx, ny, length_x, length_y) result(response)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: length_x, length_y

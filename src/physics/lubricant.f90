@@ -1,8 +1,8 @@
-!> The lubricant in SI, and the same in dimensionless form, with its laws of viscosity and density
-!> on arrays of nodes.
+!> The lubricant in SI and in dimensionless form, with its laws of viscosity and density on arrays
+!> of nodes.
 !>
-!> Viscosities are ln(mu/mu_0), because mu itself passes 1e300 within the valid range of alpha p.
-!> Laws take pressure, 1/alpha, P0 and C1 in one and the same unit: SI, or all divided by the Hertz
+!> Viscosities are ln(mu/mu_0), because mu itself exceeds 1e300 within the valid range of alpha p.
+!> Laws take pressure, 1/alpha, P0 and C1 in the same unit: SI, or all divided by the Hertz
 !> pressure.
 module lubricant
    use flow_law, only: flow_law_t
@@ -46,11 +46,11 @@ module lubricant
       integer :: density_law
       !> One of the constants of module scaling.
       integer :: rheology
-      !> tau_0 [Pa] > 0 of a law that thins.
+      !> tau_0 [Pa] > 0 of a shear-thinning law.
       real(wp) :: stress_scale
    end type lubricant_t
 
-   !> The lubricant as the dimensionless equations see it; made by `scaled_fluid` of module scaling.
+   !> The lubricant in the dimensionless equations; made by `scaled_fluid` of module scaling.
    type, public :: fluid_t
       !> As in `lubricant_t`.
       integer :: viscosity_law = viscosity_constant, density_law = density_constant
@@ -62,13 +62,13 @@ module lubricant
       real(wp) :: z = 1.0_wp
       !> C1/p_h [-] > 0; Dowson and Higginson.
       real(wp) :: c1 = 1.0_wp
-      !> How shear thins it (module rheology); not allocated: it does not.
+      !> Its shear thinning (module rheology); not allocated: Newtonian.
       class(flow_law_t), allocatable :: rheology
    end type fluid_t
 
 contains
 
-   !> ln(mu/mu_0) and, where it is asked for, its derivative by P at the pressures `p` (n) >= 0 [-].
+   !> Computes ln(mu/mu_0) and, if present, its derivative by P at the pressures `p` (n) >= 0 [-].
    pure subroutine fluid_viscosity(fluid, p, ln_mu, dln_mu)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: p(:)
@@ -88,7 +88,7 @@ contains
       end select
    end subroutine fluid_viscosity
 
-   !> rho/rho_0 and, where it is asked for, its derivative by P at the pressures `p` (n) >= 0 [-].
+   !> Computes rho/rho_0 and, if present, its derivative by P at the pressures `p` (n) >= 0 [-].
    pure subroutine fluid_density(fluid, p, rho, drho)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: p(:)
@@ -123,8 +123,8 @@ contains
    !> Roelands' law (2.26), (2.61) on arrays (n), in one loop that the compiler vectorises:
    !> ln(mu/mu_0) = (alpha P0/z) [ (1 + p/P0)^z - 1 ].
    !>
-   !> `p` >= 0; `alpha` >= 0; `p0` > 0; `z` > 0 (0.4 ... 0.8 for oils; z = 1 is Barus).
-   !> `ln_mu` = ln(mu/mu_0) [-]; `dln_mu`, where it is asked for, its derivative by p [1/unit of p].
+   !> `p` >= 0; `alpha` >= 0; `p0` > 0; `z` > 0 (0.4 ... 0.8 for oils; z = 1 is Barus). `ln_mu` =
+   !> ln(mu/mu_0) [-]; `dln_mu`, if present, its derivative by p [1/unit of p].
    pure subroutine roelands_viscosities(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: alpha, p0, z
@@ -144,8 +144,8 @@ contains
       end if
    end subroutine roelands_viscosities
 
-   !> The law at one pressure; private, so that position-independent code inlines it in the loops
-   !> too.
+   !> The law at one pressure; private, so that position-independent code also inlines it in the
+   !> loops.
    pure elemental subroutine roelands(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in) :: p, alpha, p0, z
       real(wp), intent(out) :: ln_mu, dln_mu
@@ -158,11 +158,10 @@ contains
    end subroutine roelands
 
    !> Dowson and Higginson's law (2.28), (2.63) on arrays (n), in one loop that the compiler
-   !> vectorises:  rho/rho_0 = (C1 + C2 p)/(C1 + p).
+   !> vectorises: rho/rho_0 = (C1 + C2 p)/(C1 + p).
    !>
-   !> `p` >= 0 and `c1` > 0 in one and the same unit (SI, or both divided by the Hertz pressure).
-   !> `rho` = rho/rho_0 [-], between 1 and C2; `drho`, where it is asked for, its derivative by p
-   !> [1/unit of p].
+   !> `p` >= 0 and `c1` > 0 in the same unit (SI, or both divided by the Hertz pressure). `rho` =
+   !> rho/rho_0 [-], between 1 and C2; `drho`, if present, its derivative by p [1/unit of p].
    pure subroutine dowson_higginson_densities(p, c1, rho, drho)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: c1
@@ -182,8 +181,8 @@ contains
       end if
    end subroutine dowson_higginson_densities
 
-   !> The law at one pressure; private, so that position-independent code inlines it in the loops
-   !> too.
+   !> The law at one pressure; private, so that position-independent code also inlines it in the
+   !> loops.
    pure elemental subroutine dowson_higginson(p, c1, rho, drho)
       real(wp), intent(in) :: p, c1
       real(wp), intent(out) :: rho, drho

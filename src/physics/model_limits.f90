@@ -1,6 +1,6 @@
-!> Estimates of what the model of an isothermal, infinitely long, thin film of laminar flow leaves
-!> out: temperature, side flow, what Reynolds' equation neglects. In SI; nothing here enters a
-!> solution.
+!> Estimates of effects outside the model of an isothermal, infinitely long, thin film of laminar
+!> flow: temperature, side flow, terms that Reynolds' equation neglects. In SI; nothing here enters
+!> a solution.
 module model_limits
    use constants, only: pi
    use kinds, only: wp
@@ -10,17 +10,17 @@ module model_limits
    public :: film_reynolds_number, film_temperatures, flash_temperatures, inlet_heating_loss, &
       shortest_length, side_flow_loss
 
-   !> Cells over which the heat of a contact is averaged at most: enough for 1 % of its largest
+   !> Most cells over which the heat of a contact is averaged: enough for 1 % of its largest
    !> temperature.
    integer, parameter :: max_cells = 256
-   !> How what is lost to the sides falls with length over width.
+   !> Decay of the loss to the sides with length over width.
    real(wp), parameter :: end_decay = 0.68_wp
 
 contains
 
-   !> Temperature rise [K] of both surfaces from the `heat` [W/m^2] at nodes (n) at the distance
-   !> `spacing` [m], the flow to the right. On more than `max_cells` nodes the heat of neighbours is
-   !> averaged, and they get the temperature behind the last of them.
+   !> Temperature rise [K] of both surfaces from the `heat` [W/m^2] at nodes (n) with `spacing` [m],
+   !> the flow to the right. On more than `max_cells` nodes the heat of neighbours is averaged, and
+   !> they get the temperature behind the last of them.
    !>
    !> Both bodies pass a band source faster than heat spreads (J. C. Jaeger, J. Proc. R. Soc. New
    !> South Wales 76, 1942, 203; J. F. Archard, Wear 2, 1959, 438) and share the heat so that their
@@ -47,8 +47,8 @@ contains
       rise = rise*2.0_wp*sqrt(nodes*spacing/pi)/(effusivity*sum(sqrt(abs(speeds))))
    end function flash_temperatures
 
-   !> Temperature rise [K] of the middle of a film above its walls, in which the `heat` [W/m^2] is
-   !> set free evenly across the `film` [m]:  q h/(8 k), `conductivity` k [W/(m K)] of the oil.
+   !> Temperature rise [K] of the middle of a film above its walls, if the `heat` [W/m^2] is
+   !> released evenly across the `film` [m]: q h/(8 k), `conductivity` k [W/(m K)] of the oil.
    pure elemental function film_temperatures(heat, film, conductivity) result(rise)
       real(wp), intent(in) :: heat, film, conductivity
       real(wp) :: rise
@@ -84,7 +84,7 @@ contains
       loss = exp(-end_decay*length/width)
    end function side_flow_loss
 
-   !> The length [m] at which a contact loses this share, `loss` > 0, to its sides.
+   !> Length [m] at which a contact loses the share `loss` > 0 to its sides.
    pure elemental function shortest_length(loss, width) result(length)
       real(wp), intent(in) :: loss, width
       real(wp) :: length

@@ -1,9 +1,9 @@
 !> Moes' parameters M, L of the smooth lubricated line contact, in both conventions, and the films
-!> that they give.
+!> from them.
 !>
 !> The thesis (2.53, 2.54) uses the mean speed (u1 + u2)/2: M_mean, L_mean. Venner and Lubrecht, and
 !> all film formulas here, use the sum of the speeds: M_sum = M_mean/sqrt(2), L_sum = L_mean
-!> 2^(1/4). Names say which one is meant; the product L sqrt(M) is the same in both.
+!> 2^(1/4). Names state the convention; the product L sqrt(M) is the same in both.
 module moes
    use constants, only: pi
    use kinds, only: wp
@@ -16,8 +16,7 @@ module moes
    public :: film_from_moes_units, central_film, rigid_film
 
    !> Film of the rigid isoviscous contact times M_sum, in Moes units [-]; H. M. Martin, Engineering
-   !> 102, 1916, 119 (with the free cavitation boundary; the value 3 that is often quoted is 23 %
-   !> high).
+   !> 102, 1916, 119 (with the free cavitation boundary; the often quoted value 3 is 23 % high).
    real(wp), parameter, public :: martin_film = 2.4475_wp
 
 contains
@@ -74,8 +73,8 @@ contains
       m_sum = pi*sqrt(3.0_wp/(8.0_wp*lambda))
    end function moes_m_sum_from_lambda
 
-   !> alpha p_h [-] from M > 0 and L >= 0, both in the same convention, whichever:  L sqrt(M/(2
-   !> pi)), from (2.53, 2.54, 2.56).
+   !> alpha p_h [-] from M > 0 and L >= 0, both in either convention: L sqrt(M/(2 pi)), from (2.53,
+   !> 2.54, 2.56).
    pure elemental function alpha_bar_from_moes(m, l) result(alpha_bar)
       real(wp), intent(in) :: m, l
       real(wp) :: alpha_bar
@@ -106,8 +105,8 @@ contains
    !> Fit of G. Nijenbanning, C. H. Venner and H. Moes, Wear 176, 1994, 217, for line contacts (H.
    !> Moes): rigid or elastic, isoviscous or piezoviscous asymptotes joined smoothly. Within 5 % for
    !> M >= 5; about 20 % high near M = 1, L = 10. `m_sum` > 0; `l_sum` >= 0 (0 = isoviscous).
-   !> `elasticity` (0 to 1): of bodies that are stiffer by its inverse, in the b^2/R of those that
-   !> are not; M falls with the root of E', L rises with its power 3/4.
+   !> `elasticity` (0 to 1): for bodies stiffer by its inverse, in the b^2/R of the given ones; M
+   !> falls with the root of E', L rises with its power 3/4.
    pure elemental function central_film(m_sum, l_sum, elasticity) result(film)
       real(wp), intent(in) :: m_sum, l_sum
       real(wp), intent(in), optional :: elasticity
@@ -125,7 +124,7 @@ contains
       end if
       power = (7.0_wp + 8.0_wp*exp(-2.0_wp*min(elastic_iso/rigid_iso, 100.0_wp)))/5.0_wp
       isoviscous = (rigid_iso**(7.0_wp/3.0_wp) + elastic_iso**(7.0_wp/3.0_wp))**(3.0_wp/7.0_wp)
-      ! (a^(-7/2) + b^(-7/2))^(-2/7) with the smaller one taken out, so that L = 0 is no special
+      ! (a^(-7/2) + b^(-7/2))^(-2/7) with the smaller one factored out, so that L = 0 is no special
       ! case
       lower = min(rigid_piezo, elastic_piezo)
       piezoviscous = lower/(1.0_wp + (lower/max(rigid_piezo, elastic_piezo, &

@@ -1,4 +1,4 @@
-!> How shear thins the lubricant of a contact: what its flow law says, and the values of a Newtonian
+!> Shear thinning of the lubricant of a contact: values of its flow law, or of a Newtonian
 !> lubricant, whose slip factor S is 1.
 module rheology
    use flow_law, only: largest_exponent
@@ -12,7 +12,7 @@ module rheology
 
 contains
 
-   !> Whether shear thins the fluid: else S = 1 and the drive does not matter.
+   !> Whether the fluid is shear-thinning: else S = 1 and the drive does not matter.
    pure elemental function thins(fluid)
       type(fluid_t), intent(in) :: fluid
       logical :: thins
@@ -21,7 +21,7 @@ contains
    end function thins
 
    !> Shear stress at the walls, h/2 |dp/dx|, over the stress scale of the fluid [-], with the sign
-   !> of the `drive` H dP/dX: Sigma of module eyring; 0 where nothing thins.
+   !> of the `drive` H dP/dX: Sigma of module eyring; 0 for a Newtonian fluid.
    pure elemental function wall_stress(fluid, drive) result(stress)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: drive
@@ -31,9 +31,9 @@ contains
       if (allocated(fluid%rheology)) stress = fluid%rheology%sigma_scale*drive
    end function wall_stress
 
-   !> Mean shear stress across the film at m places, in units of p_h b/R, positive where u2 > u1,
-   !> with the `drive` H dP/dX, 1/H and ln(mu/mu_0). `couette` = lambda/6 (u2 - u1)/(u1 + u2): the
-   !> stress of a Newtonian fluid is that times (mu/mu_0)/H.
+   !> Computes the mean shear stress across the film at m points, in units of p_h b/R, positive for
+   !> u2 > u1, from the `drive` H dP/dX, 1/H and ln(mu/mu_0). `couette` = lambda/6 (u2 - u1)/(u1 +
+   !> u2): the stress of a Newtonian fluid is that times (mu/mu_0)/H.
    pure subroutine evaluate_stress(fluid, couette, drive, inverse_film, ln_mu, stress)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette
@@ -47,8 +47,8 @@ contains
       end if
    end subroutine evaluate_stress
 
-   !> d tau/dp of the sliding alone at a given shear rate at m places, in the unit b/R, >= 0, from
-   !> the film H, ln(mu/mu_0) and its `slope` by P; `couette` as in `evaluate_stress`.
+   !> Computes d tau/dp of sliding alone at a given shear rate at m points, in the unit b/R, >= 0,
+   !> from the film H, ln(mu/mu_0) and its `slope` by P; `couette` as in `evaluate_stress`.
    pure subroutine evaluate_stress_rise(fluid, couette, film, ln_mu, slope, rise)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette
@@ -63,7 +63,7 @@ contains
       end if
    end subroutine evaluate_stress_rise
 
-   !> ln S at one place, with the `drive` H dP/dX, the `film` H and ln(mu/mu_0).
+   !> ln S at one point, with the `drive` H dP/dX, the `film` H and ln(mu/mu_0).
    pure elemental function ln_slip(fluid, drive, film, ln_mu) result(ln_s)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: drive, film, ln_mu
@@ -99,7 +99,7 @@ contains
       eased%rheology%ln_b_scale = fluid%rheology%ln_b_scale - log(factor)
    end function eased_fluid
 
-   !> B H/(mu/mu_0) of the sliding [-]; 0 where nothing thins.
+   !> B H/(mu/mu_0) of sliding [-]; 0 for a Newtonian fluid.
    pure function sliding_number(fluid) result(number)
       type(fluid_t), intent(in) :: fluid
       real(wp) :: number
@@ -108,8 +108,8 @@ contains
       if (allocated(fluid%rheology)) number = exp(fluid%rheology%ln_b_scale)
    end function sliding_number
 
-   !> Slide-to-roll ratio |u2 - u1|/((u1 + u2)/2) of a contact with the speed parameter `lambda`
-   !> whose fluid thins: 6 B H/(lambda mu Sigma/(H dP/dX)).
+   !> Slide-to-roll ratio |u2 - u1|/((u1 + u2)/2) of a contact with the speed parameter `lambda` and
+   !> a shear-thinning fluid: 6 B H/(lambda mu Sigma/(H dP/dX)).
    pure function slide_to_roll(fluid, lambda) result(ratio)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda

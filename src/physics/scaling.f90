@@ -1,5 +1,5 @@
-!> Reference values that turn the equations of the lubricated contact dimensionless: the only place
-!> where SI and dimensionless meet.
+!> Reference values of the lubricated contact: the only place that converts between SI and
+!> dimensionless values.
 module scaling
    use bodies, only: bodies_t
    use eyring, only: eyring_t, ln_b_of_no_sliding
@@ -16,14 +16,14 @@ module scaling
 
    public :: inertia_number, new_scaling, new_moes_scaling, scaled_fluid
 
-   !> Laws: mu whatever the shear; Eyring (module eyring). Their names in the input, by number.
+   !> Rheologies, mu at any shear and Eyring (module eyring), and their names in the input.
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
    character(len=16), parameter, public :: rheologies(0:1) = [character(len=16) :: 'newtonian', &
       'eyring']
 
-   !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is
-   !> false (input by Moes' numbers) only lambda, alpha_bar, moes_m and moes_l mean anything, and
-   !> hertz_pressure if alpha is known; the rest is 0.
+   !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). If `is_dimensional` is false
+   !> (input by Moes' numbers), only lambda, alpha_bar, moes_m and moes_l are set, and
+   !> hertz_pressure if alpha is known; all others are 0.
    type, public :: scaling_t
       !> b [m], unit of x.
       real(wp) :: half_width = 0.0_wp
@@ -53,16 +53,16 @@ module scaling
       real(wp) :: alpha_bar = 0.0_wp
       !> Moes' M and L [-] of (2.53, 2.54), mean speed.
       real(wp) :: moes_m = 0.0_wp, moes_l = 0.0_wp
-      !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive where surface 2 is the faster one,
-      !> as in chapter 6; NaN where the speeds are not known.
+      !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive if surface 2 is faster, as in
+      !> chapter 6; NaN: speeds not known.
       real(wp) :: slide_to_roll = 0.0_wp
-      !> True if the SI scales are known.
+      !> Whether the SI scales are known.
       logical :: is_dimensional = .false.
    end type scaling_t
 
 contains
 
-   !> Scaling of a contact given in SI.
+   !> Sets the scaling of a contact given in SI.
    !>
    !> lambda = 6 u_s R^2 mu_0/(p_h b^3), the left form of (2.55); the right one lacks a factor 1/8
    !> in print (3 pi^2 mu_0 u_s R E'/(8 w^2)). `load_per_length` w [N/m] > 0; ranges of `bodies` and
@@ -98,11 +98,11 @@ contains
       scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
    end subroutine new_scaling
 
-   !> Scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean speed; no
-   !> SI scale is known but p_h = alpha_bar/alpha, for laws that need it.
+   !> Sets the scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean
+   !> speed; the only known SI scale is p_h = alpha_bar/alpha, for laws that need it.
    !>
-   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Of `lubricant` only the laws,
-   !> alpha, P0 and z are used.
+   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Only the laws, alpha, P0 and z
+   !> of `lubricant` are used.
    pure subroutine new_moes_scaling(scaling, moes_m_mean, moes_l_mean, lubricant)
       type(scaling_t), intent(out) :: scaling
       real(wp), intent(in) :: moes_m_mean, moes_l_mean
@@ -132,7 +132,7 @@ contains
    !>
    !> An unknown or vanishing Hertz pressure (Moes input with L = 0) makes viscosity and density
    !> constant: the limit of their laws. Eyring needs a scaling from SI; otherwise the fluid is
-   !> Newtonian. Parameters that a law does not use are 1, so that no NaN is carried about.
+   !> Newtonian. Parameters that a law does not use are 1, to avoid NaN.
    pure function scaled_fluid(scaling, lubricant, bodies) result(fluid)
       type(scaling_t), intent(in) :: scaling
       type(lubricant_t), intent(in) :: lubricant
@@ -163,7 +163,7 @@ contains
          /(2.0_wp*scaling%reduced_radius*lubricant%stress_scale), ln_b_scale, fluid%rheology)
    end function scaled_fluid
 
-   !> The law of a rheology that thins, in the scales of `flow_law_t`.
+   !> Allocates the law of a shear-thinning rheology, in the scales of `flow_law_t`.
    pure subroutine new_flow_law(rheology, sigma_scale, ln_b_scale, law)
       integer, intent(in) :: rheology
       real(wp), intent(in) :: sigma_scale, ln_b_scale

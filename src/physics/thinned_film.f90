@@ -11,7 +11,7 @@
 !>     P' = min(H^(-1/3), 1/H)
 !>
 !> with Sigma and B of this H, P and P' (module eyring). Where S = B, mu drops out: H = 0.6 (lambda
-!> H/B)^(3/2), B H being constant, whatever L. With H_e the solution for this S, H_1 that for S = 1,
+!> H/B)^(3/2), B H being constant, for any L. With H_e the solution for this S, H_1 that for S = 1,
 !> and H_N the Newtonian film of Moes:
 !>
 !>     H = [ H_N^(-0.7) + H_e^(-0.7) - H_1^(-0.7) ]^(-1/0.7)
@@ -26,9 +26,9 @@ module thinned_film
 
    public :: thinned_central_film
 
-   !> Fitted: pressure, flow over P' lambda, and the power by which the limits are joined.
+   !> Fitted values of pressure, flow over P' lambda, and the power that joins the limits.
    real(wp), parameter :: pressure_share = 0.75_wp, flow_share = 0.7_wp, power = 0.7_wp
-   !> Bounds of ln H, and halvings of the distance between them (to 3e-5).
+   !> Bounds of ln H, and number of bisections (to 3e-5).
    real(wp), parameter :: thinnest = -21.0_wp, thickest = 9.0_wp
    integer, parameter :: halvings = 20
 
@@ -48,8 +48,7 @@ contains
       film = (newtonian**(-power) + max(resistance, 0.0_wp))**(-1/power)
    end function thinned_central_film
 
-   !> H_e (`is_thinning`) or H_1, by bisection; where the equation has no solution, the thickest
-   !> film.
+   !> H_e (`is_thinning`) or H_1, by bisection; the thickest film if the equation has no solution.
    pure function inlet_film(fluid, lambda, is_thinning) result(film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda
@@ -70,7 +69,7 @@ contains
       film = exp(0.5_wp*(lower + upper))
    end function inlet_film
 
-   !> ln of the flow over what it must be, at ln H = `ln_film`.
+   !> ln of the flow over the required one, at ln H = `ln_film`.
    pure function excess_flow(fluid, lambda, is_thinning, ln_film) result(excess)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, ln_film

@@ -1,5 +1,5 @@
-!> What a solution of the momentum equations hands out: fields over X and zeta, and how far the
-!> Reynolds equation on the same grid is from it.
+!> Fields of a solution of the momentum equations over X and zeta, and its differences from the
+!> Reynolds equation on the same grid.
 module film_fields
    use film_geometry, only: layer_centres
    use film_passage, only: film_passage_t
@@ -24,7 +24,7 @@ module film_fields
       !> |difference| of the mean pressure and largest difference of P across the film [p_h].
       real(wp) :: h_min = 0.0_wp, h_central = 0.0_wp, p_max = 0.0_wp, pressure_change = 0.0_wp, &
          pressure_variation = 0.0_wp
-      !> T_max, see `stress_rise`; of a passage the largest.
+      !> T_max, see `stress_rise`; in a transient the largest.
       real(wp) :: stress_rise = 0.0_wp
       !> Newton steps, factorisations of the matrix, steps of GMRES.
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
@@ -34,10 +34,10 @@ contains
 
    !> T_max, the largest d tau_xz/dp at a given shear rate, of the thin film with the pressure and
    !> height of this flow: tau of the sliding and of the pressure gradient. At 1 the equations
-   !> change their type: the momentum across the film then changes the pressure by as much as along
-   !> it. The stress of the flow itself would not do: oil turns with a curved film, by delta^2 W_X,
-   !> and while U does not yet turn with it, as in a first approximation, a stiff oil has stresses
-   !> by that which are in no solution (T of thousands in pure rolling).
+   !> change type: the momentum across the film then changes the pressure as much as that along it.
+   !> The stress of the flow itself cannot serve: oil turns with a curved film, by delta^2 W_X, and
+   !> while U does not yet turn with it, as in a first approximation, a stiff oil has stresses from
+   !> that which are in no solution (T of thousands in pure rolling).
    pure function stress_rise(problem, terms) result(largest)
       type(momentum_problem_t), intent(in) :: problem
       type(momentum_terms_t), intent(in) :: terms
@@ -60,7 +60,7 @@ contains
       largest = problem%kappa*sqrt(problem%delta2)*largest
    end function stress_rise
 
-   !> The fields of a flow with its terms: means of the values around each point.
+   !> Sets the fields of a flow with its terms: means of the values around each point.
    pure subroutine take_fields(problem, flow, terms, fields)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
@@ -90,8 +90,8 @@ contains
       fields%pressure_variation = maxval(maxval(flow%p, 1) - minval(flow%p, 1))
    end subroutine take_fields
 
-   !> Differences of a whole passage: of films the smallest over all times count, of pressures and
-   !> differences the largest.
+   !> Sets the differences of a transient: of films from the smallest over all times, of pressures
+   !> and differences from the largest.
    pure subroutine compare_passage(passage, fields)
       type(film_passage_t), intent(in) :: passage
       type(film_fields_t), intent(inout) :: fields

@@ -1,4 +1,4 @@
-!> Places and slopes of the walls, and their speeds along x, from the film.
+!> Positions and slopes of the walls, and their speeds along x, from the film.
 module film_geometry
    use kinds, only: wp
    use momentum_problem, only: momentum_problem_t
@@ -7,8 +7,8 @@ module film_geometry
 
    public :: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, evaluate_geometry
 
-   !> Of nodes (0:n) and faces (1:n): film, slopes dz1/dX and dH/dX, speeds of the walls along x;
-   !> half the changes with time, 1/2 dz1/dT and 1/2 dH/dT, of the nodes.
+   !> At nodes (0:n) and faces (1:n): film, slopes dz1/dX and dH/dX, speeds of the walls along x; at
+   !> the nodes half the time derivatives, 1/2 dz1/dT and 1/2 dH/dT.
    type :: film_geometry_t
       real(wp), allocatable :: film(:), lower_slope(:), film_slope(:)
       real(wp), allocatable :: face_film(:), face_lower_slope(:), face_film_slope(:)
@@ -35,8 +35,8 @@ contains
       zeta = [(real(k, wp)/m, k=0, m)]
    end function layer_edges
 
-   !> Geometry of a film (0:n). A smooth wall moves along itself, with u_i cos(theta) along x, and
-   !> carries its roughness along.
+   !> Computes the geometry of a film (0:n). A smooth wall moves along itself, with u_i cos(theta)
+   !> along x, and carries its roughness along.
    pure subroutine evaluate_geometry(problem, film, geometry)
       type(momentum_problem_t), intent(in) :: problem
       real(wp), intent(in) :: film(0:)
@@ -67,7 +67,7 @@ contains
       if (allocated(problem%wave_slope)) slopes = slopes - problem%wave_slope
    end function wall_slopes
 
-   !> Change of the geometry with a change `film` of the film.
+   !> Computes the change of the geometry with a change `film` of the film.
    pure subroutine differentiate_geometry(problem, geometry, film, change)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
@@ -86,7 +86,7 @@ contains
       change%lower_rate(:) = problem%lower_share*change%film_rate
    end subroutine differentiate_geometry
 
-   !> Films and slopes, at the ends of the domain those of the first and the last face.
+   !> Sets films and slopes; at the ends of the domain the slopes of the first and the last face.
    pure subroutine evaluate_slopes(dx, film, lower, geometry)
       real(wp), intent(in) :: dx, film(0:), lower(0:)
       type(film_geometry_t), intent(inout) :: geometry

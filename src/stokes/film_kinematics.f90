@@ -1,4 +1,4 @@
-!> Shear and stretching of the film from its velocities, and how they change with them.
+!> Shear and stretching of the film from its velocities, and their changes.
 !>
 !> Corners lie at the faces on the edges between layers (0:m, n), centres at the nodes in the middle
 !> of the layers (m, 1:n-1). With V = W - U dZ/dX - 1/2 dZ/dT and q = (dZ/dX)/H:
@@ -22,21 +22,21 @@ module film_kinematics
    !> D).
    real(wp), parameter, public :: trace_share = 2.0_wp/3.0_wp
 
-   !> Also their changes.
+   !> Kinematics of a flow, or their changes.
    type :: film_kinematics_t
       !> dU/dzeta at the corners.
       real(wp), allocatable :: shear(:, :)
       !> U on the edges at the faces (0:m, n), at the nodes (0:m, 0:n), and W and dW/dzeta there.
       real(wp), allocatable :: edge_u(:, :), node_u(:, :), w(:, :), w_slope(:, :)
-      !> g_xz at the corners and its mean at the centres; u_x, D, rest^2 there (m, 0:n; the ends of
-      !> rest^2 are those of their neighbours, of the others 0).
+      !> g_xz at the corners and its mean at the centres; u_x, D, rest^2 at the centres (m, 0:n; at
+      !> the ends rest^2 of their neighbours, 0 for the others).
       real(wp), allocatable :: rate(:, :), mean_rate(:, :), stretching(:, :), dilatation(:, :), &
          rest2(:, :)
    end type film_kinematics_t
 
 contains
 
-   !> Storage.
+   !> Allocates storage.
    pure subroutine new_kinematics(kinematics, m, n)
       type(film_kinematics_t), intent(out) :: kinematics
       integer, intent(in) :: m, n
@@ -49,8 +49,8 @@ contains
       end associate
    end subroutine new_kinematics
 
-   !> From velocities `u` (m, n), fluxes `v` (0:m, 0:n) and what the differences of U lack of the
-   !> shear (0:m, n).
+   !> Computes the kinematics from velocities `u` (m, n), fluxes `v` (0:m, 0:n) and `lacking` (0:m,
+   !> n), the shear less the differences of U.
    pure subroutine evaluate_kinematics(problem, geometry, u, v, lacking, kinematics)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
@@ -156,7 +156,7 @@ contains
       end associate
    end subroutine differentiate_kinematics
 
-   !> Values on the edges (0:m): between layers their mean, at the walls those of the walls.
+   !> Values on the edges (0:m): means between layers, at the walls those of the walls.
    pure function edge_means(values, walls) result(edges)
       real(wp), intent(in) :: values(:), walls(2)
       real(wp) :: edges(0:size(values))
@@ -168,7 +168,7 @@ contains
       edges(m) = walls(2)
    end function edge_means
 
-   !> From faces (., n) to nodes (., 0:n), at the ends those of the first and the last face.
+   !> Averages faces (:, n) to nodes (:, 0:n); the ends take the first and the last face.
    pure subroutine average_nodes(faces, nodes)
       real(wp), intent(in) :: faces(0:, :)
       real(wp), intent(inout) :: nodes(0:, 0:)
@@ -180,7 +180,7 @@ contains
       nodes(:, n) = faces(:, n)
    end subroutine average_nodes
 
-   !> Slopes by zeta on the edges (0:m) of second order.
+   !> Second-order slopes by zeta on the edges (0:m).
    pure function edge_slopes(values) result(slopes)
       real(wp), intent(in) :: values(0:)
       real(wp) :: slopes(0:size(values) - 1)
@@ -192,7 +192,7 @@ contains
       slopes(m) = 0.5_wp*m*(3*values(m) - 4*values(m - 1) + values(m - 2))
    end function edge_slopes
 
-   !> Means (m) of the four corners of the two faces beside a node.
+   !> Means (m) of the four corners of the two faces at a node.
    pure function corner_means(corners) result(means)
       real(wp), intent(in) :: corners(0:, :)
       real(wp) :: means(size(corners, 1) - 1)

@@ -1,5 +1,5 @@
-!> What the full momentum equations change over a transient, time by time, against the Reynolds
-!> equation on the same grid.
+!> Effect of the full momentum equations on a transient, time by time, against the Reynolds equation
+!> on the same grid.
 module film_passage
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -13,7 +13,7 @@ module film_passage
    !> Series over the time steps, T = 0 first (0:steps), and profiles of every `stride`-th one.
    type :: film_passage_t
       integer :: stride = 1
-      !> Steps that are done.
+      !> Last step added.
       integer :: last = -1
       !> T; smallest film, film at X = 0 and largest pressure by the full equations (series 1 to 3)
       !> and by the Reynolds equation (4 to 6); largest differences of the mean pressure [p_h] and
@@ -22,15 +22,15 @@ module film_passage
       !> Mean pressure and film of the profiles (nx, 0:steps/stride).
       real(wp), allocatable :: pressure(:, :), film(:, :)
    contains
-      !> Takes the end of a time step.
+      !> Adds the end of a time step.
       procedure :: add
-      !> Makes room for this many steps, where there is less.
+      !> Makes room for this many steps, if there is less.
       procedure :: make_room
    end type film_passage_t
 
 contains
 
-   !> Room for this many steps on nx nodes.
+   !> Allocates room for this many steps on nx nodes.
    pure function new_passage(steps, stride, nx) result(passage)
       integer, intent(in) :: steps, stride, nx
       type(film_passage_t) :: passage
@@ -40,7 +40,7 @@ contains
          passage%pressure(nx, 0:steps/stride), passage%film(nx, 0:steps/stride), source=0.0_wp)
    end function new_passage
 
-   !> What is there stays.
+   !> Keeps the values added so far.
    pure subroutine make_room(self, steps)
       class(film_passage_t), intent(inout) :: self
       integer, intent(in) :: steps
@@ -61,7 +61,7 @@ contains
       self%film = wide%film
    end subroutine make_room
 
-   !> `state` is that of the Reynolds equation.
+   !> Adds the end of a time step; `state` is that of the Reynolds equation.
    subroutine add(self, step, state, follower)
       class(film_passage_t), intent(inout) :: self
       integer, intent(in) :: step

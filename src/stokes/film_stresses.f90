@@ -1,4 +1,4 @@
-!> Stresses of the film from its shear rates and pressures, and how they change with them.
+!> Stresses of the film from its shear rates and pressures, and their changes.
 !>
 !>     tau_xz = eta g_xz (corners),  tau_xx = eta (2 u_x - 2/3 D),  tau_zz = eta (2 w_z - 2/3 D)
 !>
@@ -18,7 +18,7 @@ module film_stresses
    public :: change_of_stresses, corner_values, film_stresses_t, new_stresses, stress_change_t, &
       evaluate_stresses
 
-   !> Viscosity and density, stresses, and what their changes need.
+   !> Viscosity and density, stresses, and derivatives for their changes.
    type :: film_stresses_t
       !> ln mu, its slope by P, rho, its slope (m, 0:n).
       real(wp), allocatable :: ln_mu(:, :), ln_mu_p(:, :), rho(:, :), rho_p(:, :)
@@ -37,7 +37,7 @@ module film_stresses
 
 contains
 
-   !> Storage.
+   !> Allocates storage.
    pure subroutine new_stresses(stresses, m, n)
       type(film_stresses_t), intent(out) :: stresses
       integer, intent(in) :: m, n
@@ -52,7 +52,7 @@ contains
       end associate
    end subroutine new_stresses
 
-   !> From pressures (m, 0:n) and kinematics.
+   !> Computes the stresses from pressures (m, 0:n) and kinematics.
    pure subroutine evaluate_stresses(problem, geometry, p, kinematics, stresses)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
@@ -90,7 +90,7 @@ contains
       end associate
    end subroutine evaluate_stresses
 
-   !> H tau_xx does not change along the first and the last interval.
+   !> Keeps H tau_xx constant along the first and the last interval.
    pure subroutine end_stresses(hxx, xx, film)
       real(wp), intent(inout) :: hxx(:, 0:), xx(:, 0:)
       real(wp), intent(in) :: film(0:)
@@ -143,8 +143,8 @@ contains
       end associate
    end subroutine change_of_stresses
 
-   !> Values at the corners of a face (0:m) from those in the layers of both nodes (m, 2): means,
-   !> at the walls continued linearly or, else, as they are in the layer there.
+   !> Values at the corners of a face (0:m) from those in the layers of both nodes (m, 2): means, at
+   !> the walls extrapolated linearly or, else, those of the layer there.
    pure function corner_values(layers, is_linear) result(corners)
       real(wp), intent(in) :: layers(:, :)
       logical, intent(in) :: is_linear

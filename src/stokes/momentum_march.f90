@@ -1,9 +1,9 @@
-!> The time steps of a line contact by the full momentum equations of the film, after those of
-!> the Reynolds equation: the same steps, grid and surfaces, another history of H and rho H.
+!> Time steps of a line contact by the full momentum equations of the film, after those of the
+!> Reynolds equation: the same steps, grid and surfaces, another history of H and rho H.
 !>
 !> It starts from the smooth steady film of the full equations, which the surfaces then enter as
-!> they enter that of the Reynolds equation. Every step begins with its last solution and what the
-!> Reynolds equation has changed since; with delta = 0 it is the march of the Reynolds equation.
+!> they enter that of the Reynolds equation. Every step begins with its last solution plus the
+!> change of the Reynolds solution since; with delta = 0 it is the march of the Reynolds equation.
 module momentum_march
    use errors, only: error_t
    use film_equation, only: take_film
@@ -26,37 +26,37 @@ module momentum_march
 
    public :: momentum_march_t
 
-   !> Bounds on the last Newton step, of the start and of a time step, where what is left after it
-   !> does too.
+   !> Bounds on the last Newton step, of the start and of a time step; the latter also on the
+   !> predicted remainder after it.
    real(wp), parameter :: start_tolerance = 1.0e-9_wp, step_tolerance = 1.0e-6_wp
-   !> Newton steps from a first approximation by the past, at most.
+   !> Most Newton steps from a first approximation by the history.
    integer, parameter :: direct_steps = 5
 
-   !> Where the march stands. The pressure of its `state` is the mean across the film. Not to be
-   !> copied once it has begun: its level owns FFT plans.
+   !> State of the march. The pressure of its `state` is the mean across the film. Do not copy it
+   !> once it has begun: its level owns FFT plans.
    type, extends(follower_t) :: momentum_march_t
       type(walls_t) :: walls
       integer :: layers = 0
-      !> Its past, and what it has cost.
+      !> Its history and its cost.
       type(momentum_history_t) :: history
       type(line_level_t), private :: level
       type(momentum_problem_t), private :: problem
       type(film_flow_t), private :: flow
       type(momentum_newton_t), private :: newton
    contains
-      !> The smooth steady film, which the surfaces enter.
+      !> Begins with the smooth steady film, which the surfaces enter.
       procedure :: begin
-      !> One part of a time step.
+      !> Advances by one part of a time step.
       procedure :: advance
-      !> Where it stands, and going on from there.
+      !> Returns its state, and resumes from one.
       procedure :: kept, resume
-      !> The fields of the present film.
+      !> Returns the fields of the present film.
       procedure :: fields => present_fields
    end type momentum_march_t
 
 contains
 
-   !> From `state`, that of the Reynolds equation at T = 0. Error: no memory, or no solution.
+   !> Begins from `state`, that of the Reynolds equation at T = 0. Error: no memory, or no solution.
    subroutine begin(self, contact, state, reason)
       class(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -77,7 +77,7 @@ contains
       call remember(self)
    end subroutine begin
 
-   !> The smooth contact, with the pressure of `state` as first approximation. Error: no memory.
+   !> Poses the smooth contact; first approximation is the pressure of `state`. Error: no memory.
    subroutine pose(self, contact, state, reason)
       type(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -105,7 +105,7 @@ contains
       end associate
    end subroutine pose
 
-   !> Where it stands after a step.
+   !> Returns the state after a step.
    function kept(self) result(history)
       class(momentum_march_t), intent(in) :: self
       type(momentum_history_t) :: history
@@ -121,7 +121,7 @@ contains
       history%made_of_old = self%problem%old
    end function kept
 
-   !> Goes on from there, `state` that of the Reynolds equation at that time. Error: no memory.
+   !> Resumes from `history`, `state` that of the Reynolds equation at that time. Error: no memory.
    subroutine resume(self, contact, state, history, reason)
       class(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -150,7 +150,7 @@ contains
       call show(self)
    end subroutine resume
 
-   !> Goes on by a part of a time step that the Reynolds equation has done.
+   !> Advances by one part of a step of the Reynolds equation; `reason`: no solution.
    subroutine advance(self, part, reason)
       class(momentum_march_t), intent(inout) :: self
       type(time_part_t), intent(in) :: part
@@ -170,7 +170,7 @@ contains
             problem%old%mass = problem%old%mass - 0.5_wp*part%weights(3)*older%mass
          end if
          self%history%reynolds = part%state
-         ! what a tail in front of the inlet carries stays with it
+         ! a tail in front of the inlet keeps its load
          level%rhs_load = level%dx*sum(part%state%pressure)
          problem%held_pressure(0) = part%state%pressure(0)
       end associate
@@ -191,8 +191,8 @@ contains
       if (.not. allocated(reason)) call remember(self, part%length)
    end subroutine advance
 
-   !> First approximation at the end of a step of this length: the film of the Reynolds equation and
-   !> what the last `count` films predict to be above it. U waits for the new film.
+   !> Sets the first approximation at the end of a step of this length: the film of the Reynolds
+   !> equation plus the excess predicted by the last `count` films; of U only that excess.
    subroutine predict(self, length, count)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in) :: length
@@ -223,8 +223,8 @@ contains
       end associate
    end subroutine predict
 
-   !> The walls take these heights, the film follows, and the velocities, of which `flow` holds what
-   !> they are above those of the thin film.
+   !> Moves the walls to these heights, then film and velocities; on entry `flow` holds the excess
+   !> of U over that of the thin film.
    subroutine move_walls(self, heights)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in) :: heights(:, :)
@@ -243,7 +243,7 @@ contains
       end associate
    end subroutine move_walls
 
-   !> Newton's method; `reason` why it found no solution.
+   !> Solves by Newton's method; `reason`: why there is no solution.
    subroutine solve(self, tolerance, reason)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in) :: tolerance
@@ -262,8 +262,8 @@ contains
       if (.not. self%newton%is_converged) reason = missing_reason(self%newton, rise)
    end subroutine solve
 
-   !> A few steps of Newton's method from a first approximation that may lead nowhere; `lost` counts
-   !> them where it does.
+   !> Makes a few steps of Newton's method from a first approximation that may fail; `lost` counts
+   !> them if it does.
    subroutine solve_directly(self, lost)
       class(momentum_march_t), intent(inout) :: self
       integer, intent(out) :: lost
@@ -279,7 +279,7 @@ contains
          stress_rise(self%problem, self%newton%terms))
    end subroutine solve_directly
 
-   !> Newton steps of one time step, or part of it.
+   !> Counts the Newton steps of one time step, or part of it.
    subroutine count_steps(self, steps)
       class(momentum_march_t), intent(inout) :: self
       integer, intent(in) :: steps
@@ -292,8 +292,8 @@ contains
       end associate
    end subroutine count_steps
 
-   !> The present film enters the history, at the end of a step of this length; without one the
-   !> march begins with it.
+   !> Adds the present film to the history, at the end of a step of this length; without a length
+   !> the march begins with it.
    subroutine remember(self, length)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in), optional :: length
@@ -313,7 +313,7 @@ contains
          past%past(1)%film = flow%film
          past%past(1)%lower = self%problem%lower_share*flow%film + self%problem%lower_shape
          past%past(1)%mass = self%newton%terms%stresses%rho*spread(flow%film, 1, self%layers)
-         ! that of T = 0 predicts nothing but the first: the surfaces have entered it
+         ! the film at T = 0 predicts only the first step: the surfaces have entered it
          if (past%films > 0 .and. past%lengths(1) > 0.0_wp) then
             do k = max_excesses, 2, -1
                past%excess(k) = past%excess(k - 1)
@@ -328,7 +328,7 @@ contains
       call show(self)
    end subroutine remember
 
-   !> What is seen of the present film.
+   !> Copies state and pressure variation of the present film to the public components.
    subroutine show(self)
       class(momentum_march_t), intent(inout) :: self
 
@@ -338,7 +338,7 @@ contains
       self%state = self%level%state
    end subroutine show
 
-   !> The fields of the present film, and the pressure and film of the Reynolds equation.
+   !> Fields of the present film, and pressure and film of the Reynolds equation.
    function present_fields(self) result(fields)
       class(momentum_march_t), intent(in) :: self
       type(film_fields_t) :: fields

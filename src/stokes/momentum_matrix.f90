@@ -1,9 +1,9 @@
 !> The matrix of the changes of U, V and P in the equations of the film, as a band, and its factors.
 !>
 !> A column of the grid has its V, its P and the U of the face to its right, one column after the
-!> other. The entries are read off the changes of the rows with many unknowns at a time, so far from
-!> each other that no row sees two. Of the changes with U those outside the band are left out: they
-!> are of fourth order in delta. The change by the mean pressure of the Reynolds part is not here.
+!> other. The entries are read from the changes of the rows with many unknowns at a time, so far
+!> apart that no row depends on two. Changes with U outside the band are neglected: they are of
+!> fourth order in delta. The change by the mean pressure of the Reynolds part is not here.
 module momentum_matrix
    use band_matrix, only: band_matrix_t, clear_band, factor_band, new_band, solve_band
    use errors, only: error_t
@@ -17,17 +17,17 @@ module momentum_matrix
 
    !> Kinds of unknowns.
    integer, parameter :: kind_u = 1, kind_v = 2, kind_p = 3
-   !> Rows that see an unknown of each kind, by columns and layers from it, first and last: rows of
-   !> x at faces, the others at nodes; rows of x and mass in layers, of z on edges.
+   !> Rows that depend on an unknown of each kind, by columns and layers from it, first and last:
+   !> rows of x at faces, the others at nodes; rows of x and mass in layers, of z on edges.
    integer, parameter :: x_columns(2, 3) = reshape([-2, 2, -1, 2, 0, 1], [2, 3])
    integer, parameter :: node_columns(2, 3) = reshape([-2, 1, -1, 1, -1, 1], [2, 3])
    integer, parameter :: x_layers(2, 3) = reshape([-3, 3, -2, 3, -2, 2], [2, 3])
    integer, parameter :: z_layers(2, 3) = reshape([-3, 2, -2, 2, -2, 1], [2, 3])
    integer, parameter :: mass_layers(2, 3) = reshape([0, 0, 0, 1, -1, 1], [2, 3])
-   !> Distances at which no row sees two of them.
+   !> Distances at which no row depends on two of them.
    integer, parameter :: column_period(3) = [5, 4, 3], layer_period(3) = [7, 6, 5]
    !> Beyond one column of unknowns the band reaches this far past the layers of another: as far as
-   !> the rows across the film at a node see the velocities of the nearest three faces.
+   !> the rows across the film at a node depend on the velocities of the nearest three faces.
    integer, parameter :: margin = 4
 
    !> The band, and storage for one change.
@@ -39,8 +39,8 @@ module momentum_matrix
 
 contains
 
-   !> Fills and factors the matrix at a flow whose terms are given. `reach`: diagonals on both
-   !> sides, else those of a column and its neighbour's velocities. Error: the matrix is singular.
+   !> Fills and factors the matrix at a flow with given terms. `reach`: diagonals on both sides, by
+   !> default those of a column and its neighbour's velocities. Error: the matrix is singular.
    subroutine factor_momentum(matrix, problem, flow, terms, error, reach, without_factors)
       type(momentum_matrix_t), intent(inout) :: matrix
       type(momentum_problem_t), intent(in) :: problem
@@ -78,7 +78,7 @@ contains
       if (.not. is_plain) call factor_band(matrix%band, error)   ! error: the caller looks
    end subroutine factor_momentum
 
-   !> Solves A change = rows; held columns and V of the walls included.
+   !> Solves A change = rows, held columns included; V of the walls stays as it is.
    subroutine solve_momentum(matrix, problem, rows, change)
       type(momentum_matrix_t), intent(in) :: matrix
       type(momentum_problem_t), intent(in) :: problem
@@ -99,7 +99,7 @@ contains
       end associate
    end subroutine solve_momentum
 
-   !> The rows in the order of the matrix.
+   !> Copies the rows in the order of the matrix.
    pure subroutine pack_rows(problem, rows, x)
       type(momentum_problem_t), intent(in) :: problem
       type(momentum_rows_t), intent(in) :: rows
@@ -116,7 +116,7 @@ contains
       end associate
    end subroutine pack_rows
 
-   !> Unknowns of a column.
+   !> Number of unknowns of a column.
    pure function column_size(problem)
       type(momentum_problem_t), intent(in) :: problem
       integer :: column_size
@@ -124,7 +124,7 @@ contains
       column_size = 3*problem%layers - 1
    end function column_size
 
-   !> All unknowns: the last column has no U.
+   !> Number of all unknowns: the last column has no U.
    pure function order_of(problem) result(order)
       type(momentum_problem_t), intent(in) :: problem
       integer :: order
@@ -152,7 +152,7 @@ contains
       end associate
    end subroutine set_change
 
-   !> Stores what the rows say about the unknowns of one colour.
+   !> Stores the entries of the unknowns of one colour from the rows.
    subroutine store_entries(matrix, problem, kind, column, layer)
       type(momentum_matrix_t), intent(inout) :: matrix
       type(momentum_problem_t), intent(in) :: problem
@@ -190,7 +190,7 @@ contains
 
    contains
 
-      !> One entry, if it is within the band.
+      !> Stores one entry, if it is within the band.
       subroutine store(row, value)
          integer, intent(in) :: row
          real(wp), intent(in) :: value

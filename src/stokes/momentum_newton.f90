@@ -1,8 +1,8 @@
 !> Newton's method for the elastic film with its full momentum equations.
 !>
 !> It starts from a solution of the Reynolds equation on the same level, and leaves there the mean
-!> pressure across the film, the film and H0. The velocities go with a step as those of the thin
-!> film do, plus the linear change of what they are beside these: their profiles are exponential in
+!> pressure across the film, the film and H0. In a step the velocities change as those of the thin
+!> film, plus the linear change of their excess over these: their profiles are exponential in
 !> pressure. Cavitation: columns whose mean pressure would become negative hold P = 0.
 module momentum_newton
    use errors, only: error_t
@@ -23,50 +23,50 @@ module momentum_newton
 
    public :: momentum_newton_t, solve_momentum_contact, start_flow
 
-   !> Bounds of a step: of the mean pressure as a share of max(1, P), of U beside the thin film's,
-   !> and of the film.
+   !> Bounds of a step: of the mean pressure as a share of max(1, P), of the excess of U over that
+   !> of the thin film, and of the film.
    real(wp), parameter :: largest_step = 0.3_wp, largest_speed_step = 0.5_wp, &
       smallest_film_share = 0.5_wp
-   !> What GMRES leaves of the right side, and what one Reynolds solution in its preconditioner may.
+   !> Shares of the right side left by GMRES, and by a Reynolds solution in its preconditioner.
    real(wp), parameter :: linear_share = 1.0e-4_wp, inner_share = 1.0e3_wp
-   !> A full step below `settled` that is no longer ten times smaller than the one before has
-   !> reached the round-off.
+   !> A full step below `settled` that is not ten times smaller than the one before has reached
+   !> round-off.
    real(wp), parameter :: settled = 1.0e-8_wp, slow_share = 0.1_wp
-   !> What a step leaves of the step before it, with new factors.
+   !> Share of the step before that a step leaves, with new factors.
    real(wp), parameter :: new_rate = 1.0e-2_wp
    integer, parameter :: max_halvings = 20
-   !> The last full column may have no place: full its pressure would be negative, cavitated its
-   !> balance of mass would ask for some. Once cavitated it stays so while that is below this share
-   !> of the pressure upstream of it, and in any case after this many changes.
+   !> The last filled column may fit neither state: filled its pressure would be negative, cavitated
+   !> its balance of mass would require pressure. Once cavitated it stays so while that is below
+   !> this share of the pressure upstream of it, and in any case after this many changes.
    real(wp), parameter :: smallest_rise = 1.0e-2_wp
    integer, parameter :: most_changes = 3
 
-   !> Outcome of one solution, and what its steps work with.
+   !> Outcome of one solution, and work space of its steps.
    type :: momentum_newton_t
       logical :: is_converged = .false.
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
-      !> Share of delta^2 that module momentum_solver has come to.
+      !> Share of delta^2 that module momentum_solver has reached.
       real(wp) :: reached = 0.0_wp
-      !> The factors are kept while this many more steps with them are expected to do. (To factor
-      !> costs as much as six steps.)
+      !> The factors are kept while this many more steps with them are expected to suffice.
+      !> (Factoring costs as much as six steps.)
       integer :: most_further_steps = 5
-      !> A solution also counts as found where what is left after a full step is predicted to be
-      !> below this: all further steps, as if each left as much of the one before as the last did.
+      !> A solution also counts as found if the predicted remainder after a full step is below this:
+      !> all further steps, if each leaves the same share of the one before as the last did.
       real(wp) :: largest_rest = 0.0_wp
       !> Largest change of P, U and H0 in the last full step.
       real(wp) :: last_step = huge(1.0_wp)
       type(momentum_terms_t) :: terms
       type(momentum_rows_t), private :: rows
       type(momentum_matrix_t), private :: matrix
-      !> The cavitated columns of the factors, allocated while there are factors; what a step with
-      !> them leaves of the one before.
+      !> Cavitated columns of the factors, allocated while there are factors; share of the step
+      !> before that a step with them leaves.
       logical, allocatable, private :: factored_set(:)
       real(wp), private :: rate = new_rate
    end type momentum_newton_t
 
 contains
 
-   !> The flow of the level's pressure and film by the Reynolds equation.
+   !> Sets the flow from the level's pressure and film by the Reynolds equation.
    pure subroutine start_flow(problem, level, flow, terms)
       type(momentum_problem_t), intent(in) :: problem
       type(line_level_t), intent(in) :: level
@@ -83,7 +83,7 @@ contains
 
    !> Solves from a first approximation in `flow`, whose mean pressure is that of the level. Ends
    !> when a full step is below `tolerance`, or at round-off, or after `max_steps`, or without
-   !> convergence where the matrix is singular.
+   !> convergence if the matrix is singular.
    subroutine solve_momentum_contact(newton, problem, level, flow, tolerance, max_steps)
       type(momentum_newton_t), intent(inout), target :: newton
       type(momentum_problem_t), intent(inout), target :: problem
@@ -160,7 +160,7 @@ contains
       call evaluate_rows(problem, flow, newton%terms, newton%rows)
    end subroutine solve_momentum_contact
 
-   !> Whether the last full step is the last one that is needed.
+   !> Whether no step is needed after the last full one.
    pure function is_small(newton, previous, tolerance)
       type(momentum_newton_t), intent(in) :: newton
       real(wp), intent(in) :: previous, tolerance
@@ -171,8 +171,8 @@ contains
          .or. rest(newton%last_step, previous) < newton%largest_rest
    end function is_small
 
-   !> What is left after a step if further ones fall as it has fallen from the previous one; without
-   !> a previous full step that is not known.
+   !> Predicted remainder after a step, if further ones fall as it has fallen from the previous one;
+   !> huge without a previous full step.
    pure function rest(step, previous)
       real(wp), intent(in) :: step, previous
       real(wp) :: rest
@@ -181,7 +181,7 @@ contains
       if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) rest = step**2/(previous - step)
    end function rest
 
-   !> Factors for the flow where there are none, or for other cavitated columns.
+   !> Factors the matrix of the flow if there are no factors, or those of other cavitated columns.
    subroutine renew_factors(newton, problem, flow, is_new, error)
       type(momentum_newton_t), intent(inout) :: newton
       type(momentum_problem_t), intent(in) :: problem
@@ -201,9 +201,9 @@ contains
       newton%rate = new_rate
    end subroutine renew_factors
 
-   !> Which columns hold P = 0: where P + r/D <= 0, with r the mass balance of the column as the
-   !> residual of the Reynolds equation and D < 0 its elastic diagonal. Rows of `reynolds` are
-   !> divided by that. `changes` counts those of the columns (0:n).
+   !> Sets the columns that hold P = 0: where P + r/D <= 0, with r the mass balance of the column as
+   !> the residual of the Reynolds equation and D < 0 its elastic diagonal. Divides the rows of
+   !> `reynolds` by D. `changes` counts those of the columns (0:n).
    subroutine choose_held(problem, level, mass, reynolds, changes, has_new_set)
       type(momentum_problem_t), intent(inout) :: problem
       type(line_level_t), intent(in) :: level
@@ -231,8 +231,8 @@ contains
       end do
    end subroutine choose_held
 
-   !> Takes the step, shortened until no pressure, velocity or film changes too much; share = 0 if
-   !> that fails. `film_shift`: that of H0.
+   !> Applies the step, shortened until no pressure, velocity or film changes too much; share = 0 if
+   !> that fails. `film_shift`: step of H0.
    subroutine apply_step(newton, problem, level, flow, step, film_shift, share)
       type(momentum_newton_t), intent(inout) :: newton
       type(momentum_problem_t), intent(in) :: problem

@@ -1,13 +1,13 @@
-!> The flow between two given surfaces with its full momentum equations: data, grid and unknowns.
+!> Flow between two given surfaces with its full momentum equations: data, grid and unknowns.
 !>
-!> Scaled as the line contact, with the film's own scales across it: x by b, z by h_ref = b^2/R, u
-!> by u_s = u1 + u2, w by u_s h_ref/b, p by p_h, mu by mu_0; delta = h_ref/b = b/R. The film lies
-!> between Z = z1(X) and z1(X) + H(X), and is cut into `layers` by zeta, Z = z1 + zeta H.
+!> Scaled as the line contact, but by the film across it: x by b, z by h_ref = b^2/R, u by u_s = u1
+!> + u2, w by u_s h_ref/b, p by p_h, mu by mu_0; delta = h_ref/b = b/R. The film lies between Z =
+!> z1(X) and z1(X) + H(X), and is divided into `layers` by zeta, Z = z1 + zeta H.
 !>
 !> Staggered grid: pressures in the layers at the nodes of the Reynolds equation, velocities U in
-!> the layers at the faces between nodes (face f lies left of node f), fluxes V across the film
-!> at the nodes on the edges between layers. V = W - U dZ/dX (per u_s h_ref/b) is what crosses a
-!> line of constant zeta; no oil crosses the walls, V = 0 there.
+!> the layers at the faces between nodes (face f lies left of node f), fluxes V across the film at
+!> the nodes on the edges between layers. V = W - U dZ/dX (per u_s h_ref/b) crosses lines of
+!> constant zeta; no oil crosses the walls, V = 0 there.
 module momentum_problem
    use kinds, only: wp
    use lubricant, only: fluid_t
@@ -17,10 +17,9 @@ module momentum_problem
 
    public :: film_flow_t, mean_pressure, momentum_problem_t, new_flow
 
-   !> What the oil does at the inlet, where P is given: nothing across the film changes along it,
-   !> dV/dX = 0; it enters along the lines of constant zeta, V = 0; or, with dV/dX = 0, its
-   !> velocities at the first face have the profile of the thin film, and the middle layer the
-   !> balance of momentum.
+   !> Flow at the inlet, where P is given: nothing across the film changes along it, dV/dX = 0; oil
+   !> enters along the lines of constant zeta, V = 0; or, with dV/dX = 0, the velocities at the
+   !> first face have the profile of the thin film, and the middle layer the balance of momentum.
    integer, parameter :: inlet_even = 1
    integer, parameter, public :: inlet_parallel = 2, inlet_thin = 3
 
@@ -39,25 +38,25 @@ module momentum_problem
       !> Speeds u1/u_s of the lower and u2/u_s of the upper wall, along the wall.
       real(wp) :: speed(2) = 0.0_wp
       type(fluid_t) :: fluid
-      !> mu_0 u_s/(tau_0 h_ref) of an oil by Eyring's law, 0 of a Newtonian one.
+      !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, 0 for a Newtonian oil.
       real(wp) :: shear_scale = 0.0_wp
       !> Lower wall z1 = lower_share H + lower_shape.
       real(wp) :: lower_share = 0.0_wp
       real(wp), allocatable :: lower_shape(:)
-      !> Slopes at the faces (n, 2) of the roughness that the walls carry along, upwards; not
+      !> Slopes at the faces (n, 2), upwards, of the roughness that the walls carry along; not
       !> allocated: smooth walls.
       real(wp), allocatable :: wave_slope(:, :)
-      !> 1/2 dy/dT = half_rate y - old: half the weight of the new value, and what the old ones of
-      !> H, z1 and of rho H in the layers (layers, 0:n) make of it. half_rate = 0: steady.
+      !> 1/2 dy/dT = half_rate y - old: half the weight of the new value, and the contribution of
+      !> the old ones of H, z1 and of rho H in the layers (layers, 0:n). half_rate = 0: steady.
       real(wp) :: half_rate = 0.0_wp
       type(past_t) :: old
-      !> Columns whose pressure is given (both ends, and where the oil is cavitated), and which.
+      !> Columns whose pressure is given (both ends, and cavitated ones), and that pressure.
       logical, allocatable :: is_held(:)
       real(wp), allocatable :: held_pressure(:)
       !> One of the inlets above.
       integer :: inlet = inlet_even
-      !> Shares of the layers (layers) in the pressure that loads the bodies; not allocated: that is
-      !> the mean.
+      !> Shares of the layers (layers) in the pressure that loads the bodies; not allocated: the
+      !> mean.
       real(wp), allocatable :: loading_shares(:)
    end type momentum_problem_t
 
@@ -71,7 +70,7 @@ module momentum_problem
 
 contains
 
-   !> Storage for the flow of a problem, zero.
+   !> Allocates the flow of a problem, zero.
    pure subroutine new_flow(flow, problem)
       type(film_flow_t), intent(out) :: flow
       type(momentum_problem_t), intent(in) :: problem
@@ -83,7 +82,7 @@ contains
       if (allocated(problem%loading_shares)) flow%shares(:) = problem%loading_shares
    end subroutine new_flow
 
-   !> Mean of the pressure across the film (0:n), as it loads the bodies.
+   !> Mean pressure across the film (0:n), as it loads the bodies.
    pure function mean_pressure(flow) result(mean)
       type(film_flow_t), intent(in) :: flow
       real(wp) :: mean(0:ubound(flow%p, 2))

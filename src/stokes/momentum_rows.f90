@@ -5,10 +5,9 @@
 !>              + delta^2 ( (H tau_xx)_X - (Z_X tau_xx)_zeta ) ) = 0
 !>     z     P_zeta - kappa delta^2 ( (H tau_xz)_X + (tau_zz - Z_X tau_xz)_zeta ) = 0
 !>
-!> with the inertia of module film_inertia where it is asked for;
-!> mass (m, 0:n) at the nodes, x (m, n) over kappa at the faces, z (1:m-1, 0:n) on the inner edges
-!> at the nodes. Columns whose pressure is held have P - P_held for mass and V for z; at the inlet V
-!> is that of the next node.
+!> with the inertia of module film_inertia if asked for; mass (m, 0:n) at the nodes, x (m, n) over
+!> kappa at the faces, z (1:m-1, 0:n) on the inner edges at the nodes. Columns whose pressure is
+!> held have P - P_held for mass and V for z; at the inlet V is that of the next node.
 module momentum_rows
    use film_geometry, only: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, &
       evaluate_geometry
@@ -31,7 +30,7 @@ module momentum_rows
       real(wp), allocatable :: mass(:, :), x(:, :), z(:, :)
    end type momentum_rows_t
 
-   !> All that the equations are made of at one flow, and storage for changes of it.
+   !> Terms of the equations at one flow, and storage for changes of it.
    type :: momentum_terms_t
       type(film_geometry_t) :: geometry
       type(film_kinematics_t) :: kinematics
@@ -45,7 +44,7 @@ module momentum_rows
 
 contains
 
-   !> Terms and residuals of a flow.
+   !> Computes terms and residuals of a flow.
    pure subroutine evaluate_rows(problem, flow, terms, rows)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
@@ -85,8 +84,8 @@ contains
          rows%x(:, 1))
    end subroutine evaluate_rows
 
-   !> Adds the inertia of the flow. (Its change is left out of `rows_change`: it is a millionth of
-   !> the pressure.)
+   !> Adds the inertia of the flow. (`rows_change` neglects its change: it is a millionth of the
+   !> pressure.)
    pure subroutine add_inertia(problem, flow, terms, rows)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
@@ -106,7 +105,7 @@ contains
       end associate
    end subroutine add_inertia
 
-   !> Storage of terms and rows.
+   !> Allocates terms and rows.
    pure subroutine new_storage(problem, terms, rows)
       type(momentum_problem_t), intent(in) :: problem
       type(momentum_terms_t), intent(inout) :: terms
@@ -123,7 +122,7 @@ contains
       end associate
    end subroutine new_storage
 
-   !> Mass balance of the layers at the inner nodes.
+   !> Computes the mass balance of the layers at the inner nodes.
    pure subroutine evaluate_mass(problem, flow, terms, mass)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
@@ -160,7 +159,7 @@ contains
    end function squeeze
 
    !> Mass flux rho H U of the layers at the faces (m, n): the wedge with the mean speed of the
-   !> walls, and what U is above that.
+   !> walls, plus the excess of U over that.
    pure function layer_flux(problem, flow, terms) result(flux)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
@@ -187,7 +186,7 @@ contains
       flux = sum(layer_flux(problem, flow, terms), 1)*problem%dz
    end function mass_flux
 
-   !> Mean of the mass balance over each column (0:n), held columns too; 0 at the ends.
+   !> Mean mass balance of each column (0:n), held columns too; 0 at the ends.
    pure function column_mass(problem, flow, terms) result(mass)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
@@ -201,7 +200,7 @@ contains
          + sum(squeeze(problem, flow, terms), 1)*problem%dz
    end function column_mass
 
-   !> Rows of held columns, and of V at the inlet, linear in all of them.
+   !> Sets the rows of held columns, and of V at the inlet; all are linear.
    pure subroutine hold_columns(problem, p, v, held_pressure, rows)
       type(momentum_problem_t), intent(in) :: problem
       real(wp), intent(in) :: p(:, 0:), v(0:, 0:), held_pressure(0:)
@@ -217,8 +216,8 @@ contains
       if (problem%inlet /= inlet_parallel) rows%z(:, 0) = rows%z(:, 0) - v(1:problem%layers - 1, 1)
    end subroutine hold_columns
 
-   !> Change of the rows with a change of the flow. `d_mean` (0:n) is that of the mean pressure as
-   !> far as it enters by the Reynolds part; the pressures of the layers change by `change%p`.
+   !> Computes the change of the rows with a change of the flow. `d_mean` (0:n) is that of the mean
+   !> pressure in the Reynolds part; the pressures of the layers change by `change%p`.
    pure subroutine rows_change(problem, flow, terms, change, d_mean, rows)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow, change
@@ -243,8 +242,8 @@ contains
       call shape_inlet(change%u(:, 1) - thin(:, 1), rows%x(:, 1))
    end subroutine rows_change
 
-   !> Rows at the first face but that of the middle layer: what U is above that of the thin film is
-   !> the same in all layers.
+   !> Sets the rows at the first face except that of the middle layer: the excess of U over the thin
+   !> film is the same in all layers.
    pure subroutine shape_inlet(excess, rows)
       real(wp), intent(in) :: excess(:)
       real(wp), intent(inout) :: rows(:)
@@ -256,7 +255,7 @@ contains
       rows(middle + 1:) = excess(middle + 1:) - excess(middle:m - 1)
    end subroutine shape_inlet
 
-   !> Changes of the rows of momentum.
+   !> Computes the changes of the rows of momentum.
    pure subroutine change_momentum(problem, flow, terms, change, rows)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow, change
@@ -294,7 +293,7 @@ contains
       end associate
    end subroutine change_momentum
 
-   !> Changes of the mass balance.
+   !> Computes the changes of the mass balance.
    pure subroutine change_mass(problem, flow, terms, change, d_mean, mass)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow, change
@@ -364,7 +363,7 @@ contains
       differences = m*(values(2:) - values(:m - 1))
    end function inner_differences
 
-   !> Slopes by zeta in the layers (m): mean of those on both edges, at the walls continued.
+   !> Slopes by zeta in the layers (m): mean of those on both edges, extrapolated at the walls.
    pure function centre_slopes(values) result(slopes)
       real(wp), intent(in) :: values(:)
       real(wp) :: slopes(size(values)), edges(0:size(values))

@@ -1,4 +1,4 @@
-!> The momentum equations of the film of a line contact, posed on a level of its solution.
+!> Poses the momentum equations of the film of a line contact on a level of its solution.
 module momentum_setup
    use errors, only: error_t
    use eyring, only: eyring_t
@@ -15,8 +15,8 @@ module momentum_setup
 
    public :: pose_momentum, set_walls, pose_level, walls_t
 
-   !> What a contact in dimensionless form does not know: delta = b/R, the share R/R1 of surface 1,
-   !> the lower one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
+   !> Data missing in a dimensionless contact: delta = b/R, the share R/R1 of surface 1, the lower
+   !> one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
    type :: walls_t
       real(wp) :: delta = 0.0_wp
       real(wp) :: curvature_share = 0.5_wp
@@ -25,7 +25,7 @@ module momentum_setup
 
 contains
 
-   !> The level of a state: its pressure, film and H0, and the load that its pressure carries.
+   !> Sets up the level of a state: its pressure, film and H0, and the load of its pressure.
    subroutine pose_level(contact, state, level, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
@@ -39,17 +39,17 @@ contains
       level%is_kappa = .true.
       level%state%pressure(:) = state%pressure
       level%state%rigid_displacement = state%rigid_displacement
-      ! what a tail in front of the inlet carries stays with it
+      ! a tail in front of the inlet keeps its load
       level%rhs_load = carried_load(level)
       call take_film(level)
    end subroutine pose_level
 
-   !> The problem on `layers` layers for the steady contact posed on `level`, whose pressure is the
-   !> first approximation: it says which columns are cavitated.
+   !> Poses the problem on `layers` layers for the steady contact posed on `level`, whose pressure
+   !> is the first approximation: it decides which columns are cavitated.
    !>
-   !> Each body takes its own curvature and roughness, and half of the deformation:
-   !> z1 = -H/2 + (1/2 - R/R1) X^2/2 + (Psi_1 - Psi_2)/2. `heights` Psi_1 and Psi_2 at the nodes
-   !> (0:n, 2) are those of the contact at T = 0 where they are not given.
+   !> Each body has its curvature and roughness, and half of the deformation: z1 = -H/2 + (1/2 -
+   !> R/R1) X^2/2 + (Psi_1 - Psi_2)/2. `heights` are Psi_1 and Psi_2 at the nodes (0:n, 2), by
+   !> default those of the contact at T = 0.
    pure subroutine pose_momentum(problem, contact, walls, level, layers, heights)
       type(momentum_problem_t), intent(out) :: problem
       type(line_contact_t), intent(in) :: contact
@@ -83,7 +83,7 @@ contains
       problem%held_pressure(0) = level%state%pressure(0)
    end subroutine pose_momentum
 
-   !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, the only one that the momentum equations know; 0 of a
+   !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, the only other one of the momentum equations; 0 for a
    !> Newtonian oil.
    pure function eyring_scale(fluid, lambda) result(scale)
       type(fluid_t), intent(in) :: fluid
@@ -100,7 +100,7 @@ contains
       end select
    end function eyring_scale
 
-   !> The walls with `heights` Psi_1 at all nodes, then Psi_2.
+   !> Sets the walls from `heights` Psi_1 and Psi_2 at all nodes.
    pure subroutine set_walls(problem, walls, level, heights)
       type(momentum_problem_t), intent(inout) :: problem
       type(walls_t), intent(in) :: walls

@@ -1,5 +1,5 @@
-!> From a solution of the Reynolds equation to one of the full momentum equations on the same grid,
-!> by Newton's method or, where that fails from there, by continuation.
+!> Solves the full momentum equations from a solution of the Reynolds equation on the same grid, by
+!> Newton's method or, if that fails, by continuation.
 !>
 !> delta^2, the square of the slope scale, grows from 0, where the solution is that of the Reynolds
 !> equation, to its value; each solution is the first approximation of the next.
@@ -30,17 +30,17 @@ module momentum_solver
    !> Bound on the last step.
    real(wp), parameter :: tolerance = 1.0e-9_wp
 
-   !> Newton steps at most, of the direct way and of one part of the way by continuation.
+   !> Most Newton steps, without continuation and in one part of it.
    integer, parameter :: direct_steps = 10, part_steps = 12
-   !> First and smallest growth of delta^2 in a part, of its value.
+   !> First and smallest growth of delta^2 in a part, relative to its value.
    real(wp), parameter :: first_part = 0.25_wp, smallest_part = 1.0e-2_wp
 
 contains
 
    !> Solves the momentum equations on `layers` layers from `state`, a converged steady solution of
-   !> the Reynolds equation by the kappa scheme. `state` becomes that solution, with the mean
-   !> pressure across the film; without one it stays, and the report says that and why. Error: no
-   !> memory, or a singular matrix.
+   !> the Reynolds equation by the kappa scheme. `state` becomes the solution, with the mean
+   !> pressure across the film; without one it stays, and the report gives the reason. Error: no
+   !> memory.
    subroutine solve_film_momentum(contact, walls, layers, state, fields, report, error)
       type(line_contact_t), intent(in) :: contact
       type(walls_t), intent(in) :: walls
@@ -82,7 +82,7 @@ contains
          + wall_seconds() - start
    end subroutine solve_film_momentum
 
-   !> Takes pressure, film and H0 over into `state`, and the differences from what it was.
+   !> Copies pressure, film and H0 into `state`, and sets the differences from the old ones.
    pure subroutine copy_state(contact, level, state, fields)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -115,10 +115,10 @@ contains
 
    end subroutine copy_state
 
-   !> Solves from `flow`, whose mean pressure is that of the level, to a step below `tolerance`;
-   !> else from `reynolds`, the solution of the Reynolds equation. `newton%reached`: the largest
-   !> share of delta^2 for which there is a solution, 1 with that of the problem. `newton` counts
-   !> all steps.
+   !> Solves from `flow`, whose mean pressure is that of the level, to a step below `tolerance`; if
+   !> that fails, by continuation from `reynolds`, the solution of the Reynolds equation.
+   !> `newton%reached`: largest share of delta^2 with a solution, 1 for the problem itself. `newton`
+   !> counts all steps.
    subroutine solve_by_continuation(newton, problem, level, flow, reynolds, tolerance)
       type(momentum_newton_t), intent(inout) :: newton
       type(momentum_problem_t), intent(inout) :: problem
@@ -165,8 +165,8 @@ contains
       newton%steps = steps
    end subroutine solve_by_continuation
 
-   !> Why there is no solution: none is looked for, with `stress_rise`, T_max, at 1 or above, or how
-   !> far the continuation came.
+   !> Reason for no solution: none is searched, as `stress_rise`, T_max, is 1 or above, or how far
+   !> the continuation came.
    pure function missing_reason(newton, stress_rise) result(reason)
       type(momentum_newton_t), intent(in) :: newton
       real(wp), intent(in) :: stress_rise

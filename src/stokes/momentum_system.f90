@@ -1,4 +1,4 @@
-!> The linear system of one Newton step of the elastic film: the changes of U, V and P eliminated.
+!> Linear system of one Newton step of the elastic film, without the changes of U, V and P.
 !>
 !> With A the matrix of module momentum_matrix, B and C the changes of the rows with the film and,
 !> by the Reynolds part, with the mean pressure, E the mean over a column, and the film change
@@ -22,8 +22,8 @@ module momentum_system
 
    public :: film_change, flow_change, momentum_system_t
 
-   !> Unknowns p at nodes 1..n-1, then eta. Points to what one step works with; `reynolds` has rows
-   !> that are divided by the elastic diagonal.
+   !> Unknowns p at nodes 1..n-1, then eta. Points to the data of one step; the rows of `reynolds`
+   !> are divided by the elastic diagonal.
    type, extends(krylov_system_t) :: momentum_system_t
       type(line_level_t), pointer :: level => null()
       type(momentum_problem_t), pointer :: problem => null()
@@ -42,7 +42,7 @@ module momentum_system
 
 contains
 
-   !> Change of the film (0:n), eta - K p, of unknowns x.
+   !> Computes the change of the film (0:n), eta - K p, for unknowns x.
    subroutine film_change(level, x, change)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: x(:)
@@ -56,7 +56,7 @@ contains
       change = x(level%n) - change
    end subroutine film_change
 
-   !> A^-1 (B h + C p) of unknowns x, in `change`, whose film is h.
+   !> Computes A^-1 (B h + C p) for unknowns x, in `change`, whose film is h.
    subroutine flow_change(system, x, change)
       type(momentum_system_t), intent(inout) :: system
       real(wp), intent(in) :: x(:)
@@ -73,7 +73,7 @@ contains
       call solve_momentum(system%matrix, system%problem, system%rows, change)
    end subroutine flow_change
 
-   !> The product.
+   !> Multiplies by the matrix of the system.
    subroutine multiply_eliminated(self, x, y)
       class(momentum_system_t), intent(inout) :: self
       real(wp), intent(in) :: x(:)
@@ -88,7 +88,7 @@ contains
       y(n) = self%level%dx*sum(x(:n - 1))
    end subroutine multiply_eliminated
 
-   !> One solution with the factors of the Reynolds equation.
+   !> Solves once with the factors of the Reynolds equation.
    subroutine precondition_by_reynolds(self, x)
       class(momentum_system_t), intent(inout) :: self
       real(wp), intent(inout) :: x(:)

@@ -1,8 +1,8 @@
-!> What the full equations take from the discrete Reynolds equation: the velocities of its film and
+!> Parts of the full equations from the discrete Reynolds equation: the velocities of its film and
 !> the mass flux of its wedge, at all faces.
 !>
-!> With them the full equations at delta = 0 are the discrete Reynolds equation of the kappa scheme
-!> itself, on any number of layers, and a difference between the two is free of its errors.
+!> With them the full equations at delta = 0 are the discrete Reynolds equation of the kappa scheme,
+!> on any number of layers, and a difference between the two is free of its errors.
 module reynolds_part
    use face_mobility, only: face_slopes_t, fluid_face_slopes
    use film_geometry, only: film_geometry_t
@@ -16,10 +16,10 @@ module reynolds_part
 
    public :: change_of_profile, evaluate_reynolds_part, reynolds_part_t, wedge_change
 
-   !> Derivatives are by P and H left, P and H right of the face.
+   !> Derivatives are by P and H left, then P and H right of the face.
    type :: reynolds_part_t
-      !> Velocities of the layers (m, n), and what their differences lack of H gamma (0:m, n); with
-      !> derivatives (., 4, n).
+      !> Velocities of the layers (m, n), and H gamma less their differences (0:m, n); with
+      !> derivatives (:, 4, n).
       real(wp), allocatable :: u(:, :), shear(:, :), u_by(:, :, :), shear_by(:, :, :)
       !> Third-order flux rho H of the faces (n) less that of the node upstream.
       real(wp), allocatable :: wedge(:)
@@ -29,7 +29,7 @@ module reynolds_part
 
 contains
 
-   !> At the mean `pressure` and the film of the nodes.
+   !> Computes the part at the mean `pressure` and the film of the nodes.
    pure subroutine evaluate_reynolds_part(problem, geometry, pressure, part)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
@@ -63,8 +63,8 @@ contains
 
    contains
 
-      !> Mean of U over the film at face f by the discrete Reynolds equation, above the mean speed
-      !> of the walls.
+      !> Mean of U over the film at face f by the discrete Reynolds equation, less the mean speed of
+      !> the walls.
       pure subroutine reynolds_excess(f, excess, by)
          integer, intent(in) :: f
          real(wp), intent(out) :: excess, by(4)
@@ -111,7 +111,8 @@ contains
       shear = shear - shear_differences(u, face%speed)
    end subroutine evaluate_profile
 
-   !> Flux rho H of the wedge at the faces by module reynolds_line, less that of the node upstream.
+   !> Computes the wedge flux rho H at the faces (module reynolds_line) less that of the node
+   !> upstream.
    pure subroutine evaluate_wedge(problem, pressure, film, part)
       type(momentum_problem_t), intent(in) :: problem
       real(wp), intent(in) :: pressure(0:), film(0:)
@@ -157,8 +158,8 @@ contains
       second = values(f - 2) - 2*values(f - 1) + values(f)
    end function second
 
-   !> Change of one of the part's profiles (., n), by its derivatives `by`, with changes of pressure
-   !> and film at the nodes.
+   !> Computes the change of one of the part's profiles (:, n), by its derivatives `by`, with
+   !> changes of pressure and film at the nodes.
    pure subroutine change_of_profile(by, d_pressure, d_film, change)
       real(wp), intent(in) :: by(:, :, :), d_pressure(0:), d_film(0:)
       real(wp), intent(out) :: change(:, :)

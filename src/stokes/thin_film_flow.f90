@@ -1,11 +1,11 @@
-!> Flow of a thin film between two faces: velocity and shear by the equations that the Reynolds
-!> equation follows from, H dP/dX = kappa d tau/d zeta, with Eyring's or Newton's law.
+!> Flow of a thin film between two faces: velocity and shear by the equations behind the Reynolds
+!> equation, H dP/dX = kappa d tau/d zeta, with Eyring's or Newton's law.
 !>
 !>     tau = t + G (zeta - 1/2), G = H dP/dX/kappa;  H gamma = dU/dzeta = H sinh(c tau)/(c mu)
 !>
-!> with t so that the walls have their speeds: sinh(c t) = c mu (U2 - U1)/H S/sinh S, S = c G/2.
-!> The velocities of the layers get a parabola added that gives them the flow of the discrete
-!> Reynolds equation, whose mobility at a face is a mean of its own: at delta = 0 they solve it.
+!> where t gives the walls their speeds: sinh(c t) = c mu (U2 - U1)/H S/sinh S, S = c G/2. A
+!> parabola added to the velocities of the layers gives them the flow of the discrete Reynolds
+!> equation, whose mobility at a face is another mean: at delta = 0 they solve it.
 module thin_film_flow
    use kinds, only: wp
    implicit none (type, external)
@@ -16,27 +16,27 @@ module thin_film_flow
    !> Directions in which a profile is differentiated: ln mu, dP/dX, ln H.
    integer, parameter :: by_ln_mu = 1, by_slope = 2, by_ln_film = 3, directions = 3
 
-   !> What a profile follows from: walls U1, U2, kappa, scale c of Eyring's law (0: Newton's), and
-   !> at the face ln(mu/mu_0), dP/dX and H.
+   !> Data of a profile: walls U1, U2, kappa, scale c of Eyring's law (0: Newton's), and at the face
+   !> ln(mu/mu_0), dP/dX and H.
    type :: face_flow_t
       real(wp) :: speed(2) = 0.0_wp, kappa = 0.0_wp, shear_scale = 0.0_wp
       real(wp) :: ln_mu = 0.0_wp, slope = 0.0_wp, film = 0.0_wp
    end type face_flow_t
 
-   !> Larger |S| count as this, so that sinh S stays a number; no solution comes near it.
+   !> Larger |S| are reduced to this to keep sinh S finite; no solution comes near it.
    real(wp), parameter :: largest_drive = 300.0_wp
-   !> Below this |S| S/sinh S is taken from its series.
+   !> Below this |S|, S/sinh S is computed from its series.
    real(wp), parameter :: series_limit = 1.0e-2_wp
-   !> Below this B^2 asinh(B)/B is taken from its series, exact to 1e-16 there.
+   !> Below this B^2, asinh(B)/B is computed from its series, exact to 1e-16 there.
    real(wp), parameter :: smallest_square = 1.0e-3_wp
-   !> A layer next to a wall in d U/dzeta at the wall: (7 U_1 - U_2 - 6 U_wall)/(2 dzeta), exact for
-   !> means over layers of a parabola.
+   !> Weights of a wall and two layers in dU/dzeta at the wall: (7 U_1 - U_2 - 6 U_wall)/(2 dzeta),
+   !> exact for means over layers of a parabola.
    real(wp), parameter :: wall_share(3) = [-3.0_wp, 3.5_wp, -0.5_wp]
 
 contains
 
-   !> Means of U over the layers (m) and H gamma at their edges (0:m), with their derivatives in
-   !> the three directions (second index).
+   !> Computes the means of U over the layers (m) and H gamma at their edges (0:m), with their
+   !> derivatives in the three directions (second index).
    pure subroutine layer_flow(face, m, u, u_by, shear, shear_by)
       type(face_flow_t), intent(in) :: face
       integer, intent(in) :: m
@@ -54,7 +54,7 @@ contains
       below = face%speed(1)
       below_by = 0.0_wp
       do j = 1, m
-         ! Gauss: two places in the layer
+         ! Gauss: two points in the layer
          call shear_at(face, tau, tau_by, (j - 0.5_wp - offset)/m, rate(1), rate_by(1, :))
          call shear_at(face, tau, tau_by, (j - 0.5_wp + offset)/m, rate(2), rate_by(2, :))
          u(j) = below + (0.25_wp*sum(rate) + 0.5_wp*offset*(rate(1) - rate(2)))/m
@@ -65,7 +65,7 @@ contains
       end do
    end subroutine layer_flow
 
-   !> t with its derivatives.
+   !> Computes t with its derivatives.
    pure subroutine mean_stress(face, tau, by)
       type(face_flow_t), intent(in) :: face
       real(wp), intent(out) :: tau, by(directions)
@@ -94,7 +94,7 @@ contains
       end associate
    end subroutine mean_stress
 
-   !> H gamma at zeta, with its derivatives.
+   !> Computes H gamma at zeta, with its derivatives.
    pure subroutine shear_at(face, mean, mean_by, zeta, shear, by)
       type(face_flow_t), intent(in) :: face
       real(wp), intent(in) :: mean, mean_by(directions), zeta
@@ -130,8 +130,8 @@ contains
       shear(m) = -m*dot_product(wall_share, [walls(2), u(m), u(m - 1)])
    end function shear_differences
 
-   !> eta/mu_0 from ln(mu/mu_0) and g^2, with its derivatives by both. asinh(sqrt w)/sqrt w is
-   !> smooth in w = B^2, also at rest.
+   !> Computes eta/mu_0 from ln(mu/mu_0) and g^2, with its derivatives by both. asinh(sqrt w)/sqrt w
+   !> is smooth in w = B^2, also at rest.
    pure elemental subroutine shear_viscosity(scale, ln_mu, shear2, eta, by_ln_mu, by_shear2)
       real(wp), intent(in) :: scale, ln_mu, shear2
       real(wp), intent(out) :: eta, by_ln_mu, by_shear2

@@ -1,4 +1,4 @@
-!> Heights of surfaces known as formulas, on the nodes of a dry contact: ridges, dents, sinusoids,
+!> Heights of surfaces given by formulas, at the nodes of a dry contact: ridges, dents, sinusoids,
 !> parabolas.
 module analytic_heights
    use features, only: feature_t, rough_surface_t, surface_height
@@ -26,7 +26,7 @@ contains
       end if
    end function node_positions
 
-   !> Heights (nx*ny) of `features` [m], the same at every y; on a periodic domain each node sees
+   !> Heights (nx*ny) of `features` [m], the same at every y; on a periodic domain each node uses
    !> the nearest image of a feature. `x` (nx) are positions, `length` that of the domain [m].
    function feature_heights(features, x, ny, length, is_periodic) result(z)
       type(feature_t), intent(in) :: features(:)
@@ -65,7 +65,7 @@ contains
       end do
    end function parabola_heights
 
-   !> `distance`, on a periodic domain that to the nearest image, -L/2 ... L/2; a direction without
+   !> `distance`, on a periodic domain to the nearest image, -L/2 ... L/2; a direction without
    !> `length` has no images.
    pure elemental function nearest_image(distance, length, is_periodic)
       real(wp), intent(in) :: distance, length

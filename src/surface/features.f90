@@ -1,4 +1,4 @@
-!> Surfaces with features that are known as formulas and travel with the surface.
+!> Surfaces with features that are given by formulas and move with the surface.
 module features
    use constants, only: pi
    use kinds, only: wp
@@ -10,13 +10,13 @@ module features
 
    !> The ridge (amplitude > 0) or dent (< 0) of (5.4).
    integer, parameter, public :: feature_ridge = 1
-   !> A cos(2 pi (x - xc)/Lambda), without end.
+   !> A cos(2 pi (x - xc)/Lambda), infinitely long.
    integer, parameter, public :: feature_sinusoid = 2
 
-   !> Beyond this many squared wavelengths from its centre a ridge has vanished (10^-200).
+   !> Beyond this many squared wavelengths from its centre a ridge is zero (10^-200).
    real(wp), parameter :: ridge_reach = 20.0_wp
 
-   !> One feature; lengths in any unit as long as it is the same in position, wavelength and x.
+   !> One feature; lengths in any unit, the same for position, wavelength and x.
    type, public :: feature_t
       !> `feature_ridge` or `feature_sinusoid`.
       integer :: kind
@@ -26,7 +26,7 @@ module features
       real(wp) :: wavelength
       !> Centre at time 0.
       real(wp) :: position
-      !> `position` is known; else it is chosen where the surface is put into a contact.
+      !> Whether `position` is known; else it is chosen when the surface is put into a contact.
       logical :: is_placed = .true.
    end type feature_t
 
@@ -39,8 +39,8 @@ module features
       !> Measured or synthetic heights, which move with the features.
       type(profile_t), allocatable :: profile
       !> Smooth entry: everything rises over this length behind a front that moves with the surface
-      !> and is at `entry_position` at time 0; of a surface at rest over this time. 0: everything is
-      !> there from the start.
+      !> and is at `entry_position` at time 0; on a surface at rest over this time. 0: everything is
+      !> present from the start.
       real(wp) :: entry_length = 0.0_wp
       real(wp) :: entry_position = 0.0_wp
    end type rough_surface_t
@@ -70,8 +70,8 @@ contains
       if (surface%entry_length > 0.0_wp) psi = psi*entered_share(surface, x, time)
    end function surface_height
 
-   !> How far a surface has risen where it enters: 0 before the front, 1 from `entry_length` behind
-   !> it on.
+   !> Share to which a surface that enters has risen: 0 before the front, 1 from `entry_length`
+   !> behind it on.
    pure elemental function entered_share(surface, x, time) result(share)
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x, time

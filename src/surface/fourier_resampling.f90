@@ -1,5 +1,5 @@
-!> Periodic heights on another number of nodes: the same Fourier series, as far as both grids can
-!> carry it.
+!> Resamples periodic heights to another number of nodes: the same Fourier series, as far as both
+!> grids can carry it.
 module fourier_resampling
    use constants, only: pi
    use errors, only: error_t
@@ -12,13 +12,13 @@ module fourier_resampling
 
 contains
 
-   !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the
-   !> same lengths; both have a node at 0, or `at_centres` of cells: the first one lies half a
+   !> Resamples the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new` of
+   !> the same lengths; both have a node at 0, or `at_centres` of cells: the first one lies half a
    !> spacing from 0.
    !>
-   !> More nodes interpolate: where the grids share a node its height stays. Fewer nodes drop the
-   !> harmonics from half their number on. The highest harmonic of an even number of old nodes is
-   !> taken for a cosine, half of it at +n/2 and half at -n/2. Fails (internal_error) if FFTW does.
+   !> More nodes interpolate: heights at shared nodes stay. Fewer nodes drop the harmonics from half
+   !> their number on. The highest harmonic of an even number of old nodes is treated as a cosine,
+   !> half of it at +n/2 and half at -n/2. Fails (internal_error) if FFTW does.
    subroutine resample_heights(old, new, z, error, at_centres)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -50,7 +50,7 @@ contains
       call transform_back(new, spectrum, z, error)
    end subroutine resample_heights
 
-   !> How much of the old harmonic `k` goes to the new one.
+   !> Share of the old harmonic `k` that goes to the new one.
    pure function share_of(k, old, new) result(share)
       integer, intent(in) :: k, old, new
       real(wp) :: share
@@ -63,7 +63,7 @@ contains
       end if
    end function share_of
 
-   !> The harmonic, negative in the second half, of place `l` in a spectrum of `n`.
+   !> Harmonic, negative in the second half, at position `l` in a spectrum of `n`.
    pure function signed(l, n) result(k)
       integer, intent(in) :: l, n
       integer :: k

@@ -5,9 +5,9 @@
 !>     s(x) = exp(-pi (x/(alpha Lambda))^2)/(alpha Lambda),  alpha = sqrt(ln 2/pi),
 !>
 !> whose transmission exp(-pi (alpha Lambda f)^2) = 2^(-(Lambda f)^2) is one half at the cut-off
-!> wavelength Lambda. It is applied to the Fourier series, of heights with ends to one that is
-!> continued by zeros; there the weights that lie on the heights are scaled to a sum of one, so that
-!> a constant stays one. This changes the mean line over about half a cut-off at each end.
+!> wavelength Lambda. It is applied to the Fourier series. Heights with ends are continued by zeros,
+!> and the weights that lie on the heights are scaled to a sum of one, so that a constant stays
+!> constant. This changes the mean line over about half a cut-off at each end.
 module gauss_filter
    use errors, only: error_t
    use grid_transform, only: transform_back, transform_field
@@ -17,8 +17,8 @@ module gauss_filter
 
    public :: smooth_heights
 
-   !> Nodes in the cut-off wavelength, at least: then sampling changes the transmission at the
-   !> cut-off by less than 2e-5.
+   !> Fewest nodes in the cut-off wavelength: sampling then changes the transmission at the cut-off
+   !> by less than 2e-5.
    real(wp), parameter, public :: least_nodes = 4.0_wp
    !> Zeros behind heights with ends, in cut-offs: there the weights are below 1e-13 of the first.
    real(wp), parameter :: zeros = 1.5_wp
@@ -27,7 +27,7 @@ contains
 
    !> Replaces heights on `grid` = nx, ny nodes (ny = 1: a profile), x fastest, by their mean line
    !> or surface. `cutoff` is the cut-off wavelength in spacings in x and y, at least `least_nodes`.
-   !> If `is_periodic` the heights repeat themselves. Fails (internal_error) if FFTW does.
+   !> If `is_periodic` the heights repeat. Fails (internal_error) if FFTW does.
    subroutine smooth_heights(grid, cutoff, is_periodic, z, error)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: cutoff(2)
@@ -68,7 +68,7 @@ contains
       if (.not. is_periodic) call convolve(cutoff, is_periodic, weights, error)   ! error: handed up
    end subroutine find_weights
 
-   !> Convolution of a line with the weights.
+   !> Convolves a line with the weights.
    subroutine convolve(cutoff, is_periodic, line, error)
       real(wp), intent(in) :: cutoff
       logical, intent(in) :: is_periodic

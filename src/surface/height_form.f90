@@ -1,6 +1,5 @@
-!> Sums over heights on a uniform grid, of any number, gathered block by block; and what follows
-!> from them: mean, tilt and curvature of least squares, slopes, whether the heights close on
-!> themselves.
+!> Sums over any number of heights on a uniform grid, gathered block by block, and their results:
+!> mean, tilt and curvature by least squares, slopes, whether the heights close on themselves.
 !>
 !> With s and t from -1 to 1 over the first and the last node, the form is the polynomial
 !>
@@ -16,21 +15,21 @@ module height_form
    public :: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, new_sums, &
       rms_height, rms_slope, subtract_form, tilt_of, trend_t
 
-   !> Neighbours differ by so much less than the ends of heights that do not close: largest ratio
-   !> of the rms step across the ends to that between neighbours.
+   !> Heights close if the rms step across their ends is at most this many times that between
+   !> neighbours.
    real(wp), parameter :: largest_step = 3.0_wp
 
    !> Sums over the heights so far, each less the first one.
    type :: height_sums_t
       integer(int64) :: grid(2) = 0_int64, nodes = 0_int64
       real(wp) :: first = 0.0_wp, lowest = huge(1.0_wp), highest = -huge(1.0_wp)
-      !> Of 1, s, t, s^2, s t, t^2 times the height.
+      !> Sums of 1, s, t, s^2, s t, t^2 times the height.
       real(wp) :: moments(6) = 0.0_wp
-      !> Of squares; of squared steps between neighbours in x and y.
+      !> Sums of squares, and of squared steps between neighbours in x and y.
       real(wp) :: squares = 0.0_wp, steps(2) = 0.0_wp
-      !> Of the squared steps from the last to the first node of every row and column.
+      !> Sums of the squared steps from the last to the first node of every row and column.
       real(wp) :: squared_jumps(2) = 0.0_wp
-      !> The height before.
+      !> The previous height.
       real(wp), private :: before = 0.0_wp
    contains
       procedure :: add
@@ -42,18 +41,18 @@ module height_form
       integer(int64) :: grid(2) = 0_int64
    end type form_t
 
-   !> What was taken off the heights of a file.
+   !> What was subtracted from the heights of a file.
    type :: trend_t
-      !> 'none', 'mean', 'line' or 'parabola'; empty: there is no file.
+      !> 'none', 'mean', 'line' or 'parabola'; empty: no file.
       character(len=8) :: word = ''
       type(form_t) :: form
-      !> Distance of the nodes in x and y [m].
+      !> Spacing of the nodes in x and y [m].
       real(wp) :: spacing(2) = 0.0_wp
    end type trend_t
 
 contains
 
-   !> Sums of no heights yet, on a `grid` of nx, ny nodes (ny = 1: a profile).
+   !> Empty sums on a `grid` of nx, ny nodes (ny = 1: a profile).
    pure function new_sums(grid) result(sums)
       integer(int64), intent(in) :: grid(2)
       type(height_sums_t) :: sums
@@ -61,7 +60,7 @@ contains
       sums%grid = grid
    end function new_sums
 
-   !> Adds the next heights [m], x fastest; of an area all of them at once.
+   !> Adds the next heights [m], x fastest; for an area all of them at once.
    pure subroutine add(self, z)
       class(height_sums_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: z(:)
@@ -98,7 +97,7 @@ contains
       self%nodes = size(z, kind=int64)
    end subroutine add
 
-   !> Adds heights of row `j` (from 0) at the places s.
+   !> Adds heights of row `j` (from 0) at the positions s.
    pure subroutine add_row(sums, j, s, z)
       type(height_sums_t), intent(inout) :: sums
       integer(int64), intent(in) :: j
@@ -132,7 +131,7 @@ contains
       sums%before = z(size(z))
    end subroutine add_row
 
-   !> Place of node `i` (from 0) of `n`, from -1 to 1; 0 if there is but one.
+   !> Position of node `i` (from 0) of `n`, from -1 to 1; 0 for a single node.
    pure elemental function coordinate(i, n) result(s)
       integer(int64), intent(in) :: i, n
       real(wp) :: s
@@ -140,7 +139,7 @@ contains
       s = real(2*i - (n - 1), wp)/real(max(n - 1, 1_int64), wp)
    end function coordinate
 
-   !> Means of s^2 and of (s^2 - <s^2>)^2 over `n` nodes.
+   !> Computes the means of s^2 and of (s^2 - <s^2>)^2 over `n` nodes.
    pure subroutine find_norms(n, second, fourth)
       integer(int64), intent(in) :: n
       real(wp), intent(out) :: second, fourth
@@ -165,8 +164,8 @@ contains
       norms = [1.0_wp, second(1), second(2), fourth(1), second(1)*second(2), fourth(2)]
    end function norms_of
 
-   !> The form of least squares: of the mean alone (`degree` 0), with the tilts (1), with the
-   !> curvatures (2); nothing below 0.
+   !> Least-squares form: the mean alone (`degree` 0), with the tilts (1), with the curvatures (2);
+   !> zero below 0.
    pure function form_of(sums, degree) result(form)
       type(height_sums_t), intent(in) :: sums
       integer, intent(in) :: degree
@@ -189,7 +188,7 @@ contains
       form%terms(1) = form%terms(1) + sums%first
    end function form_of
 
-   !> Takes a form off the heights [m] from number `first` (from 0) on.
+   !> Subtracts a form from the heights [m] from number `first` (from 0) on.
    pure subroutine subtract_form(form, first, z)
       type(form_t), intent(in) :: form
       integer(int64), intent(in) :: first
@@ -223,7 +222,7 @@ contains
       extent = (trend%form%grid - 1)*trend%spacing
    end function extent_of
 
-   !> Tilts [-] that were taken off, in x and y.
+   !> Tilts [-] that were subtracted, in x and y.
    pure function tilt_of(trend) result(tilt)
       type(trend_t), intent(in) :: trend
       real(wp) :: tilt(2)
@@ -232,7 +231,7 @@ contains
       where (extent_of(trend) > 0.0_wp) tilt = 2.0_wp*trend%form%terms(2:3)/extent_of(trend)
    end function tilt_of
 
-   !> Curvatures d2z/dx2, d2z/dy2 [1/m] that were taken off.
+   !> Curvatures d2z/dx2, d2z/dy2 [1/m] that were subtracted.
    pure function curvature_of(trend) result(curvature)
       type(trend_t), intent(in) :: trend
       real(wp) :: curvature(2)
@@ -242,7 +241,7 @@ contains
          /extent_of(trend)**2
    end function curvature_of
 
-   !> Rms height [m] of what is left without the form.
+   !> Rms height [m] without the form.
    pure function rms_height(sums, form) result(rms)
       type(height_sums_t), intent(in) :: sums
       type(form_t), intent(in) :: form
@@ -274,8 +273,8 @@ contains
       step = sqrt(sums%steps/real(max(number, 1_int64), wp))
    end function rms_step
 
-   !> Whether the heights close on themselves, so that they can be repeated as they are: the step
-   !> from the end to the beginning is one as between neighbours.
+   !> Whether the heights close on themselves, so that they can be repeated: the step from the end
+   !> to the beginning is like those between neighbours.
    pure function closes(sums)
       type(height_sums_t), intent(in) :: sums
       logical :: closes

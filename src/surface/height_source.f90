@@ -1,5 +1,4 @@
-!> Where the heights of a profile come from that is too long to be held: any stretch of them, asked
-!> for in any order.
+!> Source of the heights of a profile that is too long for memory: any part of them, in any order.
 module height_source
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
@@ -9,17 +8,17 @@ module height_source
 
    public :: height_source_t
 
-   !> Heights at equal distances, numbered 0 ... nodes - 1.
+   !> Equally spaced heights, numbered 0 ... nodes - 1.
    type, abstract :: height_source_t
       integer(int64) :: nodes = 0_int64
    contains
-      !> Heights [m] from number `first` on, as many as `z` has.
+      !> Returns heights [m] from number `first` on, as many as `z` has.
       procedure(get_interface), deferred :: get
    end type height_source_t
 
    abstract interface
 
-      !> The same stretch always gives the same bits. Error: it cannot be had.
+      !> The same part always gives the same bits. Error: the source cannot provide it.
       subroutine get_interface(self, first, z, error)
          import :: error_t, height_source_t, int64, wp
          implicit none (type, external)

@@ -1,4 +1,4 @@
-!> Heights of an open surface, given at the centres of its cells, on another number of cells.
+!> Resamples heights of an open surface, given at cell centres, to another number of cells.
 module open_resampling
    use kinds, only: wp
    implicit none (type, external)
@@ -8,9 +8,9 @@ module open_resampling
 
 contains
 
-   !> Takes the heights `z` (nx*ny) at cell centres of the grid `old` = nx, ny (4 or more cells in a
-   !> direction, or 1) to the centres of the grid `new` of the same lengths, by the cubic through
-   !> four neighbours in each direction.
+   !> Interpolates the heights `z` (nx*ny) from the cell centres of the grid `old` = nx, ny (4 or
+   !> more cells in a direction, or 1) to those of the grid `new` of the same lengths, by the cubic
+   !> through four neighbours in each direction.
    pure subroutine interpolate_heights(old, new, z)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -37,8 +37,8 @@ contains
       end do
    end subroutine interpolate_heights
 
-   !> The `first` of the four old cells round the centre of the new cell `i`, and Lagrange's weights
-   !> of all four; of a single old cell the first weight alone.
+   !> Finds the `first` of the four old cells around the centre of the new cell `i`, and the
+   !> Lagrange weights of all four; for a single old cell the first weight alone.
    pure subroutine neighbours(i, old, new, first, weights)
       integer, intent(in) :: i, old, new
       integer, intent(out) :: first

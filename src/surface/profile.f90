@@ -1,8 +1,8 @@
-!> A measured or synthetic profile: heights at equal distances, between which a cubic runs.
+!> A measured or synthetic profile: equally spaced heights joined by a cubic.
 !>
-!> A long profile stays where it comes from; only a window of its heights is held, which
-!> `load_window` moves along. What the profile is does not depend on the window: the same heights at
-!> the same places, to the bit.
+!> A long profile stays in its source; only a window of its heights is held, which `load_window`
+!> moves. The profile does not depend on the window: the same heights at the same positions, to the
+!> bit.
 module profile
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
@@ -20,32 +20,32 @@ module profile
       real(wp), allocatable :: heights(:)
       !> Number of the first height of the window; those of the profile count from 0.
       integer(int64) :: first = 0_int64
-      !> Where the heights come from, and the unit [m] in which the window has them.
+      !> Source of the heights, and unit [m] of those in the window.
       class(height_source_t), allocatable :: source
       real(wp) :: unit = 1.0_wp
-      !> A window has at least this many heights, if the profile has them.
+      !> Fewest heights in a window, if the profile has them.
       integer(int64) :: window = 32768_int64
-      !> Distance of the heights, > 0.
+      !> Spacing of the heights, > 0.
       real(wp) :: spacing = 1.0_wp
       !> Position of the first height at time 0.
       real(wp) :: start = 0.0_wp
-      !> The profile repeats itself with the period n*spacing; else it is smooth outside.
+      !> Whether the profile repeats with the period n*spacing; else it is smooth outside.
       logical :: is_periodic = .false.
-      !> At both ends of a profile that does not repeat the heights fade out over this length.
+      !> At both ends of a profile that does not repeat, the heights fade out over this length.
       real(wp) :: end_length = 0.0_wp
-      !> Wavelength of the finest waves that are in it.
+      !> Wavelength of its finest waves.
       real(wp) :: finest_wave = 0.0_wp
-      !> `start` is known; else it is chosen where the surface is put into a contact.
+      !> Whether `start` is known; else it is chosen when the surface is put into a contact.
       logical :: is_placed = .true.
    end type profile_t
 
 contains
 
-   !> Height of the profile at `x`, which must count from where the profile is at time 0 and lie in
-   !> the window.
+   !> Height of the profile at `x`, in the frame of the profile at time 0, which must lie in the
+   !> window.
    !>
    !> Between two heights the cubic of Catmull and Rom (1974): through the heights, with the slope
-   !> of the neighbours there.
+   !> of their neighbours.
    pure function profile_height(profile, x) result(z)
       type(profile_t), intent(in) :: profile
       real(wp), intent(in) :: x(:)
@@ -71,7 +71,7 @@ contains
       end do
    end function profile_height
 
-   !> Places in the window of the heights before, at, behind and two behind height `k` of `n`.
+   !> Positions in the window of the heights before, at, behind and two behind height `k` of `n`.
    pure function neighbours(profile, k, n) result(place)
       type(profile_t), intent(in) :: profile
       integer(int64), intent(in) :: k, n
@@ -85,8 +85,8 @@ contains
       end if
    end function neighbours
 
-   !> Moves the window to where `profile_height` can be asked for any x of x_low ... x_high. Error:
-   !> the source has one.
+   !> Moves the window so that `profile_height` has all of x_low ... x_high. Error: that of the
+   !> source.
    subroutine load_window(profile, x_low, x_high, error)
       type(profile_t), intent(inout) :: profile
       real(wp), intent(in) :: x_low, x_high
@@ -131,7 +131,7 @@ contains
          kind=int64) == profile%source%nodes
    end function holds
 
-   !> Fills the window with `count` heights; one that repeats itself goes on with its beginning.
+   !> Fills the window with `count` heights; a periodic profile continues with its beginning.
    subroutine read_window(profile, count, error)
       type(profile_t), intent(inout) :: profile
       integer(int64), intent(in) :: count
@@ -153,7 +153,7 @@ contains
       end if
    end subroutine read_window
 
-   !> Number of heights of the whole profile.
+   !> Number of heights of the profile.
    pure function node_count(profile) result(n)
       type(profile_t), intent(in) :: profile
       integer(int64) :: n

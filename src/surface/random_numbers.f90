@@ -1,8 +1,8 @@
 !> Random numbers that are the same on every machine: Philox4x32-10, a counter-based generator.
 !>
 !> J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, Parallel random numbers: as easy as 1, 2,
-!> 3, Proc. SC11, 2011. Number i of a seed needs no number before it. All products are split into
-!> halves of 16 bits: nothing overflows.
+!> 3, Proc. SC11, 2011. Number i of a seed does not depend on those before it. All products are
+!> split into halves of 16 bits: nothing overflows.
 module random_numbers
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
@@ -54,7 +54,7 @@ contains
    end subroutine multiply
 
    !> `n` independent normal numbers (mean 0, variance 1) of a `seed` >= 0, by the transform of Box
-   !> and Muller. Each `series` (0 ... 2^32 - 1) of a seed has other ones.
+   !> and Muller. Each `series` (0 ... 2^32 - 1) of a seed gives others.
    pure function normal_numbers(n, seed, series) result(values)
       integer, intent(in) :: n, seed
       integer(int64), intent(in) :: series

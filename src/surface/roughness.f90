@@ -12,16 +12,16 @@ module roughness
 
    !> Equal parts of a profile over which Rz is averaged.
    integer, parameter :: parts = 5
-   !> Heights whose places are computed together.
+   !> Heights whose positions are computed together.
    integer, parameter :: block = 256
 
-   !> Height parameters in the unit of the heights. Of an area: Sa, Sq, Sz, Ssk, Sku.
+   !> Height parameters in the unit of the heights. For an area: Sa, Sq, Sz, Ssk, Sku.
    type :: roughness_t
       !> Mean of |z|.
       real(wp) :: ra = 0.0_wp
       !> Root of the mean of z^2.
       real(wp) :: rq = 0.0_wp
-      !> Profile: mean of highest less lowest over five equal parts. Area: highest less lowest.
+      !> Highest less lowest height; for a profile the mean of that over five equal parts.
       real(wp) :: rz = 0.0_wp
       !> Skewness and kurtosis, (4.2), (4.3); 0 for a flat surface.
       real(wp) :: rsk = 0.0_wp, rku = 0.0_wp
@@ -78,8 +78,8 @@ contains
       end do
    end function roughness_of
 
-   !> Share of the nodes that are at or above each of `levels`, which rise (Abbott and Firestone,
-   !> Mech. Eng. 55, 1933, 569).
+   !> Share of the nodes at or above each of the rising `levels` (Abbott and Firestone, Mech. Eng.
+   !> 55, 1933, 569).
    pure function bearing_ratio(z, levels) result(ratio)
       real(wp), contiguous, intent(in) :: z(:)
       real(wp), intent(in) :: levels(:)
@@ -115,8 +115,8 @@ contains
       ratio = [(real(sum(below(i:)), wp)/size(z), i=1, size(levels))]
    end function bearing_ratio
 
-   !> Share of the nodes between each two neighbouring `edges`, which rise and are evenly spaced,
-   !> over their distance.
+   !> Share of the nodes between neighbouring `edges`, which rise and are evenly spaced, over their
+   !> distance.
    pure function height_density(z, edges) result(density)
       real(wp), contiguous, intent(in) :: z(:)
       real(wp), intent(in) :: edges(:)
@@ -143,8 +143,8 @@ contains
       density = inside(1:steps)/(size(z)*width)
    end function height_density
 
-   !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours;
-   !> of an area of the gradient.
+   !> Root mean square slope of a periodic surface (nx, ny) from differences of neighbours; for an
+   !> area of the gradient.
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
@@ -168,8 +168,8 @@ contains
       slope = sqrt((along + across)/size(z))
    end function rms_slope
 
-   !> Root mean square of the second difference of a periodic surface (nx, ny); of an area of half
-   !> the Laplacian.
+   !> Root mean square second difference of a periodic surface (nx, ny); for an area of half the
+   !> Laplacian.
    pure function rms_curvature(z, dx, dy) result(curvature)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy

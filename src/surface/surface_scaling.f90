@@ -1,4 +1,4 @@
-!> Surfaces from SI to the dimensionless form of the lubricated contact.
+!> Converts surfaces from SI to the dimensionless form of the lubricated contact.
 module surface_scaling
    use features, only: rough_surface_t
    use kinds, only: wp
@@ -10,9 +10,9 @@ module surface_scaling
 
 contains
 
-   !> `surface` with amplitude [m] over b^2/R, wavelength [m] over b, speed u_i [m/s] as 2 u_i/u_s
-   !> per unit of T = t u_s/(2 b), (2.51); heights and spacing of a profile likewise. Positions and
-   !> the lengths of entry and ends are in half-widths from the start. `scaling` must be
+   !> Converts `surface`: amplitude [m] over b^2/R, wavelength [m] over b, speed u_i [m/s] to 2
+   !> u_i/u_s per unit of T = t u_s/(2 b), (2.51); heights and spacing of a profile likewise.
+   !> Positions and the lengths of entry and ends are in half-widths already. `scaling` must be
    !> dimensional.
    function scaled_surface(surface, scaling) result(scaled)
       type(rough_surface_t), intent(in) :: surface

@@ -1,11 +1,10 @@
-!> A synthetic profile of any length, put together from pieces that are made when they are asked
-!> for.
+!> A synthetic profile of any length, composed of pieces that are made on demand.
 !>
-!> Piece k is a periodic Gaussian profile of its own random numbers; it covers half of piece k - 1
+!> Piece k is a periodic Gaussian profile of separate random numbers; it covers half of piece k - 1
 !> and half of piece k + 1. In the overlap the old one fades out as cos(a), the new one fades in as
 !> sin(a): the sum of two independent Gaussian heights with these weights is Gaussian with the same
-!> variance, so that nothing tells where the pieces meet. Behind the last piece comes the first. The
-!> spectrum is that of a piece, blurred by about one wave in its length.
+!> variance, so that the joints are invisible. The first piece follows the last. The spectrum is
+!> that of a piece, blurred by about one wave in its length.
 module synthetic_pieces
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
@@ -23,7 +22,7 @@ module synthetic_pieces
    type, extends(height_source_t) :: synthetic_pieces_t
       type(synthesis_t), private :: wanted
       type(bend_t), private :: bend
-      !> Distance of the heights [m], and heights in half a piece.
+      !> Spacing of the heights [m], and heights in half a piece.
       real(wp), private :: spacing = 0.0_wp
       integer, private :: half = 0
    contains
@@ -32,9 +31,9 @@ module synthetic_pieces
 
 contains
 
-   !> A profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart. Skewness and
-   !> kurtosis are those of piece 0; the rms height is that of each piece. Errors (input_error): as
-   !> in `synthetic_heights`.
+   !> Prepares a profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart.
+   !> Skewness and kurtosis are those of piece 0; the rms height is that of each piece. Errors
+   !> (input_error): as in `synthetic_heights`.
    subroutine new_synthetic_pieces(source, wanted, spacing, half, halves, error)
       type(synthetic_pieces_t), intent(out) :: source
       type(synthesis_t), intent(in) :: wanted
@@ -52,7 +51,7 @@ contains
       if (.not. allocated(error)) call find_bend(wanted, z, source%bend, error)
    end subroutine new_synthetic_pieces
 
-   !> Heights from number `first` on. Error: memory for the transforms.
+   !> Computes heights from number `first` on. Error: memory for the transforms.
    subroutine get(self, first, z, error)
       class(synthetic_pieces_t), intent(in) :: self
       integer(int64), intent(in) :: first
@@ -84,7 +83,7 @@ contains
       z = self%wanted%rms_height*bent(z, self%bend)
    end subroutine get
 
-   !> Gaussian heights (2*half) of piece `k`, with rms 1.
+   !> Computes Gaussian heights (2*half) of piece `k`, with rms 1.
    subroutine make_piece(self, k, z, error)
       class(synthetic_pieces_t), intent(in) :: self
       integer(int64), intent(in) :: k

@@ -1,4 +1,4 @@
-!> Surfaces with a wanted spectrum: self-affine with roll-off and cut-offs, wanted rms height,
+!> Surfaces with a given spectrum: self-affine with roll-off and cut-offs, given rms height,
 !> skewness and kurtosis.
 module synthetic_surface
    use, intrinsic :: iso_fortran_env, only: int64
@@ -13,7 +13,7 @@ module synthetic_surface
    public :: bend_t, bent, find_bend, gaussian_heights, synthesis_t, synthetic_heights, &
       truncate_harmonics
 
-   !> What is wanted. Lengths [m].
+   !> Parameters of the surface. Lengths [m].
    type :: synthesis_t
       integer :: seed = 1
       !> Hurst exponent, 0 ... 1.
@@ -33,21 +33,20 @@ module synthetic_surface
       real(wp) :: mean = 0.0_wp, rms = 1.0_wp
    end type bend_t
 
-   !> Newton steps for skewness and kurtosis, and how close they must come.
+   !> Most Newton steps for skewness and kurtosis, and the largest deviation that ends them.
    integer, parameter :: max_steps = 60
    real(wp), parameter :: close_enough = 1.0e-10_wp
 
 contains
 
-   !> Heights z (nx*ny) [m] of mean 0 on a periodic grid `length_x` x `length_y` [m]; ny = 1 is a
-   !> line.
+   !> Computes heights z (nx*ny) [m] of mean 0 on a periodic grid `length_x` x `length_y` [m]; ny =
+   !> 1 is a line.
    !>
-   !> White Gaussian noise is given the spectrum C ~ const up to the roll-off, then q^(-2H - d),
-   !> d = 1 (line), 2 (area) (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1). Then
-   !> each height goes through one rising function that gives skewness and kurtosis, Tukey's g and h
-   !> (D. C. Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985), with the moments of this
-   !> surface itself. Errors (input_error): no wave fits the grid; a skewness and kurtosis that no
-   !> such function gives.
+   !> White Gaussian noise is given the spectrum C ~ const up to the roll-off, then q^(-2H - d), d =
+   !> 1 (line), 2 (area) (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1). Then one
+   !> rising function of each height gives skewness and kurtosis, Tukey's g and h (D. C. Hoaglin, in
+   !> Exploring Data Tables, Trends, and Shapes, 1985), with the moments of this surface. Errors
+   !> (input_error): no wave fits the grid; no such function gives this skewness and kurtosis.
    subroutine synthetic_heights(wanted, grid, length_x, length_y, z, error)
       type(synthesis_t), intent(in) :: wanted
       integer, intent(in) :: grid(2)
@@ -63,8 +62,8 @@ contains
       z = wanted%rms_height*bent(z, bend)
    end subroutine synthetic_heights
 
-   !> Gaussian heights z (nx*ny) of mean 0 and rms 1 with the spectrum of `wanted`, from one
-   !> `series` of random numbers of the seed. Error (input_error): no wave fits the grid.
+   !> Computes Gaussian heights z (nx*ny) of mean 0 and rms 1 with the spectrum of `wanted`, from
+   !> one `series` of random numbers of the seed. Error (input_error): no wave fits the grid.
    subroutine gaussian_heights(wanted, grid, length_x, length_y, series, z, error)
       type(synthesis_t), intent(in) :: wanted
       integer, intent(in) :: grid(2)
@@ -112,8 +111,8 @@ contains
       amplitude = max(1.0_wp, waves*wanted%wavelength_rolloff)**(-wanted%hurst - 0.5_wp*dimensions)
    end function amplitude_at
 
-   !> The function that gives heights `z` of mean 0 and rms 1 the wanted skewness and kurtosis; mean
-   !> and rms stay. Error (input_error): there is none.
+   !> Finds the function that gives heights `z` of mean 0 and rms 1 the wanted skewness and
+   !> kurtosis; mean and rms stay. Error (input_error): there is none.
    subroutine find_bend(wanted, z, bend, error)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: z(:)
@@ -142,7 +141,7 @@ contains
          h = h - change(2)
       end do
       is_found = maxval(abs(miss)) < 1.0e-6_wp
-      ! By its derivative, it must rise at every height: then it keeps their order.
+      ! Its derivative must be positive at every height: then it keeps their order.
       if (is_found) is_found = all(tukey(z, g, h)*h*z + exp(g*z + 0.5_wp*h*z**2) > 0.0_wp)
       if (.not. is_found) then
          call fail(error, input_error, 'found skewness ' // to_text(wanted%skewness) // ' and '// &
@@ -156,7 +155,7 @@ contains
       bend%rms = norm2(tukey(z, g, h) - bend%mean)/sqrt(real(size(z), wp))
    end subroutine find_bend
 
-   !> The function of a height.
+   !> Value of the function at a height.
    pure elemental function bent(z, bend) result(y)
       real(wp), intent(in) :: z
       type(bend_t), intent(in) :: bend
@@ -186,8 +185,8 @@ contains
    end function moments
 
    !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean,
-   !> (4.1); of an area those with hypot of the two numbers of waves up to it. Fails
-   !> (internal_error) if FFTW does.
+   !> (4.1); for an area those with hypot of the two wave numbers up to it. Fails (internal_error)
+   !> if FFTW does.
    subroutine truncate_harmonics(harmonics, grid, z, error)
       integer, intent(in) :: harmonics, grid(2)
       real(wp), allocatable, intent(inout) :: z(:)
