@@ -123,7 +123,8 @@ def words_of(name: str) -> str:
     """A column in words: h_min with its name behind them, of bodies.speed_1 `Speed 1`."""
     if "." in name:
         return WORDS.get(name, name.rpartition(".")[2].replace("_", " ").capitalize())
-    return f"{WORDS[name]} {name}" if name in WORDS else name
+    words = WORDS.get(name, name)
+    return words if name.replace("_", " ") in words.lower() or words == name else f"{words} {name}"
 
 
 def read_gathered(path: Path) -> Gathered:
