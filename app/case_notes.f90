@@ -7,7 +7,6 @@ module case_notes
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use progress_log, only: progress_log_t
@@ -60,39 +59,38 @@ contains
 
    !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces. With a
    !> wanted accuracy both are chosen by their effect on h_min.
-   subroutine note_coarse_waves(case, contact, listener, note)
+   subroutine note_coarse_waves(case, listener, note)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
 
-      if (case%accuracy%target > 0.0_wp) return
-      words = coarse_waves(contact, case%time)
-      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(contact, case%time)
+      if (case%solver%target > 0.0_wp) return
+      words = coarse_waves(case%contact, case%time)
+      if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
+         long_steps(case%contact, case%time)
       call add_note(case, listener, words, note)
    end subroutine note_coarse_waves
 
    !> Adds to `note` where the coarser runs of a transient do not predict its wanted accuracy.
-   subroutine note_missed_target(case, contact, listener, note)
+   subroutine note_missed_target(case, listener, note)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
       real(wp) :: predicted
 
-      if (.not. (case%accuracy%target > 0.0_wp .and. case%time%is_transient)) return
+      if (.not. (case%solver%target > 0.0_wp .and. case%time%is_transient)) return
       words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
       associate (forecast => listener%writer%bars%forecast)
          if (forecast%is_known) then
             predicted = forecast%error(h_min)/forecast%pilot(h_min)
             if (.not. case%domain%has_inlet) predicted = predicted &
-               + domain_error(inlet_error(contact))
-            if (predicted <= (1.0_wp + rounding)*case%accuracy%target) return
+               + domain_error(inlet_error(case%contact))
+            if (predicted <= (1.0_wp + rounding)*case%solver%target) return
             words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative '// &
                'error of '//to_text(predicted, 2)// &
-               ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
+               ' is foretold, '//to_text(case%solver%target, 2)//' was wanted'
          end if
       end associate
       call add_note(case, listener, words, note)
@@ -116,9 +114,9 @@ contains
          measured = measured/film%value
       end associate
       if (.not. ieee_is_finite(measured)) return
-      if (measured <= (1.0_wp + rounding)*case%accuracy%target) return
+      if (measured <= (1.0_wp + rounding)*case%solver%target) return
       call add_note(case, listener, 'the wanted accuracy is not shown: a relative error of '// &
-         'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2)// &
+         'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%solver%target, 2)// &
          ' was wanted', report%note)
    end subroutine note_measured_error
 
@@ -132,19 +130,19 @@ contains
       type(line_summary_t) :: summary
       character(:), allocatable :: found
 
-      if (.not. (case%accuracy%target_p_max > 0.0_wp .and. report%converged)) return
+      if (.not. (case%solver%target_p_max > 0.0_wp .and. report%converged)) return
       summary = listener%writer%quantities_at_end(state, report)
       found = 'no error is estimated'
       associate (largest => summary%of(p_max))
          if (ieee_is_finite(largest%error_estimate)) then
-            if (largest%error_estimate <= (1.0_wp + rounding)*case%accuracy%target_p_max &
+            if (largest%error_estimate <= (1.0_wp + rounding)*case%solver%target_p_max &
                *largest%value) return
             found = 'a relative error of '//to_text(largest%error_estimate/largest%value, 2) &
                //' is estimated'
          end if
       end associate
       call add_note(case, listener, 'the wanted accuracy of p_max is not shown: '//found//', ' &
-         //to_text(case%accuracy%target_p_max, 2)//' was wanted', report%note)
+         //to_text(case%solver%target_p_max, 2)//' was wanted', report%note)
    end subroutine note_pressure_error
 
    !> Logs `words`, if there are any, and adds them to `note`.

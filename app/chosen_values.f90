@@ -4,7 +4,6 @@ module chosen_values
    use features, only: rough_surface_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use model_decision, only: model_choice_t, number_choice_t
    use passage_times, only: passage_times_t
    use profile, only: profile_length
@@ -18,13 +17,12 @@ contains
 
    !> Lists what the program has chosen in place of the user among the effective values, with the
    !> `times` that count and where the surfaces began; 0: not used by the method.
-   subroutine fill_chosen(case, contact, report, times)
+   subroutine fill_chosen(case, report, times)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
       type(report_t), intent(in) :: report
       type(passage_times_t), intent(in) :: times
 
-      associate (domain => contact%domain)
+      associate (domain => case%contact%domain)
          call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
          call set_effective(case, 'domain', 'inlet', text=trim(domain%inlet))
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
@@ -34,25 +32,26 @@ contains
          [case%time%time_step])
       call set_effective(case, 'solver', 'space_scheme', text=trim(merge('kappa  ', 'upwind2', &
          case%solver%space_scheme == 'kappa')))
-      call set_effective(case, 'solver', 'levels', integer=report%levels)
-      call set_effective(case, 'solver', 'tolerance', [report%tolerance])
-      call set_effective(case, 'solver', 'max_cycles', integer=report%max_cycles)
-      call set_effective(case, 'solver', 'pre_sweeps', integer=report%pre_sweeps)
-      call set_effective(case, 'solver', 'post_sweeps', integer=report%post_sweeps)
-      call set_effective(case, 'solver', 'coarse_sweeps', integer=report%coarse_sweeps)
-      call set_effective(case, 'solver', 'relaxation', [report%relaxation])
-      call set_effective(case, 'solver', 'load_relaxation', [report%load_relaxation])
+      associate (numbers => report%numbers)
+         call set_effective(case, 'solver', 'levels', integer=numbers%levels)
+         call set_effective(case, 'solver', 'tolerance', [numbers%tolerance])
+         call set_effective(case, 'solver', 'max_cycles', integer=numbers%max_cycles)
+         call set_effective(case, 'solver', 'pre_sweeps', integer=numbers%pre_sweeps)
+         call set_effective(case, 'solver', 'post_sweeps', integer=numbers%post_sweeps)
+         call set_effective(case, 'solver', 'coarse_sweeps', integer=numbers%coarse_sweeps)
+         call set_effective(case, 'solver', 'relaxation', [numbers%relaxation])
+         call set_effective(case, 'solver', 'load_relaxation', [numbers%load_relaxation])
+      end associate
       if (case%time%is_transient) call set_effective(case, 'time', 'statistics_from', &
          [times%counts_from])
-      call fill_positions(case, 'surface_1', case%surface_1, contact%surface_1)
-      call fill_positions(case, 'surface_2', case%surface_2, contact%surface_2)
+      call fill_positions(case, 'surface_1', case%surface_1, case%contact%surface_1)
+      call fill_positions(case, 'surface_2', case%surface_2, case%contact%surface_2)
    end subroutine fill_chosen
 
-   !> Grid, domain, time step and method of a `case` with model = 'auto' on the `contact` as it was
-   !> solved: its target chooses grid and time step, the rest may be given.
-   pure subroutine fill_numbers(case, contact, report, choice)
+   !> Grid, domain, time step and method of a `case` with model = 'auto': its target chooses grid
+   !> and time step, the rest may be given.
+   pure subroutine fill_numbers(case, report, choice)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(report_t), intent(in) :: report
       type(model_choice_t), intent(inout) :: choice
       character(:), allocatable :: method
@@ -60,7 +59,7 @@ contains
       if (case%model /= 'auto') return
       method = 'none'
       if (allocated(report%method)) method = report%method
-      associate (given => case%domain, domain => contact%domain)
+      associate (given => case%domain, domain => case%contact%domain)
          choice%numbers = [number_choice_t('grid', 'grid', 'chosen', &
             number_text(real(domain%intervals, wp), 9)//' intervals'), &
             number_choice_t('domain', 'domain', ends_decision(given%has_inlet, given%has_outlet), &

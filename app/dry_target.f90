@@ -53,10 +53,10 @@ contains
          associate (trial => trials(size(trials)), report => record%outcome%solution%report)
             if (.not. allocated(error)) trial%doubt = area_doubt(record%outcome)
             seconds = seconds + record%outcome%seconds
-            phases = phases + report%phase_seconds
+            phases = phases + report%cost%phase_seconds
             record%outcome%seconds = seconds
-            report%phase_seconds = phases
-            report%wall_seconds = sum(phases)
+            report%cost%phase_seconds = phases
+            report%cost%wall_seconds = sum(phases)
             if (.not. dry%target > 0.0_wp .or. trial%doubt <= dry%target) return
          end associate
          nodes = finer_nodes(trials, dry%target, most)
@@ -84,7 +84,7 @@ contains
       call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, settings, record%outcome, &
          error)
       if (allocated(error)) return
-      associate (seconds => record%outcome%solution%report%phase_seconds)
+      associate (seconds => record%outcome%solution%report%cost%phase_seconds)
          seconds(phase_steady) = wall_seconds() - start
          if (dry%is_compared()) record%sweep = dry_sweep_t(dry%grid, dry%height, scaling, &
             dry%loads, settings)

@@ -5,7 +5,6 @@ module film_momentum
    use errors, only: error_t
    use film_fields, only: compare_passage
    use iteration_report, only: report_t
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use momentum_march, only: momentum_march_t
    use field_sections, only: difference_sentence
@@ -30,7 +29,7 @@ contains
       type(run_observer_t), intent(inout) :: listener
       type(momentum_march_t) :: march
 
-      if (.not. (case%equations == 'stokes' .and. case%time%is_transient)) return
+      if (case%layers == 0 .or. .not. case%time%is_transient) return
       march%walls = walls_of(case, listener)
       march%layers = case%layers
       allocate (listener%follower, source=march)
@@ -51,15 +50,14 @@ contains
    !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
    !> equation, which becomes that of the momentum equations, or closes their march; what they
    !> change is noted.
-   subroutine follow_momentum(case, contact, listener, state, report, error)
+   subroutine follow_momentum(case, listener, state, report, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
 
-      if (case%equations /= 'stokes' .or. .not. report%converged) return
+      if (case%layers == 0 .or. .not. report%converged) return
       call begin_activity('full momentum equations of the film')
       associate (writer => listener%writer)
          if (allocated(listener%follower)) then
@@ -70,15 +68,15 @@ contains
                call add_note(case, listener, march_sentence(march)//'; ' &
                   //difference_sentence(writer%momentum), report%note)
             end select
-            report%peak_memory = peak_memory()
+            report%cost%peak_memory = peak_memory()
             return
          end if
          writer%reynolds = state
          allocate (writer%momentum)
-         call solve_film_momentum(contact, walls_of(case, listener), case%layers, state, &
+         call solve_film_momentum(case%contact, walls_of(case, listener), case%layers, state, &
             writer%momentum, report, error)
          if (allocated(error)) return
-         report%peak_memory = peak_memory()
+         report%cost%peak_memory = peak_memory()
          if (report%converged) then
             call add_note(case, listener, difference_sentence(writer%momentum), report%note)
          else

@@ -1,31 +1,39 @@
-!> What a solved case is compared with for its error bars: itself on coarser grids, and where pilot
-!> runs chose its grid, coarse runs that measure whether it is as good as foretold.
+!> What a solved case is compared with: itself on coarser grids; coarse runs that measure whether a
+!> grid that pilot runs chose is as good as foretold; a farther inlet, the thesis's scheme, and a
+!> farther outlet where the outlet cuts the film off.
 module grid_comparison
-   use case_notes, only: note_measured_error, note_pressure_error
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use case_notes, only: add_note, note_measured_error, note_pressure_error
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
-      run_apart, copy_side_runs
-   use error_bars, only: error_bars_t
+      run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
+   use domain_choice, only: chosen_outlet
+   use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
-   use experiment, only: new_experiment
+   use experiment, only: experiment_t, new_experiment
+   use features, only: rough_surface_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
+   use solver_settings, only: time_settings_t
+   use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: check_forecast, compare_grids
+   public :: check_ends, check_forecast, compare_grids
+
+   !> Relative change of the quantities by the outlet above which a note is given.
+   real(wp), parameter :: largest_change = 1.0e-3_wp
 
 contains
 
    !> Coarse runs, unless the `side_runs` of a transient have been made already, and the `seconds`
    !> that they took. Error: memory or a library failed.
-   subroutine compare_grids(case, contact, listener, side_runs, seconds, error)
+   subroutine compare_grids(case, listener, side_runs, seconds, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(side_runs_t), allocatable, intent(inout) :: side_runs
       real(wp), intent(out) :: seconds
@@ -36,23 +44,22 @@ contains
       start = wall_seconds()
       if (case%time%is_transient) then
          if (.not. allocated(side_runs)) then
-            side_runs = new_side_runs(new_experiment(contact, case%solver, case%time))
+            side_runs = new_side_runs(new_experiment(case%contact, case%solver, case%time))
             call make_side_runs(side_runs, listener)
          end if
          call copy_side_runs(side_runs, bars, error)   ! error: the caller looks
       else
-         call make_coarse_runs(bars, new_experiment(contact, case%solver, case%time), listener, &
-            error)   ! error: the caller looks
+         call make_coarse_runs(bars, new_experiment(case%contact, case%solver, case%time), &
+            listener, error)   ! error: the caller looks
       end if
       listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
-   !> Whether a solution is as good as wanted: by coarse runs where pilots chose the grid of its
-   !> `contact` and its time step.
-   subroutine check_forecast(case, contact, listener, state, report, seconds, error)
+   !> Whether a solution is as good as wanted: by coarse runs where pilots chose its grid and
+   !> time step.
+   subroutine check_forecast(case, listener, state, report, seconds, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
@@ -61,15 +68,81 @@ contains
       real(wp) :: start
 
       call note_pressure_error(case, listener, state, report)
-      if (.not. (case%accuracy%has_error_bars .and. listener%writer%bars%forecast%is_known &
+      if (.not. (case%solver%wants_coarse_runs .and. listener%writer%bars%forecast%is_known &
          .and. report%converged)) return
       start = wall_seconds()
-      call run_apart(listener%writer%bars, new_experiment(contact, case%solver, case%time), &
+      call run_apart(listener%writer%bars, new_experiment(case%contact, case%solver, case%time), &
          listener, error)
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start
       report%converged = .not. listener%is_stopping
       call note_measured_error(case, listener, state, report)
    end subroutine check_forecast
+
+   !> Both ends of the domain of the solved contact, for its error bars. A note where
+   !> the outlet cuts the film off, unless that is known to change the quantities only a little.
+   !> Error: memory or a library failed.
+   subroutine check_ends(case, listener, report, error)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: listener
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
+      type(experiment_t) :: at_rest
+      real(wp) :: change
+      logical :: is_small
+
+      if (.not. report%converged) return
+      bars = listener%writer%bars
+      if (case%solver%wants_coarse_runs) then
+         at_rest = new_experiment(case%contact, case%solver, time_settings_t())
+         if (case%time%is_transient) then   ! roughness passes, the inlet stays
+            at_rest%contact%surface_1 = rough_surface_t(speed=case%contact%surface_1%speed)
+            at_rest%contact%surface_2 = rough_surface_t(speed=case%contact%surface_2%speed)
+         end if
+         call run_farther(bars, at_rest, listener, error)
+         if (allocated(error)) return
+         ! a target has chosen its grid by the estimate from coarser ones
+         if (.not. (case%time%is_transient .or. case%solver%target > 0.0_wp)) call &
+            run_other_scheme(bars, at_rest, listener, error)
+         if (allocated(error)) return
+      end if
+      if (report%fit%outlet_pressure > 0.0_wp) then
+         bars%is_cut = .true.
+         if (case%solver%wants_coarse_runs) then
+            call run_longer(bars, new_experiment(case%contact, case%solver, case%time), &
+               listener, error)
+            if (allocated(error)) return
+         end if
+         change = outlet_error(bars)
+         is_small = ieee_is_finite(change)
+         if (is_small) is_small = change <= largest_change
+         if (.not. is_small) call add_note(case, listener, outlet_note(case%contact, change), &
+            report%note)
+      end if
+      listener%writer%bars = bars
+   end subroutine check_ends
+
+   !> What is wrong with the outlet and how to cure it; `change`: of the quantities, NaN if unknown.
+   pure function outlet_note(contact, change) result(note)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: change
+      character(:), allocatable :: note
+      real(wp) :: chosen
+
+      note = 'the film is still under pressure at the outlet X = ' &
+         //to_text(contact%domain%x_outlet, 4)
+      if (ieee_is_finite(change)) then
+         note = note//', which changes its quantities by up to '//to_text(100*change, 2)//' %'
+      else
+         note = note//', and what that changes is not known'
+      end if
+      chosen = chosen_outlet(contact)
+      if (chosen > contact%domain%x_outlet) then
+         note = note//': without x_outlet the program takes '//to_text(chosen, 4)
+      else
+         note = note//': x_outlet farther out cures it'
+      end if
+   end function outlet_note
 
 end module grid_comparison

@@ -3,12 +3,11 @@ module line_model
    use adequacy, only: accuracy_for
    use case_record, only: case_t, set_effective
    use decision_section, only: solved_text
-   use domain_choice, only: choose_domain, reopen
+   use domain_choice, only: choose_anew
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: summary_of
    use measured_adequacy, only: full_cost, measure_adequacy, solved_t
@@ -24,43 +23,39 @@ module line_model
 
 contains
 
-   !> Makes `contact` and the times of a case with model = 'auto' those of the leanest model that is
+   !> Makes contact and times of a case with model = 'auto' those of the leanest model that is
    !> adequate. Resumed runs stay transient, and so do those with film statistics over time.
-   subroutine choose_lean_model(case, contact, listener, error)
+   subroutine choose_lean_model(case, listener, error)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
 
       if (case%model /= 'auto') return
       associate (choice => listener%writer%choice)
-         call choose_model(experiment_t(contact, case%solver, case%time), case%accuracy%target, &
-            allocated(case%time%resume_from) .or. size(case%output_settings%film_thresholds) > 0, &
-            choice, listener, error)
+         call choose_model(experiment_t(case%contact, case%solver, case%time), &
+            case%solver%target, allocated(case%time%resume_from) &
+            .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
-         call take_model(choice, contact, case%time)
-         call reopen(contact%domain)
-         call choose_domain(contact, case%accuracy%target)
+         call take_model(choice, case%contact, case%time)
+         call choose_anew(case%contact, case%solver%target)
          call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate
       call set_effective(case, 'time', 'transient', text='.false.')
    end subroutine choose_lean_model
 
    !> Says what a full measurement of a passage costs at most.
-   subroutine tell_full_cost(case, contact, listener)
+   subroutine tell_full_cost(case, listener)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
 
       if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
          listener%log%say(case%file//": adequacy = 'full' takes up to " &
-         //to_text(full_cost(contact), 2)//' times what the passage takes')
+         //to_text(full_cost(case%contact), 2)//' times what the passage takes')
    end subroutine tell_full_cost
 
    !> Measures what the ingredients of the model change, where that is wanted.
-   subroutine measure_model(case, contact, listener, state, report, error)
+   subroutine measure_model(case, listener, state, report, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
@@ -71,15 +66,15 @@ contains
       start = wall_seconds()
       associate (writer => listener%writer)
          writer%adequacy%is_full = case%output_settings%adequacy == 'full'
-         writer%adequacy%accuracy = accuracy_for(case%accuracy%target, &
+         writer%adequacy%accuracy = accuracy_for(case%solver%target, &
             writer%quantities_at_end(state, report))
-         call measure_adequacy(solved_t(new_experiment(contact, case%solver, case%time), &
+         call measure_adequacy(solved_t(new_experiment(case%contact, case%solver, case%time), &
             writer%run%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
             state, writer%adequacy, listener, error)
       end associate
       if (allocated(error)) return
       report%converged = .not. listener%is_stopping
-      report%phase_seconds(phase_adequacy) = wall_seconds() - start
+      report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
    end subroutine measure_model
 
 end module line_model

@@ -7,19 +7,17 @@ module line_solution
    use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
-   use grid_comparison, only: check_forecast, compare_grids
+   use grid_comparison, only: check_ends, check_forecast, compare_grids
    use grid_estimates, only: take_coarser
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
-   use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
    use side_by_side, only: solve_with_coarse_runs
    use wall_clock, only: wall_seconds
-   use wave_resolution, only: choose_time_step, nodes_in_wave, steps_in_wave
+   use wave_resolution, only: nodes_in_wave, steps_in_wave
    implicit none (type, external)
    private
 
@@ -29,9 +27,8 @@ contains
 
    !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
    !> made beside it on another thread.
-   subroutine solve_line_case(case, contact, listener, state, report, error)
+   subroutine solve_line_case(case, listener, state, report, error)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
@@ -42,71 +39,67 @@ contains
       logical :: is_open
 
       seconds = 0.0_wp
-      listener%writer%run%passage%times = new_passage_times(contact, case%time)
-      case%solver%target = case%accuracy%target
-      case%solver%target_p_max = case%accuracy%target_p_max
-      case%solver%wants_coarse_runs = case%accuracy%has_error_bars
+      listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
       ! the solver chooses the grid
-      is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
-      listener%has_coarse_runs = case%accuracy%has_error_bars &
-         .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
+      is_open = case%solver%target > 0.0_wp .and. .not. case%time%is_transient
+      listener%has_coarse_runs = case%solver%wants_coarse_runs &
+         .and. (is_open .or. .not. case%solver%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
-         call restore_resolution(case, contact, listener)
-      else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_grid(case, contact, listener, seconds, error)
+         call restore_resolution(case, listener)
+      else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
+         call choose_grid(case, listener, seconds, error)
          if (allocated(error) .or. listener%is_stopping) return
       end if
-      call choose_time_step(contact, case%time)
-      listener%writer%bars%spike_law%fluid = contact%fluid
-      if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(contact, case%time, &
+      listener%writer%bars%spike_law%fluid = case%contact%fluid
+      if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
       call note_unusual(case, note)
       call add_note(case, listener, case%note, note)
-      call note_coarse_waves(case, contact, listener, note)
-      call note_missed_target(case, contact, listener, note)
-      call add_note(case, listener, passage_note(contact, listener%writer%run%passage%times), note)
-      listener%writer%run%intervals = contact%domain%intervals
+      call note_coarse_waves(case, listener, note)
+      call note_missed_target(case, listener, note)
+      call add_note(case, listener, passage_note(case%contact, &
+         listener%writer%run%passage%times), note)
+      listener%writer%run%intervals = case%contact%domain%intervals
       listener%writer%run%time_step = case%time%time_step
       listener%writer%run%space_scheme = case%solver%space_scheme
-      call solve_with_coarse_runs(contact, case, side_runs, listener, state, report, error)
+      call solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       if (allocated(error)) return
-      report%nodes_per_wave = nodes_in_wave(contact)
-      report%steps_per_wave = steps_in_wave(contact, case%time)
+      report%fit%nodes_per_wave = nodes_in_wave(case%contact)
+      report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
       call keep_coarser(listener)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
-         call compare_grids(case, contact, listener, side_runs, seconds, error)
+         call compare_grids(case, listener, side_runs, seconds, error)
          if (allocated(error)) return
          report%converged = .not. listener%is_stopping
       end if
-      call check_ends(case, contact, listener, report, error)
+      call check_ends(case, listener, report, error)
       if (allocated(error)) return
-      call check_forecast(case, contact, listener, state, report, seconds, &
+      call check_forecast(case, listener, state, report, seconds, &
          error)   ! error: the caller looks
-      call fill_chosen(case, contact, report, listener%writer%run%passage%times)
-      call fill_numbers(case, contact, report, listener%writer%choice)
+      call fill_chosen(case, report, listener%writer%run%passage%times)
+      call fill_numbers(case, report, listener%writer%choice)
       call complete_report(listener, seconds, report)
    end subroutine solve_line_case
 
    !> Grid, time step and scheme of the run that this one goes on with.
-   subroutine restore_resolution(case, contact, listener)
+   subroutine restore_resolution(case, listener)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(error_bars_t) :: bars
 
-      if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
-         bars = new_error_bars(contact, case%time, case%solver%space_scheme)
+      case%time%time_step = listener%writer%run%time_step
+      if (case%solver%target > 0.0_wp) then   ! as before pilot runs chose the rest
+         bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
          bars%unseen = ''
          bars%forecast = listener%writer%bars%forecast
          listener%writer%bars = bars
       end if
-      if (listener%writer%run%intervals > 0) contact%domain%intervals = &
+      if (listener%writer%run%intervals > 0) case%contact%domain%intervals = &
          listener%writer%run%intervals
-      case%time%time_step = listener%writer%run%time_step
       case%solver%space_scheme = listener%writer%run%space_scheme
       call settle_tolerance(case%solver)
    end subroutine restore_resolution
@@ -123,9 +116,8 @@ contains
 
    !> Intervals and time step for the accuracy that is wanted of a transient, by pilot runs, and the
    !> `seconds` that they took. Error: memory or a library failed.
-   subroutine choose_grid(case, contact, listener, seconds, error)
+   subroutine choose_grid(case, listener, seconds, error)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: listener
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
@@ -133,7 +125,7 @@ contains
       real(wp) :: start
 
       start = wall_seconds()
-      call choose_resolution(bars, contact, case%solver, case%time, listener, &
+      call choose_resolution(bars, case%contact, case%solver, case%time, listener, &
          error)   ! error: the caller looks
       listener%writer%bars = bars
       seconds = wall_seconds() - start
@@ -149,7 +141,7 @@ contains
       if (index(report%reason, 'film breakdown') == 1 &
          .and. listener%log%scaling%is_dimensional) report%reason = &
          breakdown_sentence(report%breakdown, listener%film_floor, listener%log%scaling)
-      associate (phases => report%phase_seconds)
+      associate (phases => report%cost%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
          phases(phase_output) = listener%output_seconds
          phases(phase_transient) = max(phases(phase_transient) - listener%output_seconds, 0.0_wp)

@@ -6,14 +6,14 @@ program asperity
    use case_outcome, only: case_outcome_t, count_outcome, status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
+   use disk_file, only: make_folder
    use errors, only: error_t, output_error
-   use file_path, only: make_folder
    use input_manual, only: keys_markdown, keys_text, template_text
    use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases, refused_t, status_bad_input, report_good, report_refused
    use result_table, only: print_results
    use run_case, only: run_one_case
-   use signals, only: is_interrupted, listen_to_signals, stop_listening, take_last_words, &
+   use signals, only: is_interrupted, listen_to_signals, stop_listening, disarm_exit_message, &
       watch_silence
    use standard_streams, only: is_terminal, print_text, settle_standard_streams
    use system_limits, only: check_stack, settle_memory
@@ -103,7 +103,7 @@ contains
       do i = 1, size(cases)
          if (is_interrupted()) then
             log = new_progress_log(command%is_quiet)
-            call take_last_words()
+            call disarm_exit_message()
             if (outcome%status /= status_interrupted) call log%say_error('interrupted before ' &
                // cases(i)%file)
             status = status_interrupted

@@ -5,8 +5,8 @@ module read_cases
    use case_outcome, only: case_outcome_t, count_outcome
    use case_record, only: case_t
    use command_line, only: command_t
+   use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use file_path, only: file_fault
    use findings, only: findings_t
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t

@@ -1,7 +1,6 @@
 !> The end of a lubricated case: its result is written and its closing table printed, or what an
 !> interrupted run needs to go on is kept.
 module result_end
-   use case_limits, only: judge_limits
    use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
       status_not_written
    use case_record, only: case_t
@@ -9,15 +8,16 @@ module result_end
    use decision_section, only: decision_lines
    use errors, only: error_t
    use shear_stresses, only: velocity_profile
-   use formulas_section, only: formula_lines
+   use formulas_section, only: formula_lines, formulas_of
    use adequacy_section, only: model_line
+   use inlet_change, only: film_loss
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
-   use signals, only: take_last_words
+   use signals, only: disarm_exit_message
    use text, only: to_text
+   use validity, only: circumstances_t, limits_of
    implicit none (type, external)
    private
 
@@ -25,32 +25,52 @@ module result_end
 
 contains
 
-   !> Ends the result of a case, whose `contact` has all of its roughness: as an `error` has it, as
-   !> an interrupted run, or with a last `state`.
-   subroutine end_result(case, contact, listener, state, report, error, outcome)
+   !> Ends the result of a case, whose contact has all of its roughness: as an interrupted run, or
+   !> with a last `state`.
+   subroutine end_result(case, listener, state, report, outcome)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
-      type(error_t), allocatable, intent(in) :: error
       type(case_outcome_t), intent(out) :: outcome
 
-      if (allocated(error)) then
-         call give_up(error, listener%log, outcome)
-      else if (listener%is_stopping .and. .not. report%converged &
+      if (listener%is_stopping .and. .not. report%converged &
          .and. .not. listener%writer%has_failed()) then
          call suspend_result(listener, outcome)
       else
-         call judge_limits(case, contact, state, report, listener)
+         call judge_limits(case, state, report, listener)
          if (case%output_settings%velocity_layers > 0 .and. allocated(state%shear_stress_mean)) then
-            listener%writer%velocity = velocity_profile(contact%fluid, contact%lambda, &
-               contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
+            listener%writer%velocity = velocity_profile(case%contact%fluid, case%contact%lambda, &
+               case%contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
                case%output_settings%velocity_layers)
          end if
          call finish_result(case, listener, state, report, outcome)
       end if
    end subroutine end_result
+
+   !> Hands the limits of a converged solution to the writer of its result, and of a steady one what
+   !> formulas need.
+   subroutine judge_limits(case, state, report, listener)
+      type(case_t), intent(in) :: case
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+      type(run_observer_t), intent(inout) :: listener
+      type(circumstances_t) :: of
+
+      if (.not. report%converged) return
+      of%scaling = listener%log%scaling
+      of%bodies = case%bodies
+      of%lubricant = case%lubricant
+      of%materials = case%materials
+      of%contact = case%contact
+      of%summary = listener%writer%quantities_at_end(state, report)
+      ! the rule gives the change over the film that is starved
+      of%film_loss = report%fit%inlet_error/(1 + report%fit%inlet_error)
+      if (listener%writer%bars%inlet%is_known) of%film_loss = film_loss(listener%writer%bars%inlet)
+      of%has_momentum = case%layers > 0
+      listener%writer%limits = limits_of(of, state)
+      if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(case%contact)
+   end subroutine judge_limits
 
    !> Writes the result and prints its closing table.
    subroutine finish_result(case, listener, state, report, outcome)
@@ -73,7 +93,7 @@ contains
       end if
       associate (writer => listener%writer)
          if (.not. listener%log%is_quiet) then
-            words%spike = spike_lines(writer%summary, case%accuracy%target_p_max > 0.0_wp, &
+            words%spike = spike_lines(writer%summary, case%solver%target_p_max > 0.0_wp, &
                .not. case%time%is_transient, case%domain%intervals > 0)
             words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
             if (allocated(writer%adequacy%rows)) words%model = &
@@ -96,7 +116,7 @@ contains
       if (allocated(listener%failure)) outcome%status = status_not_written
       words = listener%writer%name%interruption_text()
       outcome%reason = words
-      call take_last_words()
+      call disarm_exit_message()
       call listener%log%say_error(words)
       if (listener%writer%name%has_checkpoint) then
          call listener%writer%suspend()

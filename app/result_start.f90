@@ -76,7 +76,7 @@ contains
       character(len=field_name_length), allocatable :: names(:)
 
       names = [character(len=field_name_length) :: case%output_settings%fields]
-      if (case%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
+      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
          breakdown_name]
       if (ieee_is_finite(scaling%slide_to_roll)) names = [character(len=field_name_length) :: &
          names, sliding_names]
@@ -98,8 +98,8 @@ contains
          error%message = 'cannot resume: '//error%message
          return
       end if
-      listener%earlier_seconds = checkpoint%march%report%wall_seconds
-      listener%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
+      listener%earlier_seconds = checkpoint%march%report%cost%wall_seconds
+      listener%output_seconds = checkpoint%march%report%cost%phase_seconds(phase_output)
       call listener%writer%name%expect_interruption(checkpoint%march%step)
       listener%writer%run = checkpoint%run_record_t
       listener%writer%bars%forecast = checkpoint%forecast

@@ -8,7 +8,6 @@ module run_case
    use film_momentum, only: follow_momentum, prepare_momentum
    use iteration_report, only: report_t
    use key_row, only: lubricated
-   use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_model, only: choose_lean_model, measure_model, tell_full_cost
    use line_solution, only: solve_line_case
@@ -63,7 +62,8 @@ contains
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else
-         call solve_and_write(case, path, log, command%threads, outcome)
+         call solve_and_write(case, path, log, command%threads, outcome, error)
+         if (allocated(error)) call give_up(error, log, outcome)
       end if
       if (case%has_xdmf .and. any(outcome%status == [status_converged, status_not_converged])) then
          call write_xdmf(path, error)
@@ -80,33 +80,34 @@ contains
       type(progress_log_t), intent(in) :: log
       type(case_outcome_t), intent(out) :: outcome
       type(run_observer_t) :: listener
-      type(line_contact_t) :: contact, whole   ! as it is solved, with all of its roughness
+      type(line_contact_t) :: rough   ! with all of its roughness
       type(line_state_t) :: state
       type(report_t) :: report
       type(error_t), allocatable :: error
 
       listener%log = log
       listener%threads = threads
-      call build_line_contact(case, contact)
-      whole = contact
-      case%solver = scaled_solver(case)
+      rough = case%contact
       listener%film_floor = case%solver%film_floor
       call listener%log%start_case(case%file, case%scaling)
       call prepare_momentum(case, listener)
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then
-         call choose_lean_model(case, contact, listener, error)
-         if (.not. allocated(error)) call tell_full_cost(case, contact, listener)
-         if (.not. allocated(error)) call solve_line_case(case, contact, listener, state, &
-            report, error)
-         if (.not. allocated(error)) call measure_model(case, contact, listener, state, report, &
+         call choose_lean_model(case, listener, error)
+         if (.not. allocated(error)) call tell_full_cost(case, listener)
+         if (.not. allocated(error)) call solve_line_case(case, listener, state, report, &
             error)
-         if (.not. allocated(error)) call follow_momentum(case, contact, listener, state, report, &
-            error)
+         if (.not. allocated(error)) call measure_model(case, listener, state, report, error)
+         if (.not. allocated(error)) call follow_momentum(case, listener, state, report, error)
          if (allocated(error)) call listener%writer%discard()
       end if
-      whole%domain = contact%domain
-      call end_result(case, whole, listener, state, report, error, outcome)
+      rough%domain = case%contact%domain
+      case%contact = rough
+      if (allocated(error)) then
+         call give_up(error, listener%log, outcome)
+      else
+         call end_result(case, listener, state, report, outcome)
+      end if
    end subroutine run_lubricated_case
 
 end module run_case

@@ -2,7 +2,7 @@
 module run_dry_case
    use case_effective, only: list_dry
    use case_notes, only: note_unusual
-   use case_outcome, only: case_outcome_t, give_up, outcome_of
+   use case_outcome, only: case_outcome_t, outcome_of
    use case_record, only: case_t
    use dry_adequacy, only: dry_adequacy_t, measure_dry_adequacy
    use dry_closing_table, only: close_dry_case
@@ -24,56 +24,48 @@ module run_dry_case
 contains
 
    !> Solves all loads of `case`, writes its result `path`, and prints a line for each load to the
-   !> `log`; areas use `threads` threads.
-   subroutine solve_and_write(case, path, log, threads, ending)
+   !> `log`; areas use `threads` threads. Error: the memory, the result, or a load without a
+   !> solution; there is no result then.
+   subroutine solve_and_write(case, path, log, threads, ending, error)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
       type(progress_log_t), intent(inout) :: log
       integer, intent(in) :: threads
       type(case_outcome_t), intent(out) :: ending
+      type(error_t), allocatable, intent(out) :: error
       type(result_file_t) :: result
       type(dry_record_t) :: record
       type(dry_adequacy_t) :: adequacy
-      type(error_t), allocatable :: error
       character(:), allocatable :: words
 
       if (case%dry%grid%ny > 1) case%dry%grid%threads = min(threads, processors())
       call check_memory(case, error)
       if (.not. allocated(error)) call open_result(result, path, error)
-      if (allocated(error)) then
-         call give_up(error, log, ending)
-         return
-      end if
+      if (allocated(error)) return
       call result%describe(trim(case%problem), case%title, case%namelist)
-      call solve_to_target(case%dry, record, error)
-      if (.not. allocated(error) .and. case%dry%wants_adequacy) then
-         call begin_activity('looking at the model')
-         call measure_dry_adequacy(record, case%dry%target, any(has_shape(case%dry%values, &
-            surfaces, 'parabola')), adequacy, error)
-      end if
-      if (allocated(error)) then
-         call result%discard()
-         call give_up(error, log, ending)
-         return
-      end if
       associate (outcome => record%outcome, report => record%outcome%solution%report)
-         call note_unusual(case, words)
-         if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
-         if (allocated(words)) call move_alloc(words, report%note)
-         call list_dry(case)
-         result%inputs = case%effective
-         call result%begin_end()
-         call write_dry_result(result%file, case%dry, outcome, error)
+         call solve_to_target(case%dry, record, error)
+         if (.not. allocated(error) .and. case%dry%wants_adequacy) then
+            call begin_activity('looking at the model')
+            call measure_dry_adequacy(record, case%dry%target, any(has_shape(case%dry%values, &
+               surfaces, 'parabola')), adequacy, error)
+         end if
+         if (.not. allocated(error)) then
+            call note_unusual(case, words)
+            if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
+            if (allocated(words)) call move_alloc(words, report%note)
+            call list_dry(case)
+            result%inputs = case%effective
+            call result%begin_end()
+            call write_dry_result(result%file, case%dry, outcome, error)
+         end if
          if (allocated(error)) then
             call result%discard()
-         else
-            call write_dry_adequacy(result%file, adequacy)
-            call result%publish(report, error)
-         end if
-         if (allocated(error)) then
-            call give_up(error, log, ending)
             return
          end if
+         call write_dry_adequacy(result%file, adequacy)
+         call result%publish(report, error)
+         if (allocated(error)) return
          call close_dry_case(log, case%file(index(case%file, '/', back=.true.) + 1:), case%dry, &
             outcome, adequacy, result%name%path)
          ending = outcome_of(report)

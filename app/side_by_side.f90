@@ -1,19 +1,17 @@
 !> A transient on one thread, and on another one the coarse runs for its error bars.
 module side_by_side
-   use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_side_runs, new_side_runs
    use errors, only: error_t
    use experiment, only: new_experiment
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use listener, only: listener_t
    use run_observer, only: run_observer_t
    use signals, only: begin_activity, is_interrupted
    use steady_target, only: solve_contact
-   use system_limits, only: memory_fault, of_blas, processors, thread_memory
+   use system_limits, only: lubricated_memory, memory_fault, of_blas, processors, thread_memory
    implicit none (type, external)
    private
 
@@ -30,9 +28,8 @@ module side_by_side
 contains
 
    !> Whether the coarse runs that a transient wants get a second thread: two are allowed, and there
-   !> are processors and memory for them. `contact` has its domain.
-   function has_second_thread(contact, case, listener)
-      type(line_contact_t), intent(in) :: contact
+   !> are processors and memory for them.
+   function has_second_thread(case, listener)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(in) :: listener
       logical :: has_second_thread
@@ -40,16 +37,15 @@ contains
       has_second_thread = listener%has_coarse_runs .and. case%time%is_transient &
          .and. min(listener%threads, processors()) > 1
       if (.not. has_second_thread) return
-      has_second_thread = memory_fault('two runs', lubricated_memory(2*contact%domain%intervals, &
-         2*case%time%end_time/case%time%time_step, is_dense=.false., layers=case%layers), &
-         of_blas + thread_memory(2)) == ''
+      has_second_thread = memory_fault('two runs', lubricated_memory(2*case%contact%domain &
+         %intervals, 2*case%time%end_time/case%time%time_step, is_dense=.false., &
+         layers=case%layers), of_blas + thread_memory(2)) == ''
    end function has_second_thread
 
    !> Solves the case as `solve_contact` does, with two threads at the same time as its `side_runs`.
    !> They are allocated afterwards if they were made and the solution converged on their domain.
-   subroutine solve_with_coarse_runs(contact, case, side_runs, listener, state, report, error)
-      type(line_contact_t), intent(inout) :: contact
-      type(case_t), intent(in) :: case
+   subroutine solve_with_coarse_runs(case, side_runs, listener, state, report, error)
+      type(case_t), intent(inout) :: case
       type(side_runs_t), allocatable, target, intent(out) :: side_runs
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
@@ -58,20 +54,20 @@ contains
       real(wp) :: x_outlet
       logical :: is_off
 
-      if (.not. has_second_thread(contact, case, listener)) then
-         call solve_contact(contact, case%solver, case%time, listener, state, report, &
+      if (.not. has_second_thread(case, listener)) then
+         call solve_contact(case%contact, case%solver, case%time, listener, state, report, &
             error)   ! error: the caller looks
          return
       end if
       allocate (side_runs)
-      side_runs = new_side_runs(new_experiment(contact, case%solver, case%time))
-      x_outlet = contact%domain%x_outlet
+      side_runs = new_side_runs(new_experiment(case%contact, case%solver, case%time))
+      x_outlet = case%contact%domain%x_outlet
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals
       !$omp master
-      call solve_contact(contact, case%solver, case%time, listener, state, report, error)
+      call solve_contact(case%contact, case%solver, case%time, listener, state, report, error)
       is_off = allocated(error) .or. .not. report%converged
-      if (.not. is_off) is_off = abs(contact%domain%x_outlet - x_outlet) > 0.0_wp
+      if (.not. is_off) is_off = abs(case%contact%domain%x_outlet - x_outlet) > 0.0_wp
       call begin_activity('coarse runs')
       if (is_off) then
          !$omp atomic write

@@ -78,9 +78,9 @@ contains
          write (output_unit, '(7a,2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",'// &
             'es12.5,5(",",es24.16e3),3a)') '"', job%name, '","', report%method, '","', &
             trim(domain%inlet), '"', merge(1, 0, report%converged), domain%intervals, &
-            domain%x_inlet, domain%x_outlet, report%levels, report%cycles, report%steps, &
+            domain%x_inlet, domain%x_outlet, report%numbers%levels, report%cycles, report%steps, &
             report%residual, report%load_error, report%tolerance_effective, first%residual, &
-            report%fft_pairs, report%work_units, outcome%processor, &
+            report%cost%fft_pairs, report%cost%work_units, outcome%processor, &
             first%summary%of([h_min, h_central, p_max])%value, outcome%difference, &
             ',"', flat(report%reason), '"'
       end associate

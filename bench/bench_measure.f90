@@ -8,7 +8,6 @@ module bench_measure
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
-   use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use missing_value, only: not_known
@@ -70,7 +69,7 @@ contains
          call fail(error, input_error, findings%report(job%name))
          return
       end if
-      call build_line_contact(case, outcome%contact)
+      outcome%contact = case%contact
       allocate (times(timed_phases, job%runs))
       start = wall_seconds()
       call cpu_time(processor_start)
@@ -116,15 +115,14 @@ contains
          .or. case%time%is_transient), job%limit)
       start = wall_seconds()
       settings = case%solver
-      settings%target = case%accuracy%target
       settings%wants_coarse_runs = job%has_bars
-      if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
+      if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
          call choose_resolution(bars, contact, settings, time, listener, error)
          if (allocated(error)) return
       end if
       call solve_contact(contact, settings, time, listener, state, report, error)
       if (allocated(error)) return
-      times = [report%phase_seconds([phase_setup, phase_steady, phase_transient]), &
+      times = [report%cost%phase_seconds([phase_setup, phase_steady, phase_transient]), &
          wall_seconds() - start]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then

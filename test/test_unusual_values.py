@@ -46,6 +46,7 @@ def typical_ranges(asperity, kept={}):  # noqa: B006
         row = re.match(r"\| `(\w+)`.*, typical ([0-9.e+-]+) to ([0-9.e+-]+) \|", line)
         if row:
             kept[group, row[1]] = float(row[2]), float(row[3])
+    kept.update({("surface_2", key): limits for (group, key), limits in kept.items() if group == "surface_1"})
     return kept
 
 

@@ -10,18 +10,18 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface")
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
-    r"src/accuracy/|/(contact_edges|grid_comparison|dry_target|outlet_check"
-    r"|side_by_side|case_notes|case_limits|(dry_)?adequacy_section|decision_section|validity_section|formulas_section)\.f90"
+    r"src/accuracy/|/(contact_edges|grid_comparison|dry_target"
+    r"|side_by_side|case_notes|(dry_)?adequacy_section|decision_section|validity_section|formulas_section)\.f90"
 )
 # name: bound
 BOUNDS = {
-    "sources": 42_610,
-    "how sure": 7_380,
+    "sources": 41_810,
+    "how sure": 7_360,
     "tests": 36_205,
     "bench": 5_640,
-    "words of pages": 46_600,
+    "words of pages": 45_000,
     "imports of a file": 22,
-    "components of a type": 30,
+    "components of a type": 16,
 }
 
 
@@ -42,11 +42,14 @@ def lines_of(paths):
 
 
 def components(text):
-    """The most components that a type of a source declares."""
+    """The most components that a type of a source declares, without those of C."""
     most = 0
-    for body in re.findall(r"(?ms)^ *type\b[^(\n]*::[^\n]*\n(.*?)^ *(?:contains|end type)", text):
-        names = [re.sub(r"\([^()]*\)|=.*", "", line.split("::")[1]) for line in body.splitlines() if re.match(r"[^!]*::", line)]
-        most = max(most, sum(len(entry.split(",")) for entry in names))
+    head = r"^ *type\b(?:, *(?:public|abstract|extends\(\w+\)))* *:: *\w+\n"
+    for body in re.findall(rf"(?ms){head}(.*?)^ *(?:contains|end type)", text):
+        lines = re.findall(r"(?m)^[^!\n]*::(.*)$", re.sub(r"&\n", "", body))
+        while any("(" in line for line in lines):
+            lines = [re.sub(r"\([^()]*\)", "", line) for line in lines]
+        most = max(most, sum(len(line.split(",")) for line in lines))
     return most
 
 

@@ -46,13 +46,13 @@ contains
          where (quantity_rows%field == 'x') shares = shares/max(abs(summary%of%value), tiny(1.0_wp))
          return
       end if
-      shares = report%inlet_error*min(1.0_wp, summary%of(h_central)%value)
-      where (quantity_rows%field == 'pressure') shares = report%inlet_pressure_error
-      where (quantity_rows%field == 'film_thickness') shares = domain_error(report%inlet_error)
+      shares = report%fit%inlet_error*min(1.0_wp, summary%of(h_central)%value)
+      where (quantity_rows%field == 'pressure') shares = report%fit%inlet_pressure_error
+      where (quantity_rows%field == 'film_thickness') shares = domain_error(report%fit%inlet_error)
       where (quantity_rows%field == 'friction_coefficient' .or. quantity_rows%field == 'power') &
-         shares = domain_error(report%inlet_error)
+         shares = domain_error(report%fit%inlet_error)
       shares(sliding_rows) = shares(sliding_rows) + shear_response(fluid, &
-         summary%of(p_max)%value)*report%inlet_pressure_error
+         summary%of(p_max)%value)*report%fit%inlet_pressure_error
    end function inlet_shares
 
    !> Relative error of sliding over the share of pressures lost at the inlet.

@@ -26,7 +26,6 @@ module model_choice
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min, quantity_count
    use solver_settings, only: solver_settings_t
-   use wave_resolution, only: choose_time_step
    implicit none (type, external)
    private
 
@@ -79,7 +78,6 @@ contains
       if (needs_passage) return
       choice%why = cheap_passage
       whole = experiment
-      call choose_time_step(whole%contact, whole%time)
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return
       call listener%on_stage('measuring what the model needs')

@@ -83,7 +83,7 @@ contains
       goal%report%residual = 0.0_wp   ! what the iteration leaves does not count
       goal%report%load_error = 0.0_wp
       if (contact%domain%inlet_is_chosen) goal%film = &
-         max(settings%target - domain_error(report%inlet_error), 0.0_wp)
+         max(settings%target - domain_error(report%fit%inlet_error), 0.0_wp)
       bars = new_error_bars(contact, time_settings_t(), settings%space_scheme)
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
       do i = 1, size(ways)

@@ -12,8 +12,7 @@ module build_info
 
 contains
 
-   !> The commit that the program was built from, with `-dirty` if files had changed since;
-   !> 'unknown' without git.
+   !> The commit of this build, with `-dirty` if files had changed since; 'unknown' without git.
    !>
    !> The included line is `include/git_commit.inc`, in which `git archive` writes the commit of a
    !> tarball, or the one that `make` writes to build/info/, which is found first.

@@ -38,7 +38,7 @@ module findings
 
 contains
 
-   !> Notes that the command line gives a key.
+   !> From now on findings about a key, or about its group as a whole, are about --set.
    subroutine set_apart(self, group, key)
       class(findings_t), intent(inout) :: self
       character(*), intent(in) :: group, key
@@ -47,8 +47,7 @@ contains
       self%set_keys = [character(len=64) :: self%set_keys, trim(group)//' '//key]
    end subroutine set_apart
 
-   !> Appends a finding: `line` [-] of the file, group and key (either may be empty) and the
-   !> message.
+   !> Appends a finding: `line` of the file, group and key (either may be empty), message.
    subroutine add_finding(self, line, group, key, message)
       class(findings_t), intent(inout) :: self
       integer, intent(in) :: line
@@ -102,8 +101,7 @@ contains
          if (self%items(order(i))%is_of_command) then
             report = report // ' --set:'
          else if (self%items(order(i))%line > 0) then
-            report = report // to_text(self%items(order(i))%line) &
-               // ':'
+            report = report // to_text(self%items(order(i))%line) // ':'
          end if
          report = report // ' ' // self%items(order(i))%message
       end do
@@ -111,8 +109,7 @@ contains
          // to_text(self%count - max_shown) // ' more findings'
    end function findings_report
 
-   !> The user's text for a message: shortened, without control characters; 'nothing' for an empty
-   !> one.
+   !> The user's text for a message: short, without control characters; 'nothing' if empty.
    pure function quoted(string) result(shown)
       character(*), intent(in) :: string
       character(:), allocatable :: shown

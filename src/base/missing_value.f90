@@ -10,16 +10,14 @@ module missing_value
 contains
 
    !> A quiet NaN.
-   pure function not_known() result(value)
-      real(wp) :: value
+   pure real(wp) function not_known() result(value)
 
       value = ieee_value(0.0_wp, ieee_quiet_nan)
    end function not_known
 
    !> The larger one; a value that is not known is ignored.
-   pure elemental function larger(a, b) result(value)
+   pure elemental real(wp) function larger(a, b) result(value)
       real(wp), intent(in) :: a, b
-      real(wp) :: value
 
       value = a
       if (ieee_is_finite(b)) value = b
@@ -27,18 +25,16 @@ contains
    end function larger
 
    !> Whether `a` is known and larger than `b`, which is known.
-   pure elemental function exceeds(a, b)
+   pure elemental logical function exceeds(a, b)
       real(wp), intent(in) :: a, b
-      logical :: exceeds
 
       exceeds = .false.
       if (ieee_is_finite(a)) exceeds = a > b
    end function exceeds
 
    !> a/b; not known if either is not, or b is 0.
-   pure elemental function quotient(a, b)
+   pure elemental real(wp) function quotient(a, b)
       real(wp), intent(in) :: a, b
-      real(wp) :: quotient
 
       quotient = not_known()
       if (.not. (ieee_is_finite(a) .and. ieee_is_finite(b))) return

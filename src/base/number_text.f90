@@ -1,5 +1,4 @@
-!> The one strict reader of numbers: namelists, height files, options of the command line, ranges of
-!> keys.
+!> The one strict reader of numbers: of namelists, height files, options, ranges of keys.
 !>
 !> A text is checked against the Fortran grammar before Fortran reads it, so that no text is read in
 !> part, no number overflows, and NaN and infinity are refused. List-directed reads are not used:
@@ -25,9 +24,8 @@ module number_text
 
 contains
 
-   !> Reads a real number (Fortran syntax, exponent letters e, d, q) that fills all of `string`.
-   !> `good` is false for everything else, also for a number that working precision cannot hold, NaN
-   !> and infinity.
+   !> Reads a real number (Fortran syntax, exponents e, d, q) that fills all of `string`; `good` is
+   !> false for all else, and for what working precision cannot hold, NaN and infinity.
    pure subroutine read_real(string, value, good)
       character(*), intent(in) :: string
       real(wp), intent(out) :: value
@@ -97,17 +95,15 @@ contains
    end subroutine read_short
 
    !> Whether `string` is [+-]digits[.digits] with at least one digit.
-   pure function is_mantissa(string)
+   pure logical function is_mantissa(string)
       character(*), intent(in) :: string
-      logical :: is_mantissa
       integer :: start, point
 
       start = 1
       if (index(string, '+') == 1 .or. index(string, '-') == 1) start = 2
       point = index(string, '.')
-      is_mantissa = scan(string, '0123456789') > 0 .and. verify(string(start:), &
-         '0123456789.') == 0 &
-         .and. index(string, '.', back=.true.) == point
+      is_mantissa = scan(string, '0123456789') > 0 .and. index(string, '.', back=.true.) == point &
+         .and. verify(string(start:), '0123456789.') == 0
    end function is_mantissa
 
    !> Reads an exponent with its letter, or only with its sign: e-8, D+3, +3.
@@ -127,8 +123,7 @@ contains
    !> Decimal exponent of the first digit of `mantissa` that is not zero.
    pure function leading_exponent(mantissa) result(exponent)
       character(*), intent(in) :: mantissa
-      integer :: exponent
-      integer :: point, first
+      integer :: exponent, point, first
 
       point = index(mantissa, '.')
       if (point == 0) point = len(mantissa) + 1
@@ -137,8 +132,7 @@ contains
       if (first < point) exponent = exponent - 1
    end function leading_exponent
 
-   !> Reads [+-]digits that fill all of `string`; `good` is false for everything else, also for more
-   !> than 64 bits hold.
+   !> Reads [+-]digits that fill all of `string`; `good` is false for all else and beyond 64 bits.
    pure subroutine read_integer(string, value, good)
       character(*), intent(in) :: string
       integer(int64), intent(out) :: value

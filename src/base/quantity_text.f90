@@ -29,8 +29,7 @@ contains
       end if
    end function number_text
 
-   !> A quantity with four digits and the SI prefix that leaves 1 to 3 of them before the point, as
-   !> in 433.6 nm; 'unknown' if it is not finite.
+   !> A quantity with four digits and an SI prefix, as 433.6 nm; 'unknown' if not finite.
    pure function prefixed_text(value, unit) result(string)
       real(wp), intent(in) :: value
       character(*), intent(in) :: unit
@@ -85,8 +84,7 @@ contains
       character(*), intent(in) :: string
       integer, intent(in) :: length
       integer, intent(in), optional :: indent
-      character(:), allocatable :: lines
-      character(:), allocatable :: margin, rest
+      character(:), allocatable :: lines, margin, rest
       integer :: blank, first
 
       margin = '  '

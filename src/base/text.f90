@@ -10,9 +10,7 @@ module text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
-      module procedure :: integer_to_text
-      module procedure :: long_to_text
-      module procedure :: real_to_text
+      module procedure :: integer_to_text, long_to_text, real_to_text
    end interface to_text
 
 contains
@@ -35,8 +33,7 @@ contains
       string = trim(buffer)
    end function long_to_text
 
-   !> A real with `digits` significant digits (default 6, at most 17): fixed point for
-   !> 1e-3 <= |value| < 1e6, else scientific.
+   !> A real with `digits` (6, at most 17): fixed point for 1e-3 <= |value| < 1e6, else scientific.
    pure function real_to_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: digits
@@ -85,18 +82,16 @@ contains
    end function rounded_down
 
    !> Unit of the last of this many `digits` of a `value` > 0.
-   pure function last_digit(value, digits) result(unit)
+   pure real(wp) function last_digit(value, digits) result(unit)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
-      real(wp) :: unit
 
       unit = 10.0_wp**(floor(log10(value)) - digits + 1)
    end function last_digit
 
    !> Whether the exponent of `value` has three digits.
-   pure function has_long_exponent(value)
+   pure logical function has_long_exponent(value)
       real(wp), intent(in) :: value
-      logical :: has_long_exponent
 
       has_long_exponent = abs(value) >= 9.9e99_wp .and. abs(value) <= huge(1.0_wp) &
                           .or. abs(value) > 0.0_wp .and. abs(value) < 1.0e-99_wp
@@ -148,8 +143,7 @@ contains
    pure function count_of(mark, words) result(number)
       character(len=1), intent(in) :: mark
       character(*), intent(in) :: words
-      integer :: number
-      integer :: i
+      integer :: number, i
 
       number = 0
       do i = 1, len(words)

@@ -102,7 +102,7 @@ contains
             weight = weight + (t(3, k) + 0.5_wp*t(4, k))*(real(t(1, k), wp)*t(2, k)/largest)
          end do
       end associate
-      solution%report%fft_pairs = nint(weight, int64)
+      solution%report%cost%fft_pairs = nint(weight, int64)
    end subroutine count_transforms
 
    !> Sets the starting pressure.

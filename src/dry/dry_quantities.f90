@@ -164,7 +164,7 @@ contains
       associate (row => outcome%rows(i), solution => outcome%solution, fields => outcome%fields, &
          scaling => outcome%scaling, n => size(z), nx => problem%grid%nx, ny => problem%grid%ny)
          row%kkt = solution%kkt
-         row%fft_pairs = int(solution%report%fft_pairs)
+         row%fft_pairs = int(solution%report%cost%fft_pairs)
          row%cycles = solution%report%cycles
          row%is_converged = solution%report%converged
          row%reason = solution%report%reason

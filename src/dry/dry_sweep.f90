@@ -106,7 +106,7 @@ contains
       type(dry_solution_t), intent(inout) :: solution
       integer :: i
 
-      solution%report%fft_pairs = sum(int(rows%fft_pairs, int64))
+      solution%report%cost%fft_pairs = sum(int(rows%fft_pairs, int64))
       solution%report%cycles = sum(rows%cycles)
       do i = 1, size(rows)
          if (rows(i)%is_converged) cycle

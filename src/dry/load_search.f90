@@ -66,7 +66,7 @@ contains
             problem%hardness*size(problem%height))
          call solver%solve(problem, solution, error)
          if (allocated(error)) return
-         pairs = pairs + solution%report%fft_pairs
+         pairs = pairs + solution%report%cost%fft_pairs
          cycles = cycles + solution%report%cycles
          search%solves = search%solves + 1
          if (.not. solution%report%converged) exit
@@ -77,7 +77,7 @@ contains
          call find_next_load(problem, search)
          if (search%x <= search%low .or. search%x >= search%high) exit
       end do
-      solution%report%fft_pairs = pairs
+      solution%report%cost%fft_pairs = pairs
       solution%report%cycles = cycles
       if (.not. solution%report%converged .or. abs(search%miss) <= bound) return
       solution%report%converged = .false.

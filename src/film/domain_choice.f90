@@ -23,13 +23,12 @@ module domain_choice
    use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film
    use rheology, only: sliding_number
-   use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
    private
 
-   public :: choose_domain, choose_inlet, choose_intervals, chosen_outlet, inlet_error, &
-      inlet_pressure_error, intervals_for, intervals_for_film, reopen
+   public :: choose_anew, choose_domain, choose_inlet, choose_intervals, chosen_outlet, &
+      inlet_error, inlet_pressure_error, intervals_for, intervals_for_film
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
@@ -77,15 +76,21 @@ contains
       end associate
    end subroutine choose_domain
 
-   !> Marks the choices of the program in a domain as open again.
-   pure subroutine reopen(domain)
-      type(domain_t), intent(inout) :: domain
+   !> Chooses a domain anew except for what the user gave; the outlet is `x_outlet`, if present.
+   pure subroutine choose_anew(contact, target, x_outlet)
+      type(line_contact_t), intent(inout) :: contact
+      real(wp), intent(in) :: target
+      real(wp), intent(in), optional :: x_outlet
 
-      domain%has_outlet = .not. domain%may_lengthen
-      domain%has_inlet = .not. domain%inlet_is_chosen
-      if (domain%front_is_chosen) domain%inlet = 'auto'
-      if (domain%intervals_are_chosen) domain%intervals = 0
-   end subroutine reopen
+      associate (domain => contact%domain)
+         domain%has_outlet = present(x_outlet) .or. .not. domain%may_lengthen
+         if (present(x_outlet)) domain%x_outlet = x_outlet
+         domain%has_inlet = .not. domain%inlet_is_chosen
+         if (domain%front_is_chosen) domain%inlet = 'auto'
+         if (domain%intervals_are_chosen) domain%intervals = 0
+      end associate
+      call choose_domain(contact, target)
+   end subroutine choose_anew
 
    !> Outlet chosen by the program: behind X = sqrt(1 + s^2) the gap opens, about as sqrt(X^2 - 1),
    !> faster than passing waves of slope s close it, and pressure does not build up again.

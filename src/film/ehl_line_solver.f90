@@ -1,6 +1,6 @@
 !> The lubricated line contact, from its data to its fields; read it with chapter 2 of the thesis.
 module ehl_line_solver
-   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error, reopen
+   use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -69,15 +69,15 @@ contains
       whole_steps = time
       call choose_domain(contact, settings%target)
       call choose_time_step(contact, whole_steps)
-      report%inlet_error = inlet_error(contact)
-      report%inlet_pressure_error = inlet_pressure_error(contact)
+      report%fit%inlet_error = inlet_error(contact)
+      report%fit%inlet_pressure_error = inlet_pressure_error(contact)
       begin = 0.0_wp
       if (is_resumed) begin = time%resume_from%step*whole_steps%time_step
       call move_profiles(contact, begin, error)
       if (allocated(error)) return
       hierarchy%is_kappa = settings%space_scheme == 'kappa'
-      hierarchy%work_units = report%work_units
-      hierarchy%earlier_pairs = report%fft_pairs
+      hierarchy%work_units = report%cost%work_units
+      hierarchy%earlier_pairs = report%cost%fft_pairs
       hierarchy%setup_seconds = wall_seconds() - start
       if (present(find_steady)) then
          call find_steady(hierarchy, contact, settings, listener, report, error)
@@ -87,19 +87,18 @@ contains
             settings, time, listener, report)
       end if
       if (allocated(error)) return
-      associate (seconds => report%phase_seconds, level => hierarchy%levels(hierarchy%finest))
+      associate (seconds => report%cost%phase_seconds, level => hierarchy%levels(hierarchy%finest))
          seconds(phase_setup) = seconds(phase_setup) + hierarchy%setup_seconds
          seconds(phase_steady) = seconds(phase_steady) + wall_seconds() - start &
             - hierarchy%setup_seconds
          if (.not. is_resumed) then
             call fill_state(contact, level, 0.0_wp, state)
-            report%outlet_pressure = level%state%pressure(level%n - 1)
-            if (report%converged .and. report%outlet_pressure > 0.0_wp &
+            report%fit%outlet_pressure = level%state%pressure(level%n - 1)
+            if (report%converged .and. report%fit%outlet_pressure > 0.0_wp &
                .and. contact%domain%may_lengthen .and. contact%domain%x_outlet < farthest) then
                ! at twice the distance from the end of the contact; all else is chosen anew
-               call reopen(contact%domain)
-               contact%domain%x_outlet = min(2*contact%domain%x_outlet - 1, farthest)
-               contact%domain%has_outlet = .true.
+               call choose_anew(contact, settings%target, min(2*contact%domain%x_outlet - 1, &
+                  farthest))
                call solve_ehl_line(contact, settings, time, listener, state, report, error, &
                   find_steady)
                return
@@ -115,9 +114,9 @@ contains
          end if
       end associate
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
-      report%levels = hierarchy%finest - hierarchy%coarsest + 1
+      report%numbers%levels = hierarchy%finest - hierarchy%coarsest + 1
       call report_cost(hierarchy, report)
-      report%wall_seconds = report%wall_seconds + wall_seconds() - start
+      report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
 
    !> Solves the steady contact on a given grid: the result, or with smooth surfaces the start of a

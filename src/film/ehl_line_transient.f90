@@ -114,7 +114,8 @@ contains
             call check_breakdown(level%x, level%state%film, settings, step, &
                step*plan%length, report)
             if (.not. report%converged) return
-            report%outlet_pressure = max(report%outlet_pressure, level%state%pressure(level%n - 1))
+            report%fit%outlet_pressure = max(report%fit%outlet_pressure, &
+               level%state%pressure(level%n - 1))
             history%step = step
             report%steps = step
             call hand_out(step)
@@ -221,7 +222,7 @@ contains
       hierarchy%levels(hierarchy%finest)%state = state
       plan%ends = [1.0_wp]
       call solve_parts(hierarchy, contact, plan, history, report)
-      report%uncut_steps = report%uncut_steps + 1
+      report%fit%uncut_steps = report%fit%uncut_steps + 1
    end subroutine march_step
 
    !> Solves the parts of a step, each with the right sides of its end.

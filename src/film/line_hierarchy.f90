@@ -27,8 +27,17 @@ module line_hierarchy
    integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, &
       method_newton_dense = 3, method_newton_krylov = 4
 
+   !> End of the cycles.
+   type :: cycle_end_t
+      !> Bound on the residuals (theory page, residuals and convergence), and most cycles.
+      real(wp) :: tolerance = 1.0e-8_wp
+      integer :: max_cycles = 60
+      !> Without a fall of the smallest residual by 30 % in this many cycles it stagnates.
+      integer :: patience = 12
+   end type cycle_end_t
+
    !> How to find a solution: the method, the relaxation of its cycles, and when these end.
-   type :: relaxation_t
+   type, extends(cycle_end_t) :: relaxation_t
       !> One of the method constants.
       integer :: method = method_fas
       !> One of the smoother constants.
@@ -59,11 +68,6 @@ module line_hierarchy
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as
       !> in the thesis).
       logical :: film_is_recomputed = .true.
-      !> Bound on the residuals (theory page, residuals and convergence), and most cycles.
-      real(wp) :: tolerance = 1.0e-8_wp
-      integer :: max_cycles = 60
-      !> Without a fall of the smallest residual by 30 % in this many cycles it stagnates.
-      integer :: patience = 12
    end type relaxation_t
 
    !> All grids, and the data of their solution.
@@ -304,8 +308,8 @@ contains
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(report_t), intent(inout) :: report
 
-      report%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%elastic%products)
-      report%work_units = hierarchy%work_units
+      report%cost%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%elastic%products)
+      report%cost%work_units = hierarchy%work_units
    end subroutine report_cost
 
 end module line_hierarchy

@@ -59,8 +59,9 @@ module line_level
       real(wp), allocatable :: film_diagonal(:), diagonal(:), nodes(:), correction(:)
    end type level_work_t
 
-   !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
-   type :: line_level_t
+   !> The problem on a uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless
+   !> stated.
+   type :: line_problem_t
       !> Intervals.
       integer :: n = 0
       !> Spacing dX [b], and nodes X.
@@ -75,16 +76,19 @@ module line_level
       logical :: is_kappa = .false.
       !> 1/dT of the time step, 0 in the steady problem.
       real(wp) :: inverse_time_step = 0.0_wp
-      !> Pressure and film solve the original problem on this grid accurately enough to be compared
-      !> with finer ones.
-      logical :: is_coarse_run = .false.
       !> Pressure and load in front of the grid are those of module inlet_tail.
       logical :: has_tail = .false.
-      !> Unknowns.
-      type(film_state_t) :: state
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = contact_load
+   end type line_problem_t
+
+   !> A grid with its problem, unknowns and work space.
+   type, extends(line_problem_t) :: line_level_t
+      type(film_state_t) :: state
+      !> Pressure and film solve the original problem on this grid accurately enough to be compared
+      !> with finer ones.
+      logical :: is_coarse_run = .false.
       !> L_R at the last evaluation, its coefficients, and the deformation of the bodies.
       real(wp), allocatable :: operator(:)
       type(coefficients_t) :: oil

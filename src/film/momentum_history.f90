@@ -8,7 +8,8 @@ module momentum_history
    implicit none (type, external)
    private
 
-   public :: excess_t, max_excesses, momentum_history_t, next_count, past_t, weights_of
+   public :: excess_t, max_excesses, momentum_history_t, newton_cost_t, next_count, past_t, &
+      weights_of
 
    !> Most films that predict the next one.
    integer, parameter :: max_excesses = 3
@@ -26,8 +27,19 @@ module momentum_history
       real(wp) :: rigid_displacement = 0.0_wp
    end type excess_t
 
+   !> Newton steps, factorisations of the matrix, steps of GMRES.
+   type :: newton_cost_t
+      integer :: steps = 0, factorisations = 0, linear_iterations = 0
+   end type newton_cost_t
+
+   !> Cost of a march: time steps, or parts of them, most Newton steps for one, and the number of
+   !> those with more than three.
+   type, extends(newton_cost_t) :: march_cost_t
+      integer :: solutions = 0, most_steps = 0, longer = 0
+   end type march_cost_t
+
    !> History of the march, the newest first, and its present film.
-   type :: momentum_history_t
+   type, extends(march_cost_t) :: momentum_history_t
       integer :: layers = 0
       !> Film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
       type(film_state_t) :: reynolds
@@ -42,10 +54,6 @@ module momentum_history
       integer :: best_count = 0
       !> Largest T_max so far.
       real(wp) :: stress_rise = 0.0_wp
-      !> Time steps, or parts of them, with their Newton steps: all, most for one, and the number of
-      !> those with more than three.
-      integer :: solutions = 0, steps = 0, most_steps = 0, longer = 0
-      integer :: factorisations = 0, linear_iterations = 0
       !> Set in a stored state: the present film, its H (0:n), half the weight of the new value in
       !> d/dT, and the contribution of the old ones to it.
       type(excess_t) :: flow

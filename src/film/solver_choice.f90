@@ -3,7 +3,7 @@
 module solver_choice
    use dense_jacobian, only: dense_jacobian_t
    use domain_choice, only: intervals_for_film
-   use iteration_report, only: report_t
+   use iteration_report, only: cycle_numbers_t, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: is_newton, line_hierarchy_t, method_block_jacobi, method_fas, &
@@ -262,13 +262,12 @@ contains
       type(relaxation_t), intent(in) :: choice
 
       report%method = method_name(choice)
-      report%tolerance = choice%tolerance
-      report%max_cycles = choice%max_cycles
-      report%pre_sweeps = merge(choice%pre_sweeps, 0, choice%method == method_fas)
-      report%post_sweeps = merge(choice%post_sweeps, 0, choice%method == method_fas)
-      report%coarse_sweeps = choice%coarse_sweeps
-      report%relaxation = merge(0.0_wp, choice%relaxation, is_newton(choice))
-      report%load_relaxation = merge(choice%load_relaxation, 0.0_wp, choice%coarse_sweeps > 0)
+      associate (numbers => report%numbers, is_fas => choice%method == method_fas)
+         numbers = cycle_numbers_t(choice%tolerance, choice%max_cycles, numbers%levels, &
+            merge(choice%pre_sweeps, 0, is_fas), merge(choice%post_sweeps, 0, is_fas), &
+            choice%coarse_sweeps, merge(0.0_wp, choice%relaxation, is_newton(choice)), &
+            merge(choice%load_relaxation, 0.0_wp, choice%coarse_sweeps > 0))
+      end associate
    end subroutine note_choice
 
    !> Short name of a relaxation, e.g. `fas gauss_seidel V(2,2)`.

@@ -3,6 +3,7 @@
 !> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words
 !> are lower case.
 module solver_settings
+   use iteration_report, only: cycle_numbers_t
    use kinds, only: wp
    use march_state, only: march_state_t
    implicit none (type, external)
@@ -61,8 +62,9 @@ module solver_settings
       type(march_state_t), allocatable :: resume_from
    end type time_settings_t
 
-   !> The method of solution and its parameters.
-   type :: solver_settings_t
+   !> The method of solution and its parameters; tolerance zero: `steady_tolerance`, in time steps
+   !> `step_tolerance`.
+   type, extends(cycle_numbers_t) :: solver_settings_t
       !> 'auto', 'newton_krylov', 'newton_dense', 'fas_block_jacobi' or 'block_jacobi' (one level).
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
@@ -85,23 +87,6 @@ module solver_settings
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
       character(len=word_length) :: start = 'fmg'
-      !> Bound on the residuals and the load error [-]; zero: `steady_tolerance`, in time steps
-      !> `step_tolerance`.
-      real(wp) :: tolerance = 0.0_wp
-      !> Largest number of cycles for one solution (of each time step); zero: automatic.
-      integer :: max_cycles = 0
-      !> Grid levels, the finest counted; zero: automatic.
-      integer :: levels = 0
-      !> Smoothing sweeps before the coarse-grid correction; zero: automatic.
-      integer :: pre_sweeps = 0
-      !> Smoothing sweeps after the coarse-grid correction; zero: automatic.
-      integer :: post_sweeps = 0
-      !> Sweeps on the coarsest level if it is not solved exactly; zero: automatic.
-      integer :: coarse_sweeps = 0
-      !> Under-relaxation of the smoother, 0 < relaxation <= 1 [-]; zero: automatic.
-      real(wp) :: relaxation = 0.0_wp
-      !> Under-relaxation of the force balance [-]; zero: automatic.
-      real(wp) :: load_relaxation = 0.0_wp
       !> Film H below which there is a breakdown; zero: only if the film closes.
       real(wp) :: film_floor = 0.0_wp
       !> At a breakdown: 'stop', not converged, or 'continue', with a mark. A film that closes

@@ -1,10 +1,8 @@
-!> Axes of datasets: dimension scales of HDF5, as netCDF-4 has them, so that readers know the
-!> coordinates of every array.
+!> Axes of datasets as HDF5 dimension scales (as in netCDF-4): readers know all coordinates.
 !>
 !> The attributes are those of the HDF5 Dimension Scale Specification 1.0: CLASS and NAME of a
-!> scale, DIMENSION_LIST of a dataset with axes, REFERENCE_LIST of a scale in use. NetCDF looks for
-!> a scale in the group of the dataset, so a coordinate that is stored once is linked where else it
-!> is used.
+!> scale, DIMENSION_LIST of its users, REFERENCE_LIST of a scale in use. NetCDF looks for scales in
+!> the group of the dataset, so a coordinate is linked where else it is used.
 module hdf5_axes
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_loc, &
       c_null_char, c_sizeof
@@ -13,22 +11,13 @@ module hdf5_axes
       h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, &
       h5tcopy_f, h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, &
       hid_t, hobj_ref_t_f, hvl_t, size_t
-   use hdf5_attribute, only: attach_values
-   use hdf5_dataset, only: label_t, new_label, write_dataset, write_values
+   use hdf5_dataset, only: attach_values, label_t, new_label, write_dataset, write_values
    use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
    public :: link_object, make_counter, name_axes, write_field, write_users
-
-   !> An element of REFERENCE_LIST.
-   type, bind(c) :: use_t
-      integer(c_int64_t) :: user
-      integer(c_int) :: dimension
-      !> Fills the 16 bytes, so that equal contents make equal files.
-      integer(c_int) :: nothing = 0_c_int
-   end type use_t
 
 contains
 
@@ -132,8 +121,7 @@ contains
       call h5tclose_f(list_type, status)
    end subroutine name_axes
 
-   !> Adds a user, of which it is the dimension of this number, to the coordinate at `path`, whose
-   !> place is `place`.
+   !> Adds a user, by one of its dimensions, to the coordinate at `path`, whose place is `place`.
    subroutine use_axis(file, path, user, dimension, place)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -147,7 +135,8 @@ contains
       if (k == 0) call file%check(-1, path//': no coordinate')
       if (allocated(file%failure)) return
       place = file%axes(k)%place
-      file%uses = [file%uses, axis_use_t(user, dimension, k)]
+      file%uses = [file%uses, axis_use_t(user, dimension)]
+      file%used = [file%used, k]
    end subroutine use_axis
 
    !> The dataset or group at `path`, a coordinate or not, under a second name: a soft link, so that
@@ -172,8 +161,8 @@ contains
    !> Lists in every coordinate the datasets that use it: once, before the file is closed.
    subroutine write_users(file)
       class(hdf5_file_t), intent(inout) :: file
-      type(use_t), allocatable, target :: uses(:)
-      type(use_t), target :: one
+      type(axis_use_t), allocatable, target :: uses(:)
+      type(axis_use_t), target :: one
       integer(hid_t) :: use_type
       integer :: i, k, status
 
@@ -188,9 +177,9 @@ contains
          associate (axis => file%axes(i))
             if (axis%object < 0_hid_t) cycle   ! another name
             call file%keep_object(axis%path, axis%object)
-            uses = [use_t ::]
+            uses = [axis_use_t ::]
             do k = i, size(file%axes)
-               if (file%axes(k)%place == axis%place) uses = [uses, uses_of(file, k)]
+               if (file%axes(k)%place == axis%place) uses = [uses, pack(file%uses, file%used == k)]
             end do
             if (size(uses) > 0) call attach_values(file, axis%path, 'REFERENCE_LIST', use_type, &
                shape(uses), c_loc(uses))
@@ -200,24 +189,10 @@ contains
       file%axes = file%axes(:0)
    end subroutine write_users
 
-   !> What uses the coordinate number `k` by that name.
-   pure function uses_of(file, k) result(uses)
-      class(hdf5_file_t), intent(in) :: file
-      integer, intent(in) :: k
-      type(use_t), allocatable :: uses(:)
-      type(axis_use_t), allocatable :: found(:)
-
-      found = pack(file%uses, file%uses%axis == k)
-      allocate (uses(size(found)))
-      uses%user = found%user
-      uses%dimension = int(found%dimension, c_int)
-   end function uses_of
-
    !> Number of the coordinate at `path`; 0: there is none.
-   pure function axis_at(file, path) result(k)
+   pure integer function axis_at(file, path) result(k)
       class(hdf5_file_t), intent(in) :: file
       character(*), intent(in) :: path
-      integer :: k
 
       do k = size(file%axes), 1, -1
          if (file%axes(k)%path == path) return

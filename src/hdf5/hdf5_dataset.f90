@@ -1,24 +1,21 @@
-!> Labelled datasets of an HDF5 file: reals and integers of any rank, strings.
-!>
-!> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are
-!> UTF-8.
+!> Labelled datasets and attributes of an HDF5 file being written: reals, 64-bit integers, strings
+!> of fixed length in UTF-8. Shapes are as Fortran sees them; h5py shows them reversed.
 module hdf5_dataset
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_ptr, &
-      c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
+      c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5iinc_ref_f, hid_t
-   use hdf5_attribute, only: close_space, new_space, stored_text, write_attribute
+   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dwrite_f, &
+      h5iinc_ref_f, h5sclose_f, h5screate_simple_f, hid_t, hsize_t
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: create_labelled, label_t, new_label, write_dataset, write_string, write_values, &
-      write_zeros
+   public :: attach_values, create_labelled, label_t, new_label, write_attribute, write_dataset, &
+      write_string, write_values, write_zeros
 
-   !> Numbers that are stored in the header of their dataset, at most: no place in the file to look
-   !> up and to write.
+   !> Numbers at most that are stored in the header of their dataset, with no place of their own.
    integer, parameter :: few = 16
    !> Zeros that are written, at most.
    integer, parameter :: many = 4096
@@ -32,16 +29,18 @@ module hdf5_dataset
       !> Follows `long_name` where the stored number is another one than in SI.
       character(:), allocatable :: definition
    contains
-      !> Whether the values are other numbers in SI, and their label there.
       procedure :: has_scale, in_si
    end type label_t
 
    !> Stores a labelled dataset; groups above it are made as needed.
    interface write_dataset
-      module procedure :: write_reals
-      module procedure :: write_integers
-      module procedure :: write_string
+      module procedure :: write_reals, write_integers, write_string
    end interface write_dataset
+
+   !> Stores an attribute of an existing group or dataset, named by its path.
+   interface write_attribute
+      module procedure :: attach_reals, attach_quantity, attach_integer, attach_string
+   end interface write_attribute
 
 contains
 
@@ -60,9 +59,8 @@ contains
    end function new_label
 
    !> Whether the values are other numbers in SI.
-   elemental function has_scale(self)
+   elemental logical function has_scale(self)
       class(label_t), intent(in) :: self
-      logical :: has_scale
 
       has_scale = abs(self%si_scale - 1.0_wp) > 0.0_wp
    end function has_scale
@@ -119,9 +117,8 @@ contains
    end subroutine write_zeros
 
    !> Whether all `values` are zero.
-   pure function are_zero(values)
+   pure logical function are_zero(values)
       real(wp), intent(in) :: values(:)
-      logical :: are_zero
       integer :: i
 
       are_zero = .false.
@@ -154,9 +151,8 @@ contains
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
 
-   !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it. HDF5
-   !> converts the values from their type to `stored_type`, which is the same if absent. Null in
-   !> place of `values`: they stay unwritten.
+   !> Creates, writes and labels a dataset of the `extents` (none: one value), stored as
+   !> `stored_type` if present. Null in place of `values`: they stay unwritten.
    subroutine write_values(file, path, type_id, extents, values, label, stored_type)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -194,14 +190,12 @@ contains
       integer(hid_t), intent(in) :: type_id, space, properties
       type(label_t), intent(in), optional :: label
       integer(hid_t), intent(out) :: dataset
-      integer(hid_t) :: parent
-      integer :: first, references, status
+      integer :: references, status
 
       dataset = -1_hid_t
       if (allocated(file%failure)) return
-      call file%find_parent(path, parent, first)
-      call h5dcreate_f(parent, path(first:), type_id, space, dataset, status, &
-         dcpl_id=properties, lcpl_id=file%shared%link_creation)
+      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, &
+         lcpl_id=file%shared%link_creation)
       call file%check(status, path)
       if (.not. present(label) .or. allocated(file%failure)) return
       call h5iinc_ref_f(dataset, references, status)   ! the caller has one, the file another
@@ -221,5 +215,100 @@ contains
       unit = '1'
       if (.not. label%has_scale()) unit = label%si_units
    end function stored_unit
+
+   !> A real or several.
+   subroutine attach_reals(file, path, name, value)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, name
+      real(wp), intent(in), contiguous, target :: value(..)
+
+      call attach_values(file, path, name, file%real_type, shape(value), c_loc(value))
+   end subroutine attach_reals
+
+   !> A real number, with its unit in `<name>_units`.
+   subroutine attach_quantity(file, path, name, value, units)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, name, units
+      real(wp), intent(in) :: value
+
+      call attach_reals(file, path, name, value)
+      call attach_string(file, path, name//'_units', units)
+   end subroutine attach_quantity
+
+   !> An integer.
+   subroutine attach_integer(file, path, name, value)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, name
+      integer, intent(in) :: value
+      integer(int64), target :: copy
+
+      copy = int(value, int64)
+      call attach_values(file, path, name, file%integer_type, [integer ::], c_loc(copy))
+   end subroutine attach_integer
+
+   !> A string.
+   subroutine attach_string(file, path, name, value)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, name, value
+      character(kind=c_char, len=:), allocatable, target :: copy
+
+      if (allocated(file%failure)) return
+      copy = stored_text(value)
+      call attach_values(file, path, name, file%string_type(len(copy)), [integer ::], c_loc(copy))
+   end subroutine attach_string
+
+   !> Attaches values of any type and extents to the object at `path`.
+   subroutine attach_values(file, path, name, type_id, extents, values)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, name
+      integer(hid_t), intent(in) :: type_id
+      integer, intent(in) :: extents(:)
+      type(c_ptr), intent(in) :: values
+      integer(hid_t) :: object, space, attribute
+      integer :: status
+
+      if (allocated(file%failure)) return
+      object = file%object_at(path)
+      if (allocated(file%failure)) return
+      call new_space(file, extents, space, status)
+      if (status >= 0) call h5acreate_f(object, name, type_id, space, attribute, status)
+      if (status >= 0) call h5awrite_f(attribute, type_id, values, status)
+      if (status >= 0) call h5aclose_f(attribute, status)
+      if (status >= 0) call close_space(extents, space, status)
+      call file%check(status, name)
+   end subroutine attach_values
+
+   !> The dataspace of these `extents` (none: one value), for `close_space`; `status` < 0: failed.
+   subroutine new_space(file, extents, space, status)
+      class(hdf5_file_t), intent(in) :: file
+      integer, intent(in) :: extents(:)
+      integer(hid_t), intent(out) :: space
+      integer, intent(out) :: status
+
+      space = file%shared%scalar_space
+      status = 0
+      ! gfortran 12: where an expression like int(x, int64) is empty its `shape` here has a -1.
+      if (size(extents) > 0) call h5screate_simple_f(size(extents), int(max(extents, 0), &
+         hsize_t), space, status)
+   end subroutine new_space
+
+   !> Gives back a dataspace of `new_space`; `status` < 0: failed.
+   subroutine close_space(extents, space, status)
+      integer, intent(in) :: extents(:)
+      integer(hid_t), intent(in) :: space
+      integer, intent(out) :: status
+
+      status = 0
+      if (size(extents) > 0) call h5sclose_f(space, status)
+   end subroutine close_space
+
+   !> A string as HDF5 stores it: an empty one as one null character.
+   pure function stored_text(value) result(copy)
+      character(*), intent(in) :: value
+      character(kind=c_char, len=:), allocatable :: copy
+
+      copy = value
+      if (len(value) == 0) copy = c_null_char
+   end function stored_text
 
 end module hdf5_dataset

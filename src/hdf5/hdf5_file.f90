@@ -1,22 +1,21 @@
-!> An HDF5 file being written: open, groups, close. Attributes are in `hdf5_attribute`,
-!> datasets in `hdf5_dataset`, series that are written block by block in `hdf5_series`.
+!> An HDF5 file being written: open, groups, close. Datasets and attributes are in `hdf5_dataset`,
+!> series that are written block by block in `hdf5_series`.
 !>
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
 !> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No
 !> object carries a time stamp: equal contents make equal files.
 module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
+   use disk_file, only: any_mark, early_place, early_words, place_fault
    use errors, only: error_t, fail, output_error
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
-      h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
-      h5oclose_f, h5oopen_f, hid_t
-   use hdf5_library, only: get_string_type, hdf5_shared_t, shared_hdf5, start_hdf5
-   use hdf5_reason, only: keep_hdf5_failure
+      h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
+   use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
+      start_hdf5
    use kinds, only: wp
-   use own_file, only: any_mark, early_place, early_words, place_fault
    implicit none (type, external)
    private
 
@@ -31,11 +30,13 @@ module hdf5_file
       integer(int64) :: place = 0
    end type axis_t
 
-   !> A dataset, by its address, whose dimension of this number (0 = the slowest) has the coordinate
-   !> number `axis`.
-   type :: axis_use_t
-      integer(int64) :: user
-      integer :: dimension, axis
+   !> An element of REFERENCE_LIST: a dataset, by its address, and the number of a dimension of it
+   !> that has a coordinate (0 = the slowest).
+   type, bind(c) :: axis_use_t
+      integer(c_int64_t) :: user
+      integer(c_int) :: dimension
+      !> Fills the 16 bytes, so that equal contents make equal files.
+      integer(c_int) :: nothing = 0_c_int
    end type axis_use_t
 
    !> An open file for writing.
@@ -48,40 +49,20 @@ module hdf5_file
       integer(hid_t) :: id = -1_hid_t
       type(hdf5_shared_t) :: shared
       !> HDF5 types of real(wp), real(real32) and integer(int64).
-      integer(hid_t) :: real_type = -1_hid_t
-      integer(hid_t) :: single_type = -1_hid_t
-      integer(hid_t) :: integer_type = -1_hid_t
-      !> Coordinates so far, and what uses them.
+      integer(hid_t) :: real_type = -1_hid_t, single_type = -1_hid_t, integer_type = -1_hid_t
+      !> Coordinates so far, what uses them, and which of them.
       type(axis_t), allocatable :: axes(:)
       type(axis_use_t), allocatable :: uses(:)
+      integer, allocatable :: used(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
-      !> The group or dataset that got the last attribute, which stays open for the next one: to
-      !> look up its path costs as much as an attribute.
+      !> The object of the last attribute, kept open: to look up its path costs as much as one.
       character(:), allocatable, private :: object_path
       integer(hid_t), private :: object = -1_hid_t
-      !> The group, with a slash at its end, in which the last dataset was made, and its identifier
-      !> if it was not the first there.
-      character(:), allocatable, private :: group_path
-      integer(hid_t), private :: group = -1_hid_t
    contains
-      !> Keeps a new group or dataset open for its attributes.
-      procedure :: keep_object
-      !> Where to make a dataset.
-      procedure :: find_parent
-      !> The identifier of a group or dataset for its attributes.
-      procedure :: object_at
-      !> The HDF5 type of a string.
-      procedure :: string_type
-      !> Looks at numbers that are written.
-      procedure :: check_values
-      !> Makes a group, and those above it.
-      procedure :: create_group
-      !> Closes the file, whatever its state; `error` is the first failure of its whole life.
+      procedure :: keep_object, object_at, string_type, check_values, create_group, check
       procedure :: close => close_file
-      !> Keeps the first failure.
-      procedure :: check
    end type hdf5_file_t
 
 contains
@@ -97,7 +78,7 @@ contains
       integer :: status
 
       file%path = path
-      allocate (file%axes(0), file%uses(0))
+      allocate (file%axes(0), file%uses(0), file%used(0))
       fault = place_fault(path, any_mark)
       if (fault /= '') call fail(file%failure, output_error, 'cannot write '//path//fault)
       call start_hdf5(status)
@@ -120,8 +101,7 @@ contains
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file
 
-   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; nothing sensible after a
-   !> failure.
+   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; undefined after a failure.
    function string_type(self, length) result(type_id)
       class(hdf5_file_t), intent(inout) :: self
       integer, intent(in) :: length
@@ -162,9 +142,8 @@ contains
    end subroutine check_values
 
    !> Whether all `values` are finite. (Without a way out the loop takes several at a time.)
-   pure function are_finite(values)
+   pure logical function are_finite(values)
       real(wp), contiguous, intent(in) :: values(:)
-      logical :: are_finite
       integer(int64) :: others
       integer :: i
 
@@ -215,43 +194,6 @@ contains
       if (.not. allocated(self%failure)) call self%keep_object(path, object)
    end function object_at
 
-   !> What a new dataset at `path` is made in: `parent`, under the name path(first:). That is the
-   !> file, and the group where several datasets are made one after another.
-   subroutine find_parent(self, path, parent, first)
-      class(hdf5_file_t), intent(inout) :: self
-      character(*), intent(in) :: path
-      integer(hid_t), intent(out) :: parent
-      integer, intent(out) :: first
-      integer :: slash, status
-
-      parent = self%id
-      first = 1
-      slash = index(path, '/', back=.true.)
-      if (slash < 2) return
-      if (.not. allocated(self%group_path)) self%group_path = ''
-      if (self%group_path /= path(:slash)) then
-         call close_group(self)
-         self%group_path = path(:slash)
-         return
-      end if
-      status = 0
-      if (self%group < 0_hid_t) call h5gopen_f(self%id, path(:slash), self%group, status)
-      call self%check(status, path)
-      parent = self%group
-      first = slash + 1
-   end subroutine find_parent
-
-   !> Closes the group that was kept open.
-   subroutine close_group(self)
-      class(hdf5_file_t), intent(inout) :: self
-      integer :: status
-
-      if (self%group < 0_hid_t) return
-      call h5gclose_f(self%group, status)
-      self%group = -1_hid_t
-      call self%check(status, self%group_path)
-   end subroutine close_group
-
    !> Closes the object that was kept open.
    subroutine close_object(self)
       class(hdf5_file_t), intent(inout) :: self
@@ -263,8 +205,7 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Closes the file and all that is open in it; `error` is the first failure of its whole life.
-   !> Closing twice does nothing.
+   !> Closes the file, once, and all in it; `error` is the first failure of its whole life.
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
@@ -276,7 +217,6 @@ contains
          call self%check(status, 'writing to the disk')
          self%is_open = .false.
          call close_object(self)
-         call close_group(self)
          call h5fclose_f(self%id, status)
          call self%check(status, 'closing the file')
       end if

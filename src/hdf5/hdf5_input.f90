@@ -5,13 +5,12 @@
 module hdf5_input
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
+   use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use file_path, only: file_fault
    use hdf5, only: h5aexists_by_name_f, h5aopen_by_name_f, h5dopen_f, h5f_acc_rdonly_f, &
       h5fclose_f, h5fis_hdf5_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
       h5lexists_f, hid_t
-   use hdf5_library, only: start_hdf5
-   use hdf5_reason, only: keep_hdf5_failure
+   use hdf5_library, only: keep_hdf5_failure, start_hdf5
    use hdf5_source, only: hdf5_source_t, new_source, number_class, text_class
    use kinds, only: wp
    use text, only: to_text
@@ -32,28 +31,9 @@ module hdf5_input
       integer(hid_t), private :: id = -1_hid_t
       logical, private :: is_open = .false.
    contains
-      !> Whether there is a dataset or group of this path.
-      procedure :: has
-      !> Opens a dataset, or an attribute of a dataset or group.
+      procedure :: has, has_attribute, reals, real_value, integer_value, number_of, read_numbers, &
+         text, text_of, scale_of, check, refuse
       procedure :: open => open_source
-      !> All numbers of a dataset, one after another.
-      procedure :: reals
-      !> The number of a dataset, or of an attribute of a dataset or group.
-      procedure :: real_value
-      procedure :: integer_value
-      !> The number of an attribute that may be missing.
-      procedure :: number_of
-      !> All numbers of a dataset or attribute, of which there must be this many, to an address.
-      procedure :: read_numbers
-      !> The text of a dataset, or of an attribute of a dataset or group, of a fixed length.
-      procedure :: text
-      !> The text of an attribute that may be missing, or be something else.
-      procedure :: text_of
-      !> The path of the dataset that is attached to a dimension as its scale.
-      procedure :: scale_of
-      procedure :: check
-      procedure :: refuse
-      !> Closes the file; `error` is the first failure.
       procedure :: close => close_reader
    end type hdf5_input_t
 
@@ -99,8 +79,7 @@ contains
       call keep_hdf5_failure(self%failure, input_error, 'cannot read ' // self%path, status, doing)
    end subroutine check
 
-   !> Keeps "found ..., expected ..." about the dataset or attribute `name` as the first failure,
-   !> unless it is empty.
+   !> Keeps "found ..., expected ..." about `name`, unless empty, as the first failure.
    subroutine refuse(self, name, fault)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: name, fault
@@ -110,10 +89,9 @@ contains
    end subroutine refuse
 
    !> Whether the whole path exists.
-   function has(self, path)
+   logical function has(self, path)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
-      logical :: has
       integer :: last, slash, status
 
       has = .not. allocated(self%failure)
@@ -126,6 +104,19 @@ contains
          last = last + 1
       end do
    end function has
+
+   !> Whether the object at `path` has this `attribute`.
+   logical function has_attribute(self, path, attribute) result(has)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path, attribute
+      integer :: status
+
+      has = .false.
+      if (allocated(self%failure)) return
+      call h5aexists_by_name_f(self%id, path, attribute, has, status)
+      call self%check(status, attribute)
+      has = has .and. status >= 0
+   end function has_attribute
 
    !> Opens the dataset `path`, or the `attribute` of the object there, to be closed unless it
    !> fails. A failure: there is none, or the values of a dataset lie elsewhere than in the file.
@@ -205,20 +196,13 @@ contains
    end function integer_value
 
    !> The number of the `attribute` of the object at `path`; `default` if there is none.
-   function number_of(self, path, attribute, default) result(value)
+   real(wp) function number_of(self, path, attribute, default) result(value)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path, attribute
       real(wp), intent(in) :: default
-      real(wp) :: value
-      logical :: exists
-      integer :: status
 
       value = default
-      if (allocated(self%failure)) return
-      call h5aexists_by_name_f(self%id, path, attribute, exists, status)
-      call self%check(status, attribute)
-      if (allocated(self%failure) .or. .not. exists) return
-      value = self%real_value(path, attribute)
+      if (self%has_attribute(path, attribute)) value = self%real_value(path, attribute)
    end function number_of
 
    !> The one place where numbers are read: the `count` numbers of a dataset or attribute, which
@@ -246,8 +230,7 @@ contains
       call source%close()
    end subroutine read_numbers
 
-   !> The one place where texts are read: that of a dataset or attribute, null characters at its
-   !> end cut off.
+   !> The one place where texts are read (dataset or attribute), without null characters behind.
    function text(self, path, attribute)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -273,21 +256,16 @@ contains
       call source%close()
    end function text
 
-   !> The text of the `attribute` of the object at `path`, of a fixed or a variable length; empty if
-   !> there is none or it is not one text.
+   !> The text of the `attribute` of the object at `path`, of any length; empty if it is not one.
    function text_of(self, path, attribute) result(text)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path, attribute
       character(:), allocatable :: text
       type(hdf5_source_t) :: source
-      logical :: exists
       integer :: status
 
       text = ''
-      if (allocated(self%failure)) return
-      call h5aexists_by_name_f(self%id, path, attribute, exists, status)
-      call self%check(status, attribute)
-      if (allocated(self%failure) .or. .not. exists) return
+      if (.not. self%has_attribute(path, attribute)) return
       call self%open(source, path, attribute)
       if (allocated(self%failure)) return
       if (source%values == 1_int64 .and. source%is_variable) then
@@ -299,22 +277,16 @@ contains
       call source%close()
    end function text_of
 
-   !> Path of the dataset that is the first dimension scale of the `dimension` of the dataset at
-   !> `path` (1: the fastest); empty if there is none.
+   !> Path of the first scale of the `dimension` of a dataset (1: the fastest); empty if none.
    function scale_of(self, path, dimension) result(scale)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       integer, intent(in) :: dimension
       character(:), allocatable :: scale
       type(hdf5_source_t) :: source
-      logical :: exists
-      integer :: status
 
       scale = ''
-      if (allocated(self%failure)) return
-      call h5aexists_by_name_f(self%id, path, 'DIMENSION_LIST', exists, status)
-      call self%check(status, 'DIMENSION_LIST')
-      if (allocated(self%failure) .or. .not. exists) return
+      if (.not. self%has_attribute(path, 'DIMENSION_LIST')) return
       call self%open(source, path, 'DIMENSION_LIST')
       if (allocated(self%failure)) return
       call source%read_reference(dimension, scale)

@@ -1,8 +1,10 @@
-!> Start of the HDF5 library, shared by all modules that use it, and what all files that are written
-!> have in common: made once in a process.
+!> Start of the HDF5 library, what all files that are written share, made once a process, and the
+!> first failure of a series of calls, with its reason from the error stack of the library.
 module hdf5_library
-   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_funloc, c_funptr, c_int, &
+      c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
    use c_library, only: c_setenv
+   use errors, only: error_t, fail
    use hdf5, only: h5d_compact_f, h5dont_atexit_f, h5eset_auto_f, h5f_close_strong_f, &
       h5f_libver_earliest_f, h5f_libver_latest_f, h5open_f, h5p_dataset_create_f, &
       h5p_file_access_f, h5p_link_create_f, h5pcreate_f, h5pset_create_inter_group_f, &
@@ -12,7 +14,7 @@ module hdf5_library
    implicit none (type, external)
    private
 
-   public :: get_string_type, shared_hdf5, start_hdf5
+   public :: get_string_type, keep_hdf5_failure, shared_hdf5, start_hdf5
 
    !> Longest string whose type is kept for the next string of its length.
    integer, parameter :: longest_kept = 256
@@ -24,8 +26,7 @@ module hdf5_library
       !> Properties of new links: groups above are made as well.
       integer(hid_t) :: link_creation = -1_hid_t
       !> Properties of new datasets, and of small ones, whose values stand in their header.
-      integer(hid_t) :: creation = -1_hid_t
-      integer(hid_t) :: small_creation = -1_hid_t
+      integer(hid_t) :: creation = -1_hid_t, small_creation = -1_hid_t
       !> The dataspace of one value.
       integer(hid_t) :: scalar_space = -1_hid_t
    end type hdf5_shared_t
@@ -38,13 +39,43 @@ module hdf5_library
    !> H5L_TYPE_EXTERNAL.
    integer(c_int), parameter :: external_link = 64_c_int
 
+   !> H5E_DEFAULT: the error stack of this thread.
+   integer(c_int64_t), parameter :: default_stack = 0_c_int64_t
+   !> H5E_WALK_UPWARD: the most specific entry first.
+   integer(c_int), parameter :: walk_upward = 0_c_int
+   !> Longest description that is read.
+   integer, parameter :: max_length = 2000
+
+   !> H5E_error2_t: one entry of the stack.
+   type, bind(c) :: stack_entry_t
+      integer(c_int64_t) :: class_id, major_id, minor_id
+      integer(c_int) :: line
+      type(c_ptr) :: function_name, file_name, description
+   end type stack_entry_t
+
    interface
+      !> Calls `visit` for every entry of the error stack.
+      integer(c_int) function h5ewalk2(stack, direction, visit, client) bind(c, name='H5Ewalk2')
+         import :: c_funptr, c_int, c_int64_t, c_ptr
+         implicit none (type, external)
+         integer(c_int64_t), value :: stack
+         integer(c_int), value :: direction
+         type(c_funptr), value :: visit
+         type(c_ptr), value :: client
+      end function h5ewalk2
+
+      !> Length of a C string.
+      pure integer(c_size_t) function strlen(string) bind(c, name='strlen')
+         import :: c_ptr, c_size_t
+         implicit none (type, external)
+         type(c_ptr), value :: string
+      end function strlen
+
       !> Removes the class of links, so that they cannot be followed.
-      function h5lunregister(class) bind(c, name='H5Lunregister') result(status)
+      integer(c_int) function h5lunregister(class) bind(c, name='H5Lunregister')
          import :: c_int
          implicit none (type, external)
          integer(c_int), value :: class
-         integer(c_int) :: status
       end function h5lunregister
    end interface
 
@@ -118,5 +149,51 @@ contains
       if (status >= 0) call h5tset_cset_f(type_id, h5t_cset_utf8_f, status)
       types(slot) = merge(type_id, -1_hid_t, status >= 0)
    end subroutine get_string_type
+
+   !> Keeps the first failure: `status` < 0 while `doing`; `what` says what cannot be done.
+   subroutine keep_hdf5_failure(failure, kind, what, status, doing)
+      type(error_t), allocatable, intent(inout) :: failure
+      integer, intent(in) :: kind, status
+      character(*), intent(in) :: what, doing
+      character(:), allocatable :: reason
+
+      if (status >= 0 .or. allocated(failure)) return
+      reason = last_hdf5_reason()
+      if (len(reason) > 0) reason = ': ' // reason
+      call fail(failure, kind, what // ' (' // doing // ')' // reason)
+   end subroutine keep_hdf5_failure
+
+   !> The system's words ('No space left on device') where passed on, else the library's, or ''.
+   function last_hdf5_reason() result(reason)
+      character(:), allocatable :: reason
+      character(len=*), parameter :: marker = "error message = '"
+      character(len=max_length), target :: description
+      integer :: start, length
+
+      description = ''
+      reason = ''
+      if (h5ewalk2(default_stack, walk_upward, c_funloc(keep_first), c_loc(description)) < 0) return
+      reason = trim(description)
+      start = index(reason, marker)
+      if (start == 0) return
+      reason = reason(start + len(marker):)
+      length = index(reason, "'") - 1
+      if (length > 0) reason = reason(:length)
+   end function last_hdf5_reason
+
+   !> Keeps the description of stack entry 0, the most specific one; returns 0 = go on.
+   function keep_first(number, entry, client) bind(c) result(status)
+      integer(c_int), value :: number
+      type(stack_entry_t), intent(in) :: entry
+      type(c_ptr), value :: client
+      integer(c_int) :: status
+      character(len=max_length), pointer :: kept, source
+
+      status = 0_c_int
+      if (number /= 0_c_int .or. .not. c_associated(entry%description)) return
+      call c_f_pointer(client, kept)
+      call c_f_pointer(entry%description, source)
+      kept = source(:min(strlen(entry%description), int(max_length, c_size_t)))
+   end function keep_first
 
 end module hdf5_library

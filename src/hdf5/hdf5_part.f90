@@ -1,5 +1,4 @@
-!> Numbers of a part of a dataset, as netCDF packs them: scale_factor and add_offset are applied,
-!> and missing ones are refused.
+!> Numbers of a part of a dataset: scale_factor and add_offset applied, missing ones refused.
 module hdf5_part
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
@@ -54,8 +53,7 @@ contains
       if (.not. allocated(reader%failure)) call unpack(reader, dataset, offset, extents, z)
    end subroutine read_part
 
-   !> Applies the attributes of a dataset to its numbers. Failures: one is missing or not valid;
-   !> attributes that cannot be.
+   !> Applies the attributes of packing. Failures: a number is missing or not valid; bad attributes.
    subroutine unpack(reader, dataset, offset, extents, z)
       type(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: dataset
@@ -91,11 +89,9 @@ contains
       if (abs(factor - 1.0_wp) > 0.0_wp .or. abs(shift) > 0.0_wp) z = z*factor + shift
    end subroutine unpack
 
-   !> Whether a number is one of the marks or not valid. What is not finite is not compared, since
-   !> the checked build traps that.
-   pure function is_missing(z, marks, valid)
+   !> Whether a number is one of the marks or not valid; comparing what is not finite would trap.
+   pure logical function is_missing(z, marks, valid)
       real(wp), intent(in) :: z, marks(2), valid(2)
-      logical :: is_missing
       integer :: i
 
       is_missing = .false.

@@ -1,5 +1,4 @@
-!> Datasets of an HDF5 file that are written block by block, so that a long run needs no more memory
-!> than a short one.
+!> Datasets of an HDF5 file written block by block, in memory that does not grow with the run.
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc
    use hdf5, only: h5dclose_f, h5dget_space_f, h5dwrite_f, h5s_select_set_f, h5sclose_f, &
@@ -12,8 +11,7 @@ module hdf5_series
 
    public :: create_series, series_t
 
-   !> A series in an open file: numbers (n) or rows (row_length, n); h5py shows rows as (n,
-   !> row_length).
+   !> A series in an open file: numbers (n) or rows (row_length, n), in h5py (n, row_length).
    type :: series_t
       !> Records written so far.
       integer :: records = 0
@@ -22,9 +20,7 @@ module hdf5_series
       character(:), allocatable, private :: path
       integer(hid_t), private :: id = -1_hid_t
    contains
-      !> Appends records: rows (row_length, n), or numbers (1, n).
       procedure :: append
-      !> Gives the library's memory for the series back; nothing can be appended afterwards.
       procedure :: close => close_series
    end type series_t
 

@@ -1,6 +1,5 @@
-!> An open attribute or dataset of an HDF5 file as the source of values: what it holds is compared
-!> with what the reader has room for before anything is read, and everything must lie in the file
-!> itself.
+!> An open attribute or dataset of an HDF5 file as a source of values: what it holds is compared
+!> with what is wanted before anything is read, and must lie in the file itself.
 module hdf5_source
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
       c_null_ptr, c_ptr
@@ -8,10 +7,8 @@ module hdf5_source
    use hdf5, only: h5aclose_f, h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, &
       h5d_virtual_f, h5dclose_f, h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, &
       h5dget_type_f, h5dread_f, h5dvlen_reclaim_f, h5iget_name_f, h5oclose_f, h5p_default_f, &
-      h5pclose_f, h5pget_chunk_f, &
-      h5pget_external_count_f, &
-      h5pget_layout_f, h5rdereference_f, h5sclose_f, &
-      h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
+      h5pclose_f, h5pget_chunk_f, h5pget_external_count_f, h5pget_layout_f, h5rdereference_f, &
+      h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_string_f, h5tclose_f, &
       h5t_std_ref_obj, h5tequal_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, &
       h5tvlen_create_f, hid_t, hobj_ref_t_f, hsize_t, hvl_t, size_t
@@ -22,8 +19,7 @@ module hdf5_source
 
    public :: hdf5_source_t, new_source, number_class, text_class
 
-   !> Classes of values that are read: integers or reals of at most 16 bytes; a text of fixed
-   !> length.
+   !> Values that are read: integers or reals of at most 16 bytes; a text of fixed length.
    integer, parameter :: number_class = 1, text_class = 2
    !> Largest number and text [bytes].
    integer(size_t), parameter :: largest_number = 16_size_t, largest_text = 16777216_size_t
@@ -33,8 +29,7 @@ module hdf5_source
    integer(int64), parameter :: max_lists = 32_int64
    !> Largest chunk: the library holds a whole one [bytes].
    integer(int64), parameter :: largest_chunk = 1073741824_int64
-   !> Datasets from this size on must be stored, not only declared [bytes]. Largest compression
-   !> ratio of deflate.
+   !> Datasets from this size [bytes] on must be stored; largest ratio of compression by deflate.
    integer(int64), parameter :: large_dataset = 67108864_int64
    real(wp), parameter :: max_packed = 1100.0_wp
 
@@ -53,8 +48,7 @@ module hdf5_source
       integer, private :: class = -1
       logical :: is_variable = .false.
    contains
-      procedure :: fault, fault_of_size, fault_of_storage
-      procedure :: read_into, read_reference, read_variable
+      procedure :: fault, fault_of_size, fault_of_storage, read_into, read_reference, read_variable
       procedure :: close => close_source
    end type hdf5_source_t
 
@@ -103,8 +97,7 @@ contains
       call h5sclose_f(space, status)
    end subroutine read_extents
 
-   !> "found ..., expected ..." where the source is not `count` values of the class; empty if it is.
-   !> Below 0: any number of values.
+   !> "found ..., expected ..." unless there are `count` values (below 0: any) of the class.
    function fault(self, class, count)
       class(hdf5_source_t), intent(in) :: self
       integer, intent(in) :: class
@@ -135,8 +128,7 @@ contains
       if (is_text) words = 'text'
    end function class_words
 
-   !> "found ..., expected ..." where the values of a dataset lie in other files, or in chunks that
-   !> are too large; else empty.
+   !> "found ..., expected ..." where values lie in other files or in too large chunks; else empty.
    function fault_of_storage(self) result(fault)
       class(hdf5_source_t), intent(in) :: self
       character(:), allocatable :: fault
@@ -169,8 +161,7 @@ contains
       end if
    end function fault_of_storage
 
-   !> "found ..., expected ..." where a large dataset is declared but not stored: reading it would
-   !> take for ever. Else empty.
+   !> "found ..., expected ..." where a dataset is too large for what is stored of it; else empty.
    function fault_of_size(self) result(fault)
       class(hdf5_source_t), intent(in) :: self
       character(:), allocatable :: fault
@@ -203,8 +194,7 @@ contains
       end if
    end subroutine read_into
 
-   !> Reads one text of variable length, cut after `longest_name` bytes; the source must be an
-   !> attribute with such a text.
+   !> Reads a text of variable length of an attribute, cut after `longest_name` bytes.
    subroutine read_variable(self, text, status)
       class(hdf5_source_t), intent(in) :: self
       character(:), allocatable, intent(out) :: text
@@ -231,9 +221,8 @@ contains
       call h5sclose_f(space, status)
    end subroutine read_variable
 
-   !> Path of the object to which the first reference in a list points: the attribute has lists of
-   !> references, of which the last is number 1. Empty: it is no such attribute, its lists are fewer
-   !> or this one is empty, or the object has no path.
+   !> Path of the object of the first reference in list `number` of an attribute (1: the last list).
+   !> Empty: it is no such attribute, has no such list or an empty one, or the object no path.
    subroutine read_reference(self, number, path)
       class(hdf5_source_t), intent(in) :: self
       integer, intent(in) :: number

@@ -1,5 +1,4 @@
-!> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing or the positions of
-!> its nodes, read a stretch at a time.
+!> Heights in an HDF5 file: one or two dimensions, spacing or positions, read a stretch at a time.
 module hdf5_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
@@ -21,8 +20,7 @@ module hdf5_heights
 
    public :: hdf5_heights_t, open_hdf5_heights
 
-   !> Spacing of a dataset without that attribute; any number of values.
-   real(wp), parameter :: no_spacing = -huge(1.0_wp)
+   !> Any number of values.
    integer(int64), parameter :: any_count = -1_int64
    !> Datasets beside that of the heights that hold the positions of its nodes.
    character(*), parameter :: position_names(2) = ['x', 'y']
@@ -39,8 +37,7 @@ module hdf5_heights
       logical :: is_silent = .false.
    end type scale_t
 
-   !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it
-   !> is read.
+   !> A dataset (nx) or, as h5py sees it, (ny, nx), x fastest; its file is open only while read.
    type, extends(height_source_t) :: hdf5_heights_t
       character(:), allocatable, private :: file, dataset
       !> nx, ny.
@@ -126,11 +123,8 @@ contains
       call settle_unit(unit, units(1), 'the attribute of the spacing', 'x_unit', per_metre, fault)
       call reader%refuse(source%dataset, fault)
       do i = 1, size(names)
-         stated = reader%number_of(source%dataset, trim(names(i)), no_spacing)
-         if (ieee_is_finite(stated)) then
-            if (stated <= no_spacing) cycle
-         end if
-         stated = stated/per_metre
+         if (.not. reader%has_attribute(source%dataset, trim(names(i)))) cycle
+         stated = reader%real_value(source%dataset, trim(names(i)))/per_metre
          call reader%refuse(trim(names(i)), spacing_fault(stated))
          if (i == 1) then
             spacing = stated
@@ -150,17 +144,14 @@ contains
       character(:), allocatable :: fault, unit, word
       real(wp) :: given, stated
 
-      given = reader%number_of(dataset, 'si_scale', no_spacing)
       unit = unit_in(reader, dataset, '')
-      if (ieee_is_finite(given)) then
-         if (given <= no_spacing) then
-            scale%is_silent = unit//wanted == ''
-            call settle_unit(unit, wanted, 'the attributes of '//dataset, key, scale%per_metre, &
-               fault)
-            call reader%refuse(dataset, fault)
-            return
-         end if
+      if (.not. reader%has_attribute(dataset, 'si_scale')) then
+         scale%is_silent = unit//wanted == ''
+         call settle_unit(unit, wanted, 'the attributes of '//dataset, key, scale%per_metre, fault)
+         call reader%refuse(dataset, fault)
+         return
       end if
+      given = reader%real_value(dataset, 'si_scale')
       call reader%refuse('si_scale', scale_fault(given))
       if (allocated(reader%failure)) return
       scale%si_scale = given
@@ -229,7 +220,7 @@ contains
       end if
       path = scale
       if (path /= '') then
-         if (has_unit(reader, path)) return
+         if (unit_in(reader, path, '') /= '' .or. reader%has_attribute(path, 'si_scale')) return
       end if
       path = dataset(:index(dataset, '/', back=.true.))//position_names(i)
       if (path /= dataset .and. reader%has(path)) then
@@ -239,19 +230,7 @@ contains
       if (units(1) /= '') path = scale
    end function path_of_positions
 
-   !> Whether the attributes of a dataset say its unit.
-   logical function has_unit(reader, dataset)
-      type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: dataset
-      real(wp) :: scale
-
-      scale = reader%number_of(dataset, 'si_scale', no_spacing)
-      has_unit = unit_in(reader, dataset, '') /= ''
-      if (ieee_is_finite(scale)) has_unit = has_unit .or. scale > no_spacing
-   end function has_unit
-
-   !> Reads `count` positions, of the `scale`, in blocks. Failures: one of them cannot be one; they
-   !> are uneven.
+   !> Reads `count` positions, of the `scale`, in blocks. Failures: they are uneven or wrong.
    subroutine read_positions(reader, path, count, wanted, scale, range)
       type(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: path, wanted
@@ -274,8 +253,7 @@ contains
             bad = findloc(is_position(x), .false., dim=1)
          end if
          if (bad > 0) then
-            call reader%refuse(path, 'node '//to_text(first + bad)//': ' &
-               //position_fault(x(bad)))
+            call reader%refuse(path, 'node '//to_text(first + bad)//': '//position_fault(x(bad)))
             return
          end if
          do i = 1, size(x)
@@ -298,8 +276,7 @@ contains
       if (unit == '') unit = reader%text_of(dataset, front//'unit')
    end function unit_in
 
-   !> Heights in the order of rising positions, from number `first` on; of an area all of them.
-   !> Error: they cannot be read.
+   !> Heights by rising positions, from number `first` on; of an area all. Error: reading fails.
    subroutine get(self, first, z, error)
       class(hdf5_heights_t), intent(in) :: self
       integer(int64), intent(in) :: first

@@ -12,7 +12,6 @@ module height_file
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
    use kinds, only: wp
-   use large_pages, only: prefer_large_pages
    use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: to_text
@@ -57,7 +56,6 @@ contains
          call fail(error, input_error, request%file//': '//fault)
          return
       end if
-      if (grid(2) > 1) call prefer_large_pages(source%nodes)
       heights%grid = int(grid)
       call check_source(source, source%nodes, grid, heights, error)   ! error: handed up
    end subroutine read_heights

@@ -1,8 +1,6 @@
-!> Which heights, positions and spacings a file of heights may have, one by one and together, and
-!> what is wrong with others in words.
+!> Heights, positions and spacings that a file may have, alone and together, and faults in words.
 !>
-!> The limits lie far beyond measured surfaces. Within them squares and quotients of heights and
-!> spacings stay finite.
+!> The limits lie far beyond measured surfaces; squares and quotients within them stay finite.
 module height_limits
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: int64
@@ -23,12 +21,10 @@ module height_limits
    !> Metres in the unit of a dataset.
    real(wp), parameter :: least_scale = 1.0e-30_wp, largest_scale = 1.0e30_wp
 
-   !> A value that lies farther from the next one than this many times the range of all others is
-   !> likely the mark of a missing point.
+   !> A value this many ranges of all others from the next one is likely a missing point.
    real(wp), parameter :: far = 10.0_wp
 
-   !> The lowest height and the next above it, and the same of the heights with the other sign; and
-   !> the marks of the first of them.
+   !> The lowest height, the next above it, and the mark of the first; of both signs.
    type :: height_range_t
       real(wp), private :: lowest(2) = huge(1.0_wp), next(2) = huge(1.0_wp)
       integer(int64), private :: marks(2) = 0_int64
@@ -56,17 +52,15 @@ module height_limits
 contains
 
    !> Whether `z` [m] can be a height: finite, not too large, zero or with all digits of a number.
-   pure elemental function is_height(z)
+   pure elemental logical function is_height(z)
       real(wp), intent(in) :: z
-      logical :: is_height
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
 
    !> Number of the first of the heights `z` [m] that cannot be one; 0: all can.
-   pure function first_fault(z) result(place)
+   pure integer function first_fault(z) result(place)
       real(wp), intent(in) :: z(:)
-      integer :: place
 
       do place = 1, size(z)
          if (.not. is_height(z(place))) return
@@ -75,18 +69,15 @@ contains
    end function first_fault
 
    !> Whether `x` [m] can be a position.
-   pure elemental function is_position(x)
+   pure elemental logical function is_position(x)
       real(wp), intent(in) :: x
-      logical :: is_position
 
       is_position = lies_within(abs(x), 0.0_wp, largest_position)
    end function is_position
 
-   !> Whether a value is finite and in [lowest, highest]; NaN is not compared, since the checked
-   !> build traps that.
-   pure elemental function lies_within(value, lowest, highest)
+   !> Whether a value is finite and in [lowest, highest]; comparing NaN would trap.
+   pure elemental logical function lies_within(value, lowest, highest)
       real(wp), intent(in) :: value, lowest, highest
-      logical :: lies_within
 
       lies_within = .false.
       if (ieee_is_finite(value)) lies_within = value >= lowest .and. value <= highest
@@ -128,17 +119,15 @@ contains
          ' m, expected '//to_text(least_spacing, 2)//' to '//to_text(nint(largest_spacing))//' m'
    end function spacing_fault
 
-   !> The same for `si_scale`, metres in the unit of a dataset; a negative one turns heights into
-   !> depths.
+   !> The same for `si_scale`, metres in the unit of a dataset; below 0 heights become depths.
    pure function scale_fault(scale) result(fault)
       real(wp), intent(in) :: scale
       character(:), allocatable :: fault
 
       fault = ''
-      if (.not. lies_within(abs(scale), least_scale, largest_scale)) fault = 'found ' &
-         //shown(scale)//', expected '// &
-         to_text(least_scale, 2)//' to '//to_text(largest_scale, 2) &
-            //', metres in one unit of the dataset'
+      if (.not. lies_within(abs(scale), least_scale, largest_scale)) fault = &
+         'found '//shown(scale)//', expected '//to_text(least_scale, 2) &
+         //' to '//to_text(largest_scale, 2)//', metres in one unit of the dataset'
    end function scale_fault
 
    !> The same for the lowest and the highest point of a surface [m].
@@ -236,9 +225,8 @@ contains
    end subroutine add_position
 
    !> Distance of neighbouring positions [m], of two or more; positive if they rise or fall.
-   pure function distance(self)
+   pure real(wp) function distance(self)
       class(position_range_t), intent(in) :: self
-      real(wp) :: distance
 
       distance = (self%last - self%first)/(self%count - 1)
       if (self%falls) distance = -distance

@@ -1,8 +1,7 @@
 !> Heights in a table of text, read a stretch at a time. Such tables have one strict form: any other
 !> is refused with the command that converts it.
 !>
-!> A first pass reads every row and notes where every 4096th begins, so that any row is found again
-!> without holding the table.
+!> A first pass notes where every 4096th row begins, to find any row without holding the table.
 module height_table
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
@@ -28,8 +27,7 @@ module height_table
    !> The columns of positions and heights. The file is open only while it is read.
    type, extends(height_source_t) :: height_table_t
       character(:), allocatable, private :: file
-      !> Separator of the fields, a blank for any number of blanks; decimal mark, a blank where no
-      !> number has had one and it may be either.
+      !> Separator of fields, a blank for any number of blanks; decimal mark, a blank while unknown.
       character(len=1), private :: separator = ' ', decimal = '.'
       !> Number of columns; those of positions and heights, and their units in a metre.
       integer, private :: columns = 2, used(2) = [1, 2]
@@ -129,8 +127,7 @@ contains
       if (numbers > 0 .and. fault == '') call lines%seek(lines%place, lines%number)
    end subroutine find_columns
 
-   !> The two columns that are wanted, and their units; `bounds` (2, n) are those of the names in
-   !> `row`.
+   !> The two wanted columns and their units; `bounds` (2, n) are those of the names in `row`.
    subroutine settle_columns(table, row, bounds, unit, request, fault)
       type(height_table_t), intent(inout) :: table
       character(*), intent(in) :: row, unit

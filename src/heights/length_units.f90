@@ -1,5 +1,4 @@
-!> Units of length in files of heights: their spellings, and what names such as `x_mm`, `z [um]`,
-!> `z (nm)` and `x/mm` say.
+!> Units of length in files of heights: spellings, and what names such as `x_mm`, `z [um]` say.
 module length_units
    use findings, only: quoted
    use kinds, only: wp
@@ -9,8 +8,7 @@ module length_units
 
    public :: find_unit, known_units, settle_unit, silence_fault, unit_among, units_per_metre
 
-   !> A unit: its word in keys and messages, its size, and its spellings in ASCII and lower case, a
-   !> micro sign as u.
+   !> A unit: word in keys and messages, size, spellings in lower case (a micro sign is u).
    type :: unit_t
       character(len=8) :: word
       real(wp) :: per_metre
@@ -45,8 +43,7 @@ module length_units
 
 contains
 
-   !> Units in a metre of the unit that `spelling` means; 0: it means none. `word` is the usual
-   !> word.
+   !> Units in a metre of the unit that `spelling` means (0: none), and its usual `word`.
    pure subroutine units_per_metre(spelling, per_metre, word)
       character(*), intent(in) :: spelling
       real(wp), intent(out) :: per_metre
@@ -82,8 +79,7 @@ contains
       plain = to_lower(plain)
    end function in_ascii
 
-   !> What the name of a column says: its `stated` unit as it is written, empty if it says none,
-   !> and where the name without it ends.
+   !> The unit that the name of a column has, as `stated` (empty: none), and where the name ends.
    pure subroutine find_unit(name, stated, last)
       character(*), intent(in) :: name
       character(:), allocatable, intent(out) :: stated
@@ -112,9 +108,8 @@ contains
    end subroutine find_unit
 
    !> Whether the last part of a name is a unit.
-   pure function is_unit_behind_mark(part) result(is_unit)
+   pure logical function is_unit_behind_mark(part) result(is_unit)
       character(*), intent(in) :: part
-      logical :: is_unit
       character(:), allocatable :: plain, word
       real(wp) :: per_metre
 
@@ -123,12 +118,10 @@ contains
       is_unit = word /= '' .and. all(names_too /= plain) .or. any(other_units == plain)
    end function is_unit_behind_mark
 
-   !> The first word of a comment that is a unit of length other than metre and inch, which are
-   !> words too; empty if there is none.
+   !> The first unit of length in a comment except metre and inch, which are words; empty: none.
    pure function unit_among(comment) result(unit)
       character(*), intent(in) :: comment
-      character(:), allocatable :: unit
-      character(:), allocatable :: word
+      character(:), allocatable :: unit, word
       real(wp) :: per_metre
       integer :: first, length
 

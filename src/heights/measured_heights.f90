@@ -12,8 +12,7 @@ module measured_heights
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
-      !> Its path; names of the columns of positions and heights, the latter the path in HDF5; empty
-      !> where they are not given.
+      !> Its path; names of the columns of positions and heights (or the path in HDF5), or empty.
       character(:), allocatable :: file, positions, dataset
       !> Units of positions and heights, blank where the file says them.
       character(len=12) :: units(2) = ''

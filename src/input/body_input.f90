@@ -1,5 +1,4 @@
-!> &bodies and &load: what is missing, contradicts each other or follows from other keys; the two
-!> bodies as one, radius and elasticity.
+!> &bodies and &load: what contradicts each other or follows from other keys; two bodies as one.
 module body_input
    use bodies, only: bodies_t, reduced_modulus, reduced_radius
    use dry_scaling, only: contact_modulus
@@ -15,8 +14,7 @@ module body_input
 
    public :: check_bodies, check_load, derive_speeds, fill_bodies, find_load, modulus_of, radius_of
 
-   !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of
-   !> reduced_radius.
+   !> Curvature of the gap, 1/R [1/m]: the reverse of the range of reduced_radius.
    real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
    character(len=7), parameter :: speeds(2) = ['speed_1', 'speed_2']
 
@@ -65,8 +63,7 @@ contains
    !> A reduced value of &bodies, or all of the values it follows from. Findings: both, none, some.
    subroutine check_ways(values, reduced, parts)
       type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: reduced
-      character(*), intent(in) :: parts(:)
+      character(*), intent(in) :: reduced, parts(:)
       logical :: given(size(parts))
       integer :: i
       character(:), allocatable :: list
@@ -78,9 +75,8 @@ contains
             // trim(parts(findloc(given, .true., dim=1))) // ', expected either ' // reduced &
             // ' or ' // list)
       else if (.not. any(given)) then
-         call values%refuse('bodies', trim(parts(1)), 'missing, expected ' // list &
-            // ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) &
-               // ']')
+         call values%refuse('bodies', trim(parts(1)), 'missing, expected ' // list // ', or ' // &
+            reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
       else
          do i = 1, size(parts)
             if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)))
@@ -154,9 +150,8 @@ contains
    end subroutine check_radius
 
    !> Whether one body has a radius and the other is a plane.
-   pure function has_plane(values)
+   pure logical function has_plane(values)
       type(input_values_t), intent(in) :: values
-      logical :: has_plane
 
       has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
          'radius_1') .neqv. values%is_given('bodies', 'radius_2'))
@@ -229,8 +224,8 @@ contains
       end if
    end subroutine fill_bodies
 
-   !> The load of a line [N/m] or an area [N] of reduced `radius` [m] and `modulus` [Pa], given by
-   !> the `key` of &load; 0 if there is none. That of a lubricated contact over its length.
+   !> The load of a line [N/m], of a lubricated one over its length, or an area [N], given by the
+   !> `key` of &load; 0 if there is none.
    subroutine find_load(values, radius, modulus, key, load)
       type(input_values_t), intent(in) :: values
       real(wp), intent(in) :: radius, modulus
@@ -255,9 +250,8 @@ contains
    end subroutine find_load
 
    !> R [m], given or that of both bodies; 0 if there is none.
-   function radius_of(values) result(radius)
+   real(wp) function radius_of(values) result(radius)
       type(input_values_t), intent(in) :: values
-      real(wp) :: radius
 
       radius = values%real_value('bodies', 'reduced_radius')
       if (radius > 0.0_wp) return
@@ -271,9 +265,8 @@ contains
    end function radius_of
 
    !> E' [Pa]: given, of both bodies, or of the first against a rigid one; 0 if there is none.
-   function modulus_of(values) result(modulus)
+   real(wp) function modulus_of(values) result(modulus)
       type(input_values_t), intent(in) :: values
-      real(wp) :: modulus
 
       modulus = values%real_value('bodies', 'reduced_modulus')
       if (values%is_given('bodies', 'youngs_modulus_2')) then

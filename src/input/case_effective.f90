@@ -19,8 +19,7 @@ module case_effective
 
 contains
 
-   !> Fills `case%effective` in the order of the key table. A value that the program chooses later
-   !> is listed as such.
+   !> Fills `case%effective` in the order of the key table; what the program chooses later says so.
    subroutine list_effective(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
@@ -65,7 +64,7 @@ contains
    subroutine list_derived(case)
       type(case_t), intent(inout) :: case
 
-      if (.not. case%has_moes) then
+      if (case%scaling%is_dimensional) then
          call set_effective(case, 'bodies', 'reduced_radius', [case%bodies%reduced_radius])
          call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
          call set_effective(case, 'load', 'load_per_length', [case%load_per_length])

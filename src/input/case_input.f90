@@ -10,9 +10,10 @@ module case_input
    use input_values, only: input_values_t, value_t
    use key_row, only: is_in_range, lubricated
    use key_rules, only: find_unusual, unusual_t
-   use line_case, only: check_resolution
+   use line_case, only: plan_line_case
    use line_profiles, only: make_surface
    use lubricant_input, only: complete_alpha, fill_lubricant
+   use kinds, only: wp
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
    use scaling, only: new_moes_scaling, new_scaling
@@ -28,9 +29,8 @@ contains
 
    !> Reads the namelist `content` of the file `file` (a name for paths and messages only).
    !>
-   !> `entries` of the command line are in it already; findings about them name --set. `case` is
-   !> filled if `findings` stays empty. Findings: everything that is wrong, see modules
-   !> namelist_text, value_reader and case_validation.
+   !> `entries` of the command line are in it already; findings about them name --set. Findings: all
+   !> that is wrong, see namelist_text, value_reader and case_validation; else `case` is filled.
    subroutine read_case(content, file, case, findings, entries)
       character(*), intent(in) :: content, file
       type(case_t), intent(out) :: case
@@ -79,7 +79,6 @@ contains
       if (case%problem == lubricated) then
          call fill_line_case(values, case)
       else
-         case%has_moes = .false.
          case%dry%values = values
          call fill_dry_case(case%file(:index(case%file, '/', back=.true.)), case%dry)
          values%findings = case%dry%values%findings
@@ -94,21 +93,21 @@ contains
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
       character(:), allocatable :: key
+      real(wp) :: moes_m, moes_l
 
-      case%has_moes = values%has_group('moes')
-      case%moes_m = values%real_value('moes', 'moes_m')
-      case%moes_l = values%real_value('moes', 'moes_l')
-      if (values%word_value('moes', 'velocity') == 'sum') then
-         case%moes_m = moes_m_mean_from_sum(case%moes_m)
-         case%moes_l = moes_l_mean_from_sum(case%moes_l)
-      end if
       call fill_bodies(values, case%bodies)
       call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
          case%load_per_length)
       call fill_lubricant(values, case%lubricant, case%materials)
       call fill_numerics(values, case)
-      if (case%has_moes) then
-         call new_moes_scaling(case%scaling, case%moes_m, case%moes_l, case%lubricant)
+      if (values%has_group('moes')) then
+         moes_m = values%real_value('moes', 'moes_m')
+         moes_l = values%real_value('moes', 'moes_l')
+         if (values%word_value('moes', 'velocity') == 'sum') then
+            moes_m = moes_m_mean_from_sum(moes_m)
+            moes_l = moes_l_mean_from_sum(moes_l)
+         end if
+         call new_moes_scaling(case%scaling, moes_m, moes_l, case%lubricant)
       else
          call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
       end if
@@ -117,7 +116,7 @@ contains
       call list_effective(values, case)
       call make_surface(values, 'surface_1', case)
       call make_surface(values, 'surface_2', case)
-      if (values%findings%count == 0) call check_resolution(values, case)
+      if (values%findings%count == 0) call plan_line_case(values, case)
    end subroutine fill_line_case
 
    !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.
@@ -144,6 +143,9 @@ contains
          solver%method = values%word_value('solver', 'method')
          solver%smoother = values%word_value('solver', 'smoother')
          solver%space_scheme = values%word_value('solver', 'space_scheme')
+         solver%target = values%real_value('accuracy', 'target')
+         solver%target_p_max = values%real_value('accuracy', 'target_p_max')
+         solver%wants_coarse_runs = values%logical_value('accuracy', 'error_bars')
          solver%start = values%word_value('solver', 'start')
          solver%tolerance = values%real_value('solver', 'tolerance')
          solver%max_cycles = values%integer_value('solver', 'max_cycles')
@@ -153,15 +155,14 @@ contains
          solver%coarse_sweeps = values%integer_value('solver', 'coarse_sweeps')
          solver%relaxation = values%real_value('solver', 'relaxation')
          solver%load_relaxation = values%real_value('solver', 'load_relaxation')
+         solver%film_floor = values%real_value('solver', 'film_floor')   ! [m] before it is planned
          solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
       end associate
-      case%equations = values%word_value('case', 'equations')
-      if (case%equations == 'stokes') then
+      if (values%word_value('case', 'equations') == 'stokes') then
          case%layers = values%integer_value('film', 'layers')
          case%has_inertia = values%logical_value('film', 'inertia')
          case%solver%space_scheme = 'kappa'
       end if
-      case%film_floor = values%real_value('solver', 'film_floor')
       fields = values%slot('output', 'fields')
       thresholds = values%slot('output', 'film_thresholds')
       associate (output => case%output_settings)
@@ -173,9 +174,6 @@ contains
          output%has_si = values%logical_value('output', 'si_copies')
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
-      case%accuracy%target = values%real_value('accuracy', 'target')
-      case%accuracy%target_p_max = values%real_value('accuracy', 'target_p_max')
-      case%accuracy%has_error_bars = values%logical_value('accuracy', 'error_bars')
    end subroutine fill_numerics
 
    !> Adds findings: a load, given by `key`, whose contact is wider than the radius, where neither
@@ -186,7 +184,7 @@ contains
       type(case_t), intent(in) :: case
       type(unusual_t), allocatable :: unusual(:)
 
-      if (case%has_moes) return
+      if (.not. case%scaling%is_dimensional) return
       associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
          l => key_rows(find_key('moes', 'moes_l')))
          if (scales%half_width >= case%bodies%reduced_radius) then

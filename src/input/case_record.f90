@@ -6,6 +6,7 @@ module case_record
    use input_keys, only: find_key, key_rows
    use key_rules, only: unusual_t
    use kinds, only: wp
+   use line_contact, only: line_contact_t
    use lubricant, only: lubricant_t
    use scaling, only: scaling_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
@@ -14,7 +15,7 @@ module case_record
    implicit none (type, external)
    private
 
-   public :: accuracy_t, path_from_namelist, case_identity, case_t, effective_t, effective_text, &
+   public :: path_from_namelist, case_identity, case_t, effective_t, effective_text, &
       output_settings_t, result_path, set_effective
 
    !> A value that is used, given or default, for /input/effective/<group>/<key> of the result: as
@@ -47,30 +48,39 @@ module case_record
       integer :: velocity_layers
    end type output_settings_t
 
-   !> What is asked of the accuracy.
-   type :: accuracy_t
-      !> Relative error of h_min for which the program chooses intervals and time step; 0: not
-      !> asked.
-      real(wp) :: target
-      !> The same of p_max of a steady contact; 0: not asked.
-      real(wp) :: target_p_max
-      !> Errors are estimated, from coarse runs.
-      logical :: has_error_bars
-   end type accuracy_t
+   !> What only a lubricated case has.
+   type :: line_case_t
+      !> With Moes' numbers bodies, load and mu_0 are unknown (zero).
+      type(bodies_t) :: bodies
+      type(lubricant_t) :: lubricant
+      !> What only the limits of the model need.
+      type(materials_t) :: materials
+      !> w [N/m].
+      real(wp) :: load_per_length
+      !> The scales that follow from these.
+      type(scaling_t) :: scaling
+      !> Amplitude and wavelength [m], position [half-widths], speed [m/s].
+      type(rough_surface_t) :: surface_1, surface_2
+      !> As it is given.
+      type(domain_t) :: domain
+      !> As it is solved; domain, grid and, in `time`, time step are complete.
+      type(line_contact_t) :: contact
+      type(time_settings_t) :: time
+      type(solver_settings_t) :: solver
+      !> Layers across the film, on which the full momentum equations are solved too; 0: they are
+      !> not. With the inertia of the oil.
+      integer :: layers = 0
+      logical :: has_inertia = .false.
+   end type line_case_t
 
    !> One case. Made by `read_case` of module case_input.
-   type :: case_t
+   type, extends(line_case_t) :: case_t
       !> Free text of the user, UTF-8.
       character(:), allocatable :: title
       !> 'ehl_line', 'dry_line' or 'dry_area'.
       character(len=word_length) :: problem = ''
       !> 'full' or 'auto'.
       character(len=word_length) :: model
-      !> 'reynolds', or 'stokes': the full momentum equations too, on `layers` across the film.
-      character(len=word_length) :: equations = 'reynolds'
-      integer :: layers = 0
-      !> With the inertia of the oil.
-      logical :: has_inertia = .false.
       !> NAME.xdmf is written next to the result.
       logical :: has_xdmf = .false.
       !> Result file as given, empty if not; see `result_path`.
@@ -79,31 +89,9 @@ module case_record
       character(:), allocatable :: file
       !> Its text, byte for byte.
       character(:), allocatable :: namelist
-      !> True if given by Moes' numbers: then bodies, load and mu_0 are unknown (zero).
-      logical :: has_moes
-      !> M and L [-], mean velocity.
-      real(wp) :: moes_m, moes_l
-      type(bodies_t) :: bodies
-      type(lubricant_t) :: lubricant
-      !> What only the limits of the model need.
-      type(materials_t) :: materials
-      !> w [N/m].
-      real(wp) :: load_per_length
-      !> The scales of a lubricated contact that follow from these.
-      type(scaling_t) :: scaling
-      !> Amplitude and wavelength [m], position [half-widths], speed [m/s].
-      type(rough_surface_t) :: surface_1, surface_2
-      type(domain_t) :: domain
-      type(time_settings_t) :: time
-      !> `film_floor` is not here but below, in SI.
-      type(solver_settings_t) :: solver
-      !> A film below it is a breakdown [m]; 0: not given.
-      real(wp) :: film_floor = 0.0_wp
       type(output_settings_t) :: output_settings
-      !> Filled for dry problems, which use nothing of the above but title, problem, model, output,
-      !> file and namelist.
+      !> Filled for dry problems.
       type(dry_case_t) :: dry
-      type(accuracy_t) :: accuracy
       !> Values outside the typical ranges of their keys.
       type(unusual_t), allocatable :: unusual(:)
       !> What the reader of the result should know about the input.
@@ -114,9 +102,8 @@ module case_record
 
 contains
 
-   !> File of the result: `output` of the case, relative to the namelist, else the namelist's
-   !> stem + .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of
-   !> either.
+   !> File of the result: `output` of the case, relative to the namelist, else the namelist's stem +
+   !> .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of either.
    pure function result_path(case, output_dir) result(path)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: output_dir
@@ -145,8 +132,7 @@ contains
       if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
    end function path_from_namelist
 
-   !> The values that decide about the result of a case, one a line. Before anything is chosen by
-   !> the program.
+   !> The values that decide about the result, one a line, before the program chooses anything.
    pure function case_identity(case) result(lines)
       type(case_t), intent(in) :: case
       character(:), allocatable :: lines
@@ -155,9 +141,8 @@ contains
       lines = '&case problem = '//trim(case%problem)
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' &
-               .or. entry%key == 'adequacy' .or. entry%key == 'si_copies' &
-               .or. entry%key == 'xdmf') cycle
+            if (entry%group == 'case' .or. any(entry%key == [character(len=19) :: &
+               'checkpoint_interval', 'adequacy', 'si_copies', 'xdmf'])) cycle
             lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
                //' = '//effective_text(entry)
          end associate
@@ -183,9 +168,8 @@ contains
       end if
    end function effective_text
 
-   !> Sets or adds a value in the list of effective values, for instance one that the program has
-   !> chosen: `reals` (at least one), `integer` or `text`. Its unit is that of the key table; `unit`
-   !> is that of a value which is no key.
+   !> Sets or adds a value in the list of effective values: `reals` (at least one), `integer` or
+   !> `text`. Its unit is that of the key table, or `unit` where it is no key.
    pure subroutine set_effective(case, group, key, reals, integer, text, unit)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key

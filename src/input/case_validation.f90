@@ -1,10 +1,8 @@
-!> What the values of a case must have in common: missing, contradictory and unused keys, physical
-!> nonsense.
+!> Checks over several values of a case: missing, contradictory and unused keys, physical nonsense.
 !>
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
    use body_input, only: check_bodies, check_load
-   use case_memory, only: lubricated_memory
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
    use key_row, only: expected_value, has_word, lubricated
@@ -13,7 +11,7 @@ module case_validation
    use lubricant_input, only: check_lubricant
    use solver_settings, only: max_intervals_of
    use surface_keys, only: check_surface
-   use system_limits, only: memory_fault, of_blas
+   use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    implicit none (type, external)
    private

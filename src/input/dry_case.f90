@@ -1,6 +1,5 @@
 !> A dry contact as it will be solved: grid, heights, loads, in SI.
 module dry_case
-   use case_memory, only: dry_memory
    use dry_problem, only: dry_grid_t
    use dry_settings, only: dry_loads_t, dry_settings_t, max_nodes_to_refine
    use measured_heights, only: heights_t
@@ -8,13 +7,14 @@ module dry_case
    use input_values, only: input_values_t
    use kinds, only: wp
    use solver_settings, only: word_length
+   use system_limits, only: dry_memory
    implicit none (type, external)
    private
 
    public :: dry_case_t
 
-   !> Made by `fill_dry_case` of module dry_input.
-   type :: dry_case_t
+   !> From what the heights are made on any grid.
+   type :: dry_bodies_t
       !> What its namelist says, from which the heights are made on any grid, and the findings.
       type(input_values_t) :: values
       !> Folder of the namelist, with its slash.
@@ -25,10 +25,14 @@ module dry_case
       type(trend_t) :: trends(2)
       !> R of a parabola [m]; 0: there is none.
       real(wp) :: radius = 0.0_wp
-      type(dry_grid_t) :: grid
       !> The first grid, on which synthetic heights are made; finer ones have the same Fourier
       !> series.
       integer :: first_nodes(2) = 0
+   end type dry_bodies_t
+
+   !> Made by `fill_dry_case` of module dry_input.
+   type, extends(dry_bodies_t) :: dry_case_t
+      type(dry_grid_t) :: grid
       !> Lx, Ly [m]; a line has Ly = 0.
       real(wp) :: lengths(2)
       logical :: is_periodic
@@ -50,24 +54,19 @@ module dry_case
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
    contains
-      !> Whether it is solved on other grids too.
-      procedure :: is_compared
-      !> The memory that it needs at most on this many nodes [bytes].
-      procedure :: memory_on
+      procedure :: is_compared, memory_on
    end type dry_case_t
 
 contains
 
    !> Whether other grids are solved for error bars or for the adequacy of the model.
-   pure function is_compared(self)
+   pure logical function is_compared(self)
       class(dry_case_t), intent(in) :: self
-      logical :: is_compared
 
       is_compared = self%has_error_bars .or. self%wants_adequacy
    end function is_compared
 
-   !> The memory that the case needs at most on this many nodes [bytes]: with a target on coarser
-   !> grids first, each compared with finer ones.
+   !> The memory needed at most on so many nodes [bytes]; a target compares coarser grids first.
    pure function memory_on(self, nodes) result(bytes)
       class(dry_case_t), intent(in) :: self
       integer, intent(in) :: nodes(2)

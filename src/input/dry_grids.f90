@@ -14,11 +14,9 @@ module dry_grids
 
    public :: check_waves, find_grid
 
-   !> Nodes in the shorter direction of the first grid for a wanted accuracy, of a line and of an
-   !> area, and the most.
+   !> Nodes a side, at least, of the first grid for a target, of a line and of an area; most of any.
    integer, parameter :: first_nodes(2) = [64, 32], max_in_direction = 2**30
-   !> Nodes in the finest wave below which the program says so; fewer than the second show another
-   !> wave.
+   !> Nodes in the finest wave below which a note says so; below the second it is another wave.
    real(wp), parameter :: min_nodes = 8.0_wp
    real(wp), parameter :: least_nodes = 2.0_wp
    !> Share of a node that rounding may take.
@@ -26,8 +24,7 @@ module dry_grids
 
 contains
 
-   !> Nodes and lengths, from &domain or from the file of a surface. Findings: missing or
-   !> contradictory sizes; the file.
+   !> Nodes and lengths, from &domain or a file. Findings: missing or contradictory sizes; the file.
    subroutine find_grid(dry)
       type(dry_case_t), intent(inout) :: dry
       character(len=2) :: axes(2)
@@ -102,10 +99,9 @@ contains
       end if
    end subroutine find_length
 
-   !> `nodes` with which the search for a grid begins, as many in every wave as a contact area
-   !> needs: even numbers, or the nodes of a periodic file (`in_file`) times a power of two; the
-   !> heights of an open file stay on their own. Finding: a synthetic surface whose shortest waves
-   !> would be those of the grid.
+   !> `nodes` with which the search begins, as many in every wave as a contact area needs: even, or
+   !> those of a periodic file (`in_file`) times a power of two; an open file stays on its own.
+   !> Finding: a synthetic surface whose shortest waves would be those of the grid.
    subroutine choose_first_grid(dry, in_file, directions, nodes)
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: in_file(2), directions
@@ -163,10 +159,9 @@ contains
    end subroutine check_waves
 
    !> The shortest wave that the keys of a surface give [m]; huge: none.
-   pure elemental function finest_wave(values, group) result(wave)
+   pure elemental real(wp) function finest_wave(values, group) result(wave)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      real(wp) :: wave
       type(value_t) :: slot
 
       slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', &

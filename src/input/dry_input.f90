@@ -13,7 +13,6 @@ module dry_input
    use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
-   use large_pages, only: prefer_large_pages
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
@@ -22,16 +21,14 @@ module dry_input
 
    public :: fill_dry_case
 
-   !> Most nodes of an area: the padded transforms of an open one count four times as many in 32
-   !> bits.
+   !> Most nodes of an area: the transforms of an open one count four times as many in 32 bits.
    integer, parameter :: max_nodes = 536870911
    !> Images of a parabola on either side that are summed.
    integer, parameter :: images = 60
 
 contains
 
-   !> Fills `dry` from its values; `folder` is that of the namelist, with its slash. Findings:
-   !> grids, surfaces and loads that cannot be.
+   !> Fills `dry` from its values; `folder` of the namelist. Findings: grids, surfaces, loads.
    subroutine fill_dry_case(folder, dry)
       character(*), intent(in) :: folder
       type(dry_case_t), intent(inout) :: dry
@@ -76,11 +73,7 @@ contains
       fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
       if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
          // to_text(max_nodes)
-      if (fault /= '') then
-         call dry%values%refuse('domain', key, fault)
-      else if (dry%grid%ny > 1) then
-         call prefer_large_pages(nodes)
-      end if
+      if (fault /= '') call dry%values%refuse('domain', key, fault)
    end subroutine check_size
 
    !> Mean pressures and hardness. Finding: a load above hardness times area.
@@ -111,8 +104,7 @@ contains
          // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
-   !> Separations. Findings: an open line; nothing touches; an elastic periodic surface pressed
-   !> further than flat.
+   !> Separations. Findings: an open line; nothing touches; an elastic surface pressed beyond flat.
    subroutine fill_separations(dry)
       type(dry_case_t), intent(inout) :: dry
       type(value_t) :: given
@@ -164,8 +156,7 @@ contains
       end associate
    end subroutine fill_solver
 
-   !> Findings about a parabola: there are two; the open domain ends inside its contact. On a
-   !> periodic domain a note: what the images do.
+   !> Findings: two parabolas; an open domain inside the contact. Note: what periodic images do.
    subroutine check_parabola(dry)
       type(dry_case_t), intent(inout) :: dry
       logical :: is_one(2)
@@ -181,8 +172,7 @@ contains
       end if
    end subroutine check_parabola
 
-   !> Finds an open domain that is shorter than the contact of Hertz under the largest load (what
-   !> yields is wider still).
+   !> Finds an open domain shorter than the contact of Hertz (what yields is wider still).
    subroutine check_room(dry)
       type(dry_case_t), intent(inout) :: dry
       real(wp) :: growth, length, load, needed, width

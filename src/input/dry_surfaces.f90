@@ -52,11 +52,9 @@ contains
       end associate
    end subroutine refine_heights
 
-   !> False where the heights are known at the nodes of a file only: without a period they have no
-   !> Fourier series.
-   pure function is_refinable(dry)
+   !> False where a file without a period gives the heights at its nodes only: no Fourier series.
+   pure logical function is_refinable(dry)
       type(dry_case_t), intent(in) :: dry
-      logical :: is_refinable
 
       is_refinable = dry%is_periodic .or. .not. any(has_shape(dry%values, surfaces, 'file'))
    end function is_refinable
@@ -114,8 +112,7 @@ contains
          dry%is_periodic)
    end function positions
 
-   !> Heights of the file of surface `i`, on a periodic domain resampled to its nodes. Findings:
-   !> another length; other nodes of an open domain.
+   !> Heights of a file, resampled if periodic. Findings: another length; other nodes if open.
    subroutine add_file(dry, i, z)
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
@@ -148,8 +145,7 @@ contains
       if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
    end subroutine add_file
 
-   !> Heights with a wanted spectrum, those of the first grid resampled. Findings: wavelengths out
-   !> of order; what the synthesis finds.
+   !> Synthetic heights, those of the first grid resampled. Findings: those of the synthesis.
    subroutine add_synthetic(dry, group, z)
       type(dry_case_t), intent(inout) :: dry
       character(*), intent(in) :: group

@@ -1,6 +1,5 @@
-!> The heights of a file on their way to a surface, in oil and dry: they are read; tilt, form and
-!> the waves beyond the cut-offs are subtracted; they must be those of a surface at all. Wrong units
-!> are found here.
+!> Heights of a file become a surface, in oil and dry: they are read, tilt, form and the waves
+!> beyond the cut-offs are subtracted, and wrong units are found.
 module file_heights
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
@@ -24,8 +23,7 @@ module file_heights
    real(wp), parameter :: steep = 1.0_wp, steepest = 10.0_wp
    !> Length of a profile or area above which a note is given [m].
    real(wp), parameter :: long = 1.0_wp
-   !> Height of a tilt over its length, or of a form, over the rms height that is left, above which
-   !> a note gives it.
+   !> Height of a tilt or a form over the rms height that is left, above which a note gives it.
    real(wp), parameter :: noted = 0.01_wp
    !> What a message about heights that cannot be says.
    character(*), parameter :: units_hint = ' (are the units right: x_unit, z_unit?)'
@@ -105,9 +103,8 @@ contains
       if (fault == '') deallocate (source)
    end subroutine hold_heights
 
-   !> Findings about the heights of the surface `group`: they are higher than the file is long, or
-   !> steeper than a half-space can be, and their units are not stated by keys. A note on heights
-   !> that are steep or metres long.
+   !> Finds heights above the length of the file, or steeper than a half-space can be, if no keys
+   !> state their units. A note on heights that are steep or metres long.
    subroutine check_heights(values, group, heights, note)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -139,8 +136,7 @@ contains
       end associate
    end subroutine check_heights
 
-   !> What is to be subtracted from the heights of the surface `group`, which will be repeated if
-   !> `is_periodic`. A note says how large it is.
+   !> What to subtract from heights, which may repeat (`is_periodic`). A note says how large it is.
    subroutine find_trend(values, group, heights, is_periodic, trend, note)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -163,8 +159,7 @@ contains
       call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
    end subroutine find_trend
 
-   !> What was subtracted from a surface, if it is more than a little of the rms height [m] that is
-   !> left; else empty.
+   !> What was subtracted from a surface, if much over the rms height [m] that is left; else empty.
    pure function trend_words(group, trend, rms) result(words)
       character(*), intent(in) :: group
       type(trend_t), intent(in) :: trend
@@ -194,19 +189,17 @@ contains
    end function trend_words
 
    !> Whether the surface `group` has a cut-off.
-   pure function is_filtered(values, group)
+   pure logical function is_filtered(values, group)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      logical :: is_filtered
 
       is_filtered = values%is_given(group, 'cutoff_short') .or. values%is_given(group, &
          'cutoff_long')
    end function is_filtered
 
-   !> Subtracts the waves beyond the cut-offs of the surface `group` from its heights, which must be
-   !> held and without their form, and makes their sums anew. Heights that are repeated
-   !> (`is_periodic`) and close on themselves are filtered so. Findings: cut-offs that the nodes do
-   !> not carry, or out of order.
+   !> Subtracts the waves beyond the cut-offs from heights that are held and without form, and makes
+   !> their sums anew; heights that repeat (`is_periodic`) and close are filtered so. Findings:
+   !> cut-offs that the nodes do not carry, or out of order.
    subroutine filter_heights(values, group, is_periodic, heights)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group

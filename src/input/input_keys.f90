@@ -55,11 +55,10 @@ module input_keys
       in_metres = 'no &moes: which has no SI units', &
       no_target = 'no accuracy%target: which chooses it'
 
-   !> Typical magnitudes that several keys share. Radii: from balls of miniature bearings to slewing
-   !> rings [m]. Moduli: from soft silicone to diamond [Pa]. Speeds: from slow tests to aircraft
-   !> turbines [m/s]. Hardness: from soft polymers to diamond [Pa]. Hertzian pressures: from soft
-   !> seals to indentation [Pa]. Wavelengths: from what optics resolves to waviness [m]. Films: from
-   !> a molecule to a journal bearing [m].
+   !> Typical magnitudes. Radii: balls of miniature bearings to slewing rings [m]. Moduli: soft
+   !> silicone to diamond [Pa]. Speeds: slow tests to aircraft turbines [m/s]. Hardness: soft
+   !> polymers to diamond [Pa]. Hertzian pressures: soft seals to indentation [Pa]. Wavelengths:
+   !> optical resolution to waviness [m]. Films: a molecule to a journal bearing [m].
    character(*), parameter :: typical_radius = '1e-4 to 5', typical_modulus = '5e5 to 1.2e12', &
       typical_speed = '1e-3 to 200', typical_hardness = '1e7 to 1e11', &
       typical_pressure = '5e4 to 1e10', typical_wave = '5e-8 to 0.02', &
@@ -470,10 +469,9 @@ module input_keys
 contains
 
    !> Row of a key in `key_rows` for a problem (default: ehl_line); 0: the problem has no such key.
-   pure function find_key(group, key, problem) result(row)
+   pure integer function find_key(group, key, problem) result(row)
       character(*), intent(in) :: group, key
       character(*), intent(in), optional :: problem
-      integer :: row
       character(len=16) :: wanted
       character(len=len(key_rows%group)) :: padded_group
       character(len=len(key_rows%key)) :: padded_key
@@ -491,9 +489,8 @@ contains
    end function find_key
 
    !> Row of a group in `group_rows`; 0: not there.
-   pure function find_group(group) result(row)
+   pure integer function find_group(group) result(row)
       character(*), intent(in) :: group
-      integer :: row
 
       do row = size(group_rows), 1, -1
          if (group_rows(row)%group == group) return

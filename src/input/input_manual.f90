@@ -67,8 +67,7 @@ contains
    !> The lines of one key.
    pure function terminal_entry(row) result(text)
       type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text
-      character(:), allocatable :: head
+      character(:), allocatable :: text, head
 
       head = '  ' // row%key // ' ' // trim(kind_names(row%kind))
       if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) // ']'
@@ -113,8 +112,7 @@ contains
 
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
-      character(:), allocatable :: text
-      character(:), allocatable :: heading
+      character(:), allocatable :: text, heading
       integer :: group, i
 
       text = '# Input: the namelist' // nl // nl &
@@ -123,10 +121,13 @@ contains
       do group = 1, size(group_rows)
          heading = trim(group_rows(group)%meaning)
          heading(1:1) = achar(iachar(heading(1:1)) - 32)   ! a capital letter
-         text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl &
-            // heading // '.' // nl // nl &
-            // '| key | type | unit | default | range or words | meaning |' // nl &
-            // '|---|---|---|---|---|---|' // nl
+         text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl // heading // '.'
+         if (group_rows(group)%group == 'surface_2') then
+            text = text // ' The keys are those of &surface_1.' // nl
+            cycle
+         end if
+         text = text // nl // nl // '| key | type | unit | default | range or words | '// &
+            'meaning |' // nl // '|---|---|---|---|---|---|' // nl
          do i = 1, size(key_rows)
             if (key_rows(i)%group == group_rows(group)%group) text = &
                text // markdown_entry(key_rows(i))
@@ -137,15 +138,13 @@ contains
    !> One row of a table.
    pure function markdown_entry(row) result(text)
       type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text
-      character(:), allocatable :: range
+      character(:), allocatable :: text, range
 
       range = trim(row%range) // typical_text(row)
       if (row%words /= '') range = words_text(row)
-      text = '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) // ' | ' &
-         // trim(row%unit) &
-         // ' | ' // trim(row%default) // ' | ' &
-         // range // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
+      text = '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) // ' | ' // &
+         trim(row%unit) // ' | ' // trim(row%default) // ' | ' // range // ' | ' // &
+         trim(row%meaning) // conditions_text(row) // ' |' // nl
    end function markdown_entry
 
    !> The template of a `problem`.
@@ -169,8 +168,7 @@ contains
    !> One group; commented out altogether if no key of it is active.
    pure function group_text(problem, group, meaning) result(text)
       character(*), intent(in) :: problem, group, meaning
-      character(:), allocatable :: text
-      character(:), allocatable :: example, lines, mark
+      character(:), allocatable :: text, example, lines, mark
       integer :: i
 
       lines = ''
@@ -203,8 +201,7 @@ contains
    pure function key_text(row, example) result(text)
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: example
-      character(:), allocatable :: text
-      character(:), allocatable :: line, note
+      character(:), allocatable :: text, line, note
 
       line = '   ' // trim(row%key) // ' = ' // example
       if (example(1:1) == '!') line = '!  ' // trim(row%key) // ' = ' // example(3:)

@@ -42,13 +42,8 @@ module input_values
       !> What is wrong with the file.
       type(findings_t) :: findings
    contains
-      !> What a key has.
-      procedure :: slot, real_value, integer_value, logical_value, word_value, text_value
-      !> What is there, and where.
-      procedure :: is_given, has_value, has_group, line_of
-      !> Give a key a value; add a finding.
-      procedure :: give
-      procedure :: refuse, refuse_missing, refuse_unused
+      procedure :: slot, real_value, integer_value, logical_value, word_value, text_value, &
+         is_given, has_value, has_group, line_of, give, refuse, refuse_missing, refuse_unused
    end type input_values_t
 
 contains
@@ -63,11 +58,10 @@ contains
    end function slot
 
    !> The first real value of a key; `default` or 0 if there is none.
-   pure function real_value(self, group, key, default) result(value)
+   pure real(wp) function real_value(self, group, key, default) result(value)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
       real(wp), intent(in), optional :: default
-      real(wp) :: value
 
       value = 0.0_wp
       if (present(default)) value = default
@@ -77,19 +71,17 @@ contains
    end function real_value
 
    !> The integer of a key; 0 if there is none.
-   pure function integer_value(self, group, key) result(value)
+   pure integer function integer_value(self, group, key) result(value)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
-      integer :: value
 
       value = self%slots(find_key(group, key, self%problem))%integer
    end function integer_value
 
    !> Whether a key is true; false if it has no value.
-   pure function logical_value(self, group, key) result(value)
+   pure logical function logical_value(self, group, key) result(value)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
-      logical :: value
 
       value = self%slots(find_key(group, key, self%problem))%logical
    end function logical_value
@@ -116,37 +108,33 @@ contains
    end function text_value
 
    !> True if the user gave the key, also with a value that could not be read.
-   pure function is_given(self, group, key)
+   pure logical function is_given(self, group, key)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
-      logical :: is_given
 
       is_given = self%slots(find_key(group, key, self%problem))%is_given
    end function is_given
 
    !> True if the key has a value, given or default.
-   pure function has_value(self, group, key)
+   pure logical function has_value(self, group, key)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
-      logical :: has_value
 
       has_value = self%slots(find_key(group, key, self%problem))%has_value
    end function has_value
 
    !> True if the group is in the file.
-   pure function has_group(self, group)
+   pure logical function has_group(self, group)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group
-      logical :: has_group
 
       has_group = self%group_lines(find_group(group)) > 0
    end function has_group
 
    !> Line to report for a key: its own, else that of its group, else the last of the file.
-   pure function line_of(self, group, key) result(line)
+   pure integer function line_of(self, group, key) result(line)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
-      integer :: line
 
       line = 0
       if (len_trim(key) > 0) line = self%slots(find_key(group, key, self%problem))%line

@@ -9,16 +9,14 @@ module key_row
 
    public :: expected_value, has_word, is_in_range, is_typical, split_words, word_list
 
-   !> Kinds of values, what they are called in the manual, and what is expected of them (of words:
-   !> the words).
+   !> Kinds of values, their names in the manual and what is expected (of words: the words).
    integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, &
       word_kind = 4, text_kind = 5, reals_kind = 6, words_kind = 7
    character(len=7), parameter, public :: kind_names(*) = [character(len=7) :: 'real', 'integer', &
       'logical', 'word', 'text', 'reals', 'word']
    character(len=18), parameter :: expectations(*) = [character(len=18) :: 'a real number', &
       'an integer', '.true. or .false.', '', 'a quoted text', 'real numbers', 'a list of']
-   !> Defaults that are no value: must be given; chosen by the program; only with certain other
-   !> keys.
+   !> Defaults that are no value: required; chosen by the program; only with certain other keys.
    character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', &
       is_optional = '-'
 
@@ -55,13 +53,11 @@ module key_row
       character(len=96) :: words = ''
       !> Words that are known but not built yet, separated by blanks.
       character(len=40) :: later_words = ''
-      !> With what the key is used, and with what it must be given: rules of module key_rules;
-      !> empty: always, never.
+      !> With what the key is used and needed: rules of module key_rules; empty: always, never.
       character(len=80) :: used = '', needed = ''
       !> Value with &moes where none is given.
       character(len=8) :: moes_default = ''
-      !> Problems that use the key, separated by blanks. A key may have a row for each of several
-      !> problems.
+      !> Problems that use the key, separated by blanks; each may have a row of its own.
       character(len=32) :: problems = lubricated
       !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
       !> reported, as most often slips of a unit; empty: all of the range.
@@ -109,11 +105,9 @@ contains
       end do
    end function split_words
 
-   !> True if `word` is one of the blank-separated `words`. (Without a copy of either: reading a
-   !> case asks this some 4000 times.)
-   pure function has_word(words, word)
+   !> True if `word` is one of the blank-separated `words`: asked 4000 times a case, so no copies.
+   pure logical function has_word(words, word)
       character(*), intent(in) :: words, word
-      logical :: has_word
       integer :: before, first, found, next
 
       has_word = .false.
@@ -131,9 +125,8 @@ contains
    contains
 
       !> Whether there is no letter of `words` at a place.
-      pure function is_blank(place)
+      pure logical function is_blank(place)
          integer, intent(in) :: place
-         logical :: is_blank
 
          is_blank = place < 1 .or. place > len(words)
          if (.not. is_blank) is_blank = words(place:place) == ' '
@@ -141,12 +134,10 @@ contains
 
    end function has_word
 
-   !> True if `value` fulfils every comparison of the comma-separated `range`; true for an empty
-   !> range.
-   pure function is_in_range(value, range) result(inside)
+   !> True if `value` fulfils every comparison of the comma-separated `range`, which may be empty.
+   pure logical function is_in_range(value, range) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: range
-      logical :: inside
       integer :: start, length
 
       inside = .true.
@@ -160,10 +151,9 @@ contains
    end function is_in_range
 
    !> True if `value` is 0, or its magnitude within the `typical` range "LOWEST to LARGEST".
-   pure elemental function is_typical(value, typical) result(inside)
+   pure elemental logical function is_typical(value, typical) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: typical
-      logical :: inside
       real(wp) :: lowest, largest
       integer :: middle
       logical :: good(2)
@@ -176,10 +166,9 @@ contains
    end function is_typical
 
    !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two (times 3 or 5 or 7)".
-   pure function holds(value, comparison)
+   pure logical function holds(value, comparison)
       real(wp), intent(in) :: value
       character(*), intent(in) :: comparison
-      logical :: holds
       real(wp) :: bound
       integer :: blank, number
       logical :: good

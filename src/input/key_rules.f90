@@ -63,10 +63,9 @@ contains
    end subroutine check_use
 
    !> Whether a case has any use for a key.
-   function is_used(values, row)
+   logical function is_used(values, row)
       type(input_values_t), intent(in) :: values
       type(key_row_t), intent(in) :: row
-      logical :: is_used
       type(condition_t), allocatable :: conditions(:)
       integer :: i
 
@@ -93,10 +92,9 @@ contains
    end subroutine check_need
 
    !> Whether a condition holds, on either surface if it is about one.
-   function truth(values, condition)
+   integer function truth(values, condition)
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
-      integer :: truth
 
       if (condition%group == 'surface') then
          truth = max(truth_in(values, condition, 'surface_1'), &
@@ -107,11 +105,10 @@ contains
    end function truth
 
    !> Whether a condition holds in `group`.
-   function truth_in(values, condition, group) result(truth)
+   integer function truth_in(values, condition, group) result(truth)
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
       character(*), intent(in) :: group
-      integer :: truth
       logical :: holds
       integer :: row
 
@@ -128,10 +125,9 @@ contains
    end function truth_in
 
    !> Whether a condition holds for the key of a `slot`.
-   function truth_of(slot, condition) result(truth)
+   integer function truth_of(slot, condition) result(truth)
       type(value_t), intent(in) :: slot
       type(condition_t), intent(in) :: condition
-      integer :: truth
       real(wp) :: number
       logical, allocatable :: among(:)
       logical :: holds
@@ -180,8 +176,7 @@ contains
       end select
    end function opposite
 
-   !> The given keys of `values` outside the typical range of their row of the key table, one entry
-   !> each, with the first value that is.
+   !> Given keys outside the typical range of their row, each with the first value that is.
    pure function find_unusual(values) result(unusual)
       type(input_values_t), intent(in) :: values
       type(unusual_t), allocatable :: unusual(:)
@@ -199,8 +194,7 @@ contains
             if (question == '') question = unit_question(row, slot%reals(place))
             unusual = [unusual, unusual_t(slot%line, '&'//trim(row%group)//' '//trim(row%key) &
                //': '//number_text(slot%reals(place), 3)//' '//trim(row%unit) &
-               //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit), &
-               question)]
+               //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit), question)]
          end associate
       end do
    end function find_unusual

@@ -1,8 +1,8 @@
-!> From a case in SI to the dimensionless contact that the solver knows, and whether its grid and
-!> time step resolve ridges, dents and sinusoids and fit into memory. (The finest waves of measured
-!> and synthetic profiles may be noise: they get a note only.)
+!> The plan of a lubricated case: from SI to the dimensionless contact that the solver knows, with
+!> the domain, grid and time step that are given or chosen; whether these resolve ridges, dents and
+!> sinusoids and fit into memory. (The finest waves of measured and synthetic profiles may be noise:
+!> they get a note only.)
 module line_case
-   use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
@@ -13,108 +13,100 @@ module line_case
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features
    use scaling, only: scaled_fluid
-   use solver_settings, only: max_intervals_of, max_refined_intervals, solver_settings_t, &
-      time_settings_t
+   use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
    use surface_scaling, only: scaled_surface
-   use system_limits, only: memory_fault, of_blas
+   use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
    implicit none (type, external)
    private
 
-   public :: build_line_contact, check_resolution, scaled_solver
+   public :: plan_line_case
 
 contains
 
-   !> The contact of a case, with the domain that is given or chosen.
-   subroutine build_line_contact(case, contact)
-      type(case_t), intent(in) :: case
-      type(line_contact_t), intent(out) :: contact
-
-      contact%lambda = case%scaling%lambda
-      contact%moes_m_sum = moes_m_sum_from_mean(case%scaling%moes_m)
-      contact%moes_l_sum = moes_l_sum_from_mean(case%scaling%moes_l)
-      contact%slide_to_roll = case%scaling%slide_to_roll
-      contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
-      contact%domain = case%domain
-      if (case%scaling%is_dimensional) then
-         contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
-         contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
-      else
-         allocate (contact%surface_1%features(0), contact%surface_2%features(0))
-         contact%surface_1%speed = 1.0_wp
-         contact%surface_2%speed = 1.0_wp
-      end if
-      call choose_domain(contact, case%accuracy%target)
-      call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)
-      call place_surface(contact%surface_2, contact%domain%x_inlet, contact%domain%x_outlet)
-      if (case%time%is_transient) call place_features(contact)
-   end subroutine build_line_contact
-
-   !> The settings of the solver, with the floor of the film as H.
-   pure function scaled_solver(case) result(settings)
-      type(case_t), intent(in) :: case
-      type(solver_settings_t) :: settings
-
-      settings = case%solver
-      if (case%scaling%is_dimensional) settings%film_floor = case%film_floor/case%scaling%film
-   end function scaled_solver
-
-   !> Adds findings: grid or time step, given or chosen, are too coarse for the surfaces, or the
-   !> grid is too fine. Determines how far it may be refined.
-   subroutine check_resolution(values, case)
+   !> Plans a `case`: its contact, time step and settings of the solver. Adds findings: grid or time
+   !> step, given or chosen, are too coarse for the surfaces, or the grid is too fine. Determines
+   !> how far it may be refined.
+   subroutine plan_line_case(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
-      type(line_contact_t) :: contact
-      type(time_settings_t) :: time
+      type(time_settings_t) :: given
 
-      call build_line_contact(case, contact)
-      if (.not. (case%has_moes .or. case%accuracy%target > 0.0_wp)) then
-         time = case%time
-         call choose_time_step(contact, time)
-         call check_wave(values, 'surface_1', contact%surface_1, contact, &
-            case%scaling%half_width, time%time_step)
-         call check_wave(values, 'surface_2', contact%surface_2, contact, &
-            case%scaling%half_width, time%time_step)
+      given = case%time
+      call build_contact(case)
+      call choose_time_step(case%contact, case%time)
+      if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
+         /case%scaling%film
+      if (case%scaling%is_dimensional .and. .not. case%solver%target > 0.0_wp) then
+         call check_wave(values, 'surface_1', case%contact%surface_1, case)
+         call check_wave(values, 'surface_2', case%contact%surface_2, case)
       end if
-      if (values%findings%count == 0) call check_grid(values, case, contact)
-   end subroutine check_resolution
+      if (values%findings%count == 0) call check_grid(values, given, case)
+   end subroutine plan_line_case
+
+   !> The contact of a case, with the domain that is given or chosen.
+   subroutine build_contact(case)
+      type(case_t), intent(inout) :: case
+
+      associate (contact => case%contact)
+         contact%lambda = case%scaling%lambda
+         contact%moes_m_sum = moes_m_sum_from_mean(case%scaling%moes_m)
+         contact%moes_l_sum = moes_l_sum_from_mean(case%scaling%moes_l)
+         contact%slide_to_roll = case%scaling%slide_to_roll
+         contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
+         contact%domain = case%domain
+         if (case%scaling%is_dimensional) then
+            contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
+            contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
+         else
+            allocate (contact%surface_1%features(0), contact%surface_2%features(0))
+            contact%surface_1%speed = 1.0_wp
+            contact%surface_2%speed = 1.0_wp
+         end if
+         call choose_domain(contact, case%solver%target)
+         call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)
+         call place_surface(contact%surface_2, contact%domain%x_inlet, contact%domain%x_outlet)
+         if (case%time%is_transient) call place_features(contact)
+      end associate
+   end subroutine build_contact
 
    !> Finding, without a line: the grid that the program chooses is too fine for the method, or for
-   !> the memory. Determines for how many intervals there is memory.
-   subroutine check_grid(values, case, contact)
+   !> the memory, with the time step of `given`. Determines for how many intervals there is memory.
+   subroutine check_grid(values, given, case)
       type(input_values_t), intent(inout) :: values
+      type(time_settings_t), intent(in) :: given
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
       character(:), allocatable :: fault
 
-      associate (intervals => contact%domain%intervals, method => case%solver%method, &
+      associate (intervals => case%contact%domain%intervals, method => case%solver%method, &
          most => case%solver%max_intervals)
-         fault = memory_fault_on(case, contact, intervals)
+         fault = memory_fault_on(case, given, intervals)
          if (intervals > max_intervals_of(method)) fault = 'found '//to_text(intervals) &
             //' intervals, which the program chooses, expected at most ' &
             //to_text(max_intervals_of(method))//" with method = '"//trim(method)//"'"
          if (fault /= '') call values%findings%add(0, 'domain', 'intervals', fault)
          most = max_refined_intervals
-         do while (most > intervals .and. memory_fault_on(case, contact, most) /= '')
+         do while (most > intervals .and. memory_fault_on(case, given, most) /= '')
             most = most/2
          end do
       end associate
    end subroutine check_grid
 
-   !> What is wrong with the memory that a grid of so many `intervals` needs.
-   function memory_fault_on(case, contact, intervals) result(fault)
+   !> What is wrong with the memory that a grid of so many `intervals` needs, with the time step of
+   !> `given`.
+   function memory_fault_on(case, given, intervals) result(fault)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(in) :: given
       integer, intent(in) :: intervals
       character(:), allocatable :: fault
       type(line_contact_t) :: trial
       type(time_settings_t) :: time
       real(wp) :: steps
 
-      trial = contact
+      trial = case%contact
       trial%domain%intervals = intervals
-      time = case%time
+      time = given
       call choose_time_step(trial, time)
       steps = 0.0_wp
       if (time%is_transient) steps = time%end_time/time%time_step
@@ -122,35 +114,36 @@ contains
          case%solver%method == 'newton_dense', case%layers), of_blas)
    end function memory_fault_on
 
-   !> Finds a wave that falls between the nodes of the grid (lengths over `half_width` [m]), or
-   !> passes within two of the given time steps.
-   subroutine check_wave(values, group, surface, contact, half_width, time_step)
+   !> Finds a wave that falls between the nodes of the grid, or passes within two of the given time
+   !> steps.
+   subroutine check_wave(values, group, surface, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(rough_surface_t), intent(in) :: surface
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: half_width, time_step
+      type(case_t), intent(in) :: case
       real(wp) :: wave, dx, nodes, way
 
       if (size(surface%features) == 0) return
       wave = minval(surface%features%wavelength)
-      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
-      nodes = wave/dx
-      way = abs(surface%speed)*time_step
-      if (nodes < min_in_a_wave .and. values%has_value('domain', 'intervals')) then
-         call values%refuse('domain', 'intervals', 'found '//to_text(contact%domain%intervals) &
-            //', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
-            to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
-            to_text(intervals_at_least(min_in_a_wave*contact%domain%intervals/nodes)) &
+      associate (domain => case%contact%domain, half_width => case%scaling%half_width)
+         dx = (domain%x_outlet - domain%x_inlet)/domain%intervals
+         nodes = wave/dx
+         if (nodes < min_in_a_wave .and. values%has_value('domain', 'intervals')) then
+            call values%refuse('domain', 'intervals', 'found '//to_text(domain%intervals) &
+               //', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
+               to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
+               to_text(intervals_at_least(min_in_a_wave*domain%intervals/nodes)) &
                //', two nodes in a wave')
-      else if (nodes < min_in_a_wave) then
-         call values%refuse(group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
-            ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
-            'expected at least '//to_text(min_in_a_wave*dx*half_width, 3) &
+         else if (nodes < min_in_a_wave) then
+            call values%refuse(group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
+               ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
+               'expected at least '//to_text(min_in_a_wave*dx*half_width, 3) &
                //' m, or intervals in &domain')
-      end if
+         end if
+      end associate
+      way = abs(surface%speed)*case%time%time_step
       if (wave < min_in_a_wave*way .and. values%has_value('time', 'time_step')) call &
-         values%refuse('time', 'time_step', 'found '//to_text(time_step, 3)// &
+         values%refuse('time', 'time_step', 'found '//to_text(case%time%time_step, 3)// &
             ', in which &'//group//' moves by '//to_text(way/wave, 2) &
             //' of its wavelength, expected at most '// &
             to_text(wave/(min_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')

@@ -29,9 +29,8 @@ module line_profiles
    real(wp), parameter :: usual_domain = 30.0_wp
    !> Smooth entry of a profile where it is not given [half-widths].
    real(wp), parameter :: usual_entry = 1.0_wp
-   !> A profile of at most this many nodes is made at once; a longer one is put together from
-   !> pieces. Each piece has at least 32 of the longest waves, which are at most `max_waves` times
-   !> as long as the shortest.
+   !> A profile of at most this many nodes is made at once, a longer one from pieces of at least 32
+   !> of the longest waves, which are at most `max_waves` times as long as the shortest.
    integer, parameter :: max_nodes = 2**20, max_waves = max_nodes/(32*nodes_per_wave)
    !> Rms height over the expected film from which a note is given, and above which it is refused.
    real(wp), parameter :: many_films = 10.0_wp, most_films = 1000.0_wp
@@ -40,8 +39,7 @@ module line_profiles
 
 contains
 
-   !> The surface `group` of a `case`: its features, its entry and, for shape 'file' or 'synthetic',
-   !> its profile. Findings: the file; the synthesis.
+   !> The surface `group` of a `case`: features, entry, profile. Findings: the file; the synthesis.
    subroutine make_surface(values, group, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -78,8 +76,7 @@ contains
       end if
    end subroutine make_surface
 
-   !> Heights of the file, which are read as they are needed; with harmonics they are periodic and
-   !> held in memory.
+   !> Heights of the file, read as they are needed; with harmonics periodic and held in memory.
    subroutine fill_from_file(values, group, case, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -138,8 +135,7 @@ contains
       end if
    end subroutine compare_with_film
 
-   !> The truncated Fourier series of a whole profile, which is held from now on. Findings: too many
-   !> nodes; more harmonics than they have.
+   !> The truncated Fourier series of a profile, then held. Findings: too many nodes, harmonics.
    subroutine truncate_profile(values, group, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -166,8 +162,7 @@ contains
          *profile%spacing/harmonics
    end subroutine truncate_profile
 
-   !> Heights with a wanted spectrum, long enough for the whole passage at `speed` [m/s]; after it
-   !> they repeat.
+   !> Heights with a wanted spectrum, as long as the passage at `speed` [m/s]; then they repeat.
    subroutine fill_synthetic(values, group, case, speed, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -214,8 +209,7 @@ contains
       if (length*nodes_per_wave > max_nodes*wanted%wavelength_short) then
          profile%spacing = wanted%wavelength_short/nodes_per_wave
          half = least_half
-         do while (half < max_nodes/(2*max_waves)*(wanted%wavelength_long &
-            /wanted%wavelength_short))
+         do while (half < max_nodes/(2*max_waves)*(wanted%wavelength_long/wanted%wavelength_short))
             half = 2*half
          end do
          profile%window = half
@@ -235,10 +229,9 @@ contains
    end subroutine synthesise
 
    !> Length of a surface that passes through the domain or lies in it [m]; `speed` [m/s].
-   function passage(case, speed) result(length)
+   real(wp) function passage(case, speed) result(length)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: speed
-      real(wp) :: length
 
       length = usual_domain
       if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet &
@@ -248,9 +241,8 @@ contains
       length = length*case%scaling%half_width
    end function passage
 
-   !> Where a scaled surface is at time 0 (lengths in half-widths): what is given is the centre of
-   !> the profile; else a moving profile has its leading end at the end of the domain where it
-   !> enters, one at rest its centre at X = 0.
+   !> Places a scaled surface at time 0 (lengths in half-widths): a given position is its centre;
+   !> else a moving profile is about to enter the domain, one at rest has its centre at X = 0.
    pure subroutine place_surface(surface, x_inlet, x_outlet)
       type(rough_surface_t), intent(inout) :: surface
       real(wp), intent(in) :: x_inlet, x_outlet

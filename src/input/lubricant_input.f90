@@ -18,8 +18,7 @@ module lubricant_input
 
 contains
 
-   !> Gives P0 of Roelands its usual value if alpha is the only parameter of the law that is given;
-   !> `is_alone` says so.
+   !> Gives P0 of Roelands its usual value if alpha is the only parameter given: `is_alone`.
    subroutine complete_alpha(values, is_alone)
       type(input_values_t), intent(inout) :: values
       logical, intent(out) :: is_alone
@@ -32,8 +31,7 @@ contains
          usual('roelands_p0'))
    end subroutine complete_alpha
 
-   !> Adds findings: parameters of Roelands' law that are too few or contradict each other; laws
-   !> that &moes excludes.
+   !> Findings: too few or contradictory parameters of Roelands' law; laws that &moes excludes.
    subroutine check_lubricant(values)
       type(input_values_t), intent(inout) :: values
 
@@ -45,8 +43,7 @@ contains
       end if
    end subroutine check_lubricant
 
-   !> Finds fewer than two of alpha (which gets the usual P0), P0, z, or three that contradict each
-   !> other by (2.27).
+   !> Finds too few of alpha (alone with the usual P0), P0, z, or three that contradict (2.27).
    subroutine check_roelands(values)
       type(input_values_t), intent(inout) :: values
       type(error_t), allocatable :: error
@@ -78,10 +75,9 @@ contains
             // ', expected more than ' // to_text(exp(-roelands_log_shift), 3) &
             // " [Pa s] with viscosity_law = 'roelands'")
       else
-         call values%refuse('lubricant', 'pressure_viscosity', 'found ' &
-            // to_text(number(2), 5) // ' beside roelands_p0 and roelands_z, expected ' &
-            // to_text(roelands_alpha(number(1), number(3), number(4)), 5) &
-            // ' [1/Pa] by (2.27), or only two of the three')
+         call values%refuse('lubricant', 'pressure_viscosity', 'found '// to_text(number(2), 5) // &
+            ' beside roelands_p0 and roelands_z, expected ' // to_text(roelands_alpha(number(1), &
+            number(3), number(4)), 5) // ' [1/Pa] by (2.27), or only two of the three')
       end if
    end subroutine check_roelands
 
@@ -154,9 +150,8 @@ contains
    end subroutine fill_lubricant
 
    !> The usual value of a parameter, that with &moes where none is given.
-   function usual(key) result(value)
+   real(wp) function usual(key) result(value)
       character(*), intent(in) :: key
-      real(wp) :: value
       logical :: good
 
       call read_real(trim(key_rows(find_key('lubricant', key))%moes_default), value, good)

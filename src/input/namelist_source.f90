@@ -1,5 +1,4 @@
-!> The text of a namelist file as its parser sees it: comments taken out, strings marked, lines
-!> counted.
+!> A namelist file as its parser sees it: comments taken out, strings marked, lines counted.
 module namelist_source
    use findings, only: findings_t, quoted
    implicit none (type, external)
@@ -20,14 +19,12 @@ module namelist_source
    character(*), parameter, public :: line_feed = achar(10)
    character(*), parameter :: tab = achar(9), form_feed = achar(12), carriage_return = achar(13)
    character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
-   character(*), &
-      parameter :: name_characters = &
+   character(*), parameter :: name_characters = &
       'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_'
 
 contains
 
-   !> Takes out comments and line ends, marks strings and counts lines. Finding: a string that is
-   !> not closed on its line.
+   !> Removes comments and line ends, marks strings, counts lines. Finding: a string left open.
    subroutine new_source(source, content, findings)
       type(source_t), intent(out) :: source
       character(*), intent(in) :: content
@@ -36,7 +33,7 @@ contains
       character(len=1) :: mark
       logical :: in_comment
 
-      source%text = without_returns(content) // line_feed
+      source%text = content // line_feed
       allocate (source%in_string(len(source%text)), source%line(len(source%text)))
       source%in_string = .false.
       mark = ' '
@@ -47,6 +44,7 @@ contains
       do i = 1, len(source%text)
          source%line(i) = line
          associate (byte => source%text(i:i))
+            if (byte == carriage_return) byte = ' '   ! a line feed follows
             if (byte == line_feed) then
                if (mark /= ' ') then
                   call findings%add(line, '', '', 'found the string '// &
@@ -75,27 +73,10 @@ contains
       end do
    end subroutine new_source
 
-   !> `content` without carriage returns; a line feed follows each.
-   pure function without_returns(content) result(text)
-      character(*), intent(in) :: content
-      character(:), allocatable :: text
-      integer :: i, length
-
-      text = content
-      length = 0
-      do i = 1, len(content)
-         if (content(i:i) == carriage_return) cycle
-         length = length + 1
-         text(length:length) = content(i:i)
-      end do
-      text = text(:length)
-   end function without_returns
-
    !> Position of the next `=` outside strings from `first` on; last + 1: none.
-   pure function next_equals(source, first, last) result(position)
+   pure integer function next_equals(source, first, last) result(position)
       type(source_t), intent(in) :: source
       integer, intent(in) :: first, last
-      integer :: position
 
       do position = first, last
          if (source%text(position:position) == '=' .and. .not. source%in_string(position)) return
@@ -103,13 +84,11 @@ contains
       position = last + 1
    end function next_equals
 
-   !> First character of the key (with its subscript) that stands before the `=` at `sign`, not
-   !> before `first`.
+   !> First character, from `first` on, of the key (with subscript) before the `=` at `sign`.
    pure function key_start(text, first, sign) result(start)
       character(*), intent(in) :: text
       integer, intent(in) :: first, sign
-      integer :: start
-      integer :: bracket, last
+      integer :: start, bracket, last
 
       last = first - 1 + len_trim(text(first:sign - 1))
       if (index(text(first:last), ')', back=.true.) == last - first + 1) then
@@ -121,10 +100,9 @@ contains
    end function key_start
 
    !> Last character of the name that starts at `first`; first - 1: no name there.
-   pure function name_end(text, first) result(last)
+   pure integer function name_end(text, first) result(last)
       character(*), intent(in) :: text
       integer, intent(in) :: first
-      integer :: last
 
       last = first - 2 + verify(text(first:), name_characters)
       if (last < first - 1) last = len(text)

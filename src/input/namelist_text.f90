@@ -47,8 +47,7 @@ module namelist_text
    type :: namelist_text_t
       type(group_t), allocatable :: groups(:)
       type(entry_t), allocatable :: entries(:)
-      integer :: group_count = 0
-      integer :: entry_count = 0
+      integer :: group_count = 0, entry_count = 0
       !> Number of lines of the file.
       integer :: lines = 0
    end type namelist_text_t
@@ -89,9 +88,8 @@ contains
          if (position <= len(source%text)) call read_group(source, position, pieces, findings)
          if (pieces%group_count < max_groups .and. pieces%entry_count < max_entries) cycle
          call findings%add(source%line(min(position, len(source%text))), '', '', &
-            'found more than ' // to_text(max_groups) &
-            // ' groups or ' // to_text(max_entries) // ' entries, expected a namelist of a '// &
-               'few dozen')
+            'found more than ' // to_text(max_groups) // ' groups or ' // to_text(max_entries) // &
+            ' entries, expected a namelist of a few dozen')
          exit
       end do
    end subroutine split_namelist
@@ -122,8 +120,7 @@ contains
       end do
    end subroutine read_outside
 
-   !> A hint, if the text at `position` is a comment of other languages, or follows the / of a group
-   !> on the same line.
+   !> A hint, if the text at `position` is a comment of other languages or follows a group's /.
    pure function place_hint(source, position) result(hint)
       type(source_t), intent(in) :: source
       integer, intent(in) :: position
@@ -138,15 +135,14 @@ contains
          == '/') hint = ' (a / that is not in quotes ends the group)'
    end function place_hint
 
-   !> Reads one group; `position` is at its `&` and ends after its `/`. Findings: no name,
-   !> repeated, not closed.
+   !> Reads one group, from its `&` to behind its `/`. Findings: no name, repeated, not closed.
    subroutine read_group(source, position, pieces, findings)
       type(source_t), intent(in) :: source
       integer, intent(inout) :: position
       type(namelist_text_t), intent(inout) :: pieces
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: name
-      integer :: line, first, last, earlier
+      integer :: line, first, last, earlier, i
 
       line = source%line(position)
       first = position + 1
@@ -160,7 +156,10 @@ contains
          return
       end if
       call find_group_end(source, position, last, name, line, findings)
-      earlier = group_line(pieces, name)
+      earlier = 0
+      do i = 1, pieces%group_count
+         if (pieces%groups(i)%name == name) earlier = pieces%groups(i)%line
+      end do
       if (earlier > 0) then
          call findings%add(line, name, '', 'found the group a second time, expected it once '// &
             '(line ' // to_text(earlier) // ')')
@@ -178,8 +177,7 @@ contains
       end if
    end subroutine read_group
 
-   !> Finds `last`, the last character inside the group: before its `/`, `&end`, the next `&` or the
-   !> end of the file. Finding: the group is not closed.
+   !> Finds `last`, before the `/`, `&end`, next `&` or end of the file. Finding: group not closed.
    subroutine find_group_end(source, first, last, name, line, findings)
       type(source_t), intent(in) :: source
       integer, intent(in) :: first, line
@@ -293,8 +291,7 @@ contains
    pure function repeated_line(pieces, entry) result(line)
       type(namelist_text_t), intent(in) :: pieces
       type(entry_t), intent(in) :: entry
-      integer :: line
-      integer :: i
+      integer :: line, i
 
       line = 0
       do i = pieces%entry_count, 1, -1
@@ -305,18 +302,5 @@ contains
          end if
       end do
    end function repeated_line
-
-   !> Line of the group `name`; 0: not in the file.
-   pure function group_line(pieces, name) result(line)
-      type(namelist_text_t), intent(in) :: pieces
-      character(*), intent(in) :: name
-      integer :: line
-      integer :: i
-
-      line = 0
-      do i = 1, pieces%group_count
-         if (pieces%groups(i)%name == name) line = pieces%groups(i)%line
-      end do
-   end function group_line
 
 end module namelist_text

@@ -149,8 +149,7 @@ contains
    !> Reads a logical in any case: true, false, t, f, with a point before it or on both sides.
    subroutine read_logical(piece, value, good)
       type(piece_t), intent(in) :: piece
-      logical, intent(out) :: value
-      logical, intent(out) :: good
+      logical, intent(out) :: value, good
 
       value = .false.
       good = .not. piece%is_string

@@ -70,9 +70,8 @@ contains
    end function with_quotes
 
    !> Whether a value has nothing that would end it, a comment or a group in it.
-   pure function is_one_value(value)
+   pure logical function is_one_value(value)
       character(*), intent(in) :: value
-      logical :: is_one_value
       character(len=1) :: mark
       integer :: i
 
@@ -105,8 +104,7 @@ contains
       end do
    end subroutine put_entries
 
-   !> Makes findings about `entries` (n), and about a group that has no others in `pieces`, name
-   !> --set as their source.
+   !> Lets findings name --set: those about `entries` (n) and about groups without others.
    subroutine mark_entries(entries, pieces, findings)
       type(set_entry_t), intent(in) :: entries(:)
       type(namelist_text_t), intent(in) :: pieces

@@ -1,5 +1,4 @@
-!> &surface_1 and &surface_2: features and synthesis that their keys describe; arrays that belong
-!> together, and motion that needs a transient.
+!> &surface_1 and &surface_2: features, synthesis, arrays that belong together, motion in time.
 module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
@@ -18,10 +17,9 @@ module surface_keys
 contains
 
    !> True if the surface `group` has the shape `word`.
-   pure elemental function has_shape(values, group, word)
+   pure elemental logical function has_shape(values, group, word)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, word
-      logical :: has_shape
       type(value_t) :: shape
 
       shape = values%slot(group, 'shape')
@@ -50,9 +48,8 @@ contains
       end do
    end function features_of
 
-   !> The heights that the surface `group` wants; `longest` and `shortest` are its longest and
-   !> shortest wave [m] where it does not give them, and the roll-off is at the longest then.
-   !> Findings: wavelengths out of order.
+   !> The synthesis that the surface `group` wants; `longest` (of the roll-off too) and `shortest`
+   !> are its waves [m] where it gives none. Findings: wavelengths out of order.
    subroutine read_synthesis(values, group, longest, shortest, wanted)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -74,8 +71,7 @@ contains
          //' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
    end subroutine read_synthesis
 
-   !> Findings about the surface `group` that moves at the key `speed` of &bodies: shapes that do
-   !> not go together, motion in a steady case.
+   !> Findings: shapes that do not go together; a surface with `speed` of &bodies in a steady case.
    subroutine check_surface(values, group, speed)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group, speed

@@ -43,8 +43,7 @@ contains
    pure function form_hint(values, is_whole) result(hint)
       character(*), intent(in) :: values
       logical, intent(in) :: is_whole
-      character(:), allocatable :: hint
-      character(:), allocatable :: number, rest
+      character(:), allocatable :: hint, number, rest
 
       hint = ''
       rest = trim(adjustl(values(scan(values, ' ') + 1:)))
@@ -66,9 +65,8 @@ contains
 
    !> Whether a text is one number but for its one comma: digits in front of it, digits and an
    !> exponent behind it.
-   pure function has_decimal_comma(text) result(has)
+   pure logical function has_decimal_comma(text) result(has)
       character(*), intent(in) :: text
-      logical :: has
       integer :: comma, last
 
       has = .false.
@@ -82,10 +80,9 @@ contains
 
    !> Whether a text is one number but for commas between its digits, three by three: several
    !> commas, one in front of a decimal point, or one in a whole number.
-   pure function has_groups(text, is_whole) result(has)
+   pure logical function has_groups(text, is_whole) result(has)
       character(*), intent(in) :: text
       logical, intent(in) :: is_whole
-      logical :: has
       character(:), allocatable :: rest
       integer :: commas
 
@@ -126,11 +123,9 @@ contains
       end do
    end function answer_to
 
-   !> The name of `names` with the smallest edit distance to `name`; empty if none is near (a third
-   !> of its letters).
+   !> The name nearest to `name` by edit distance; empty if none is within a third of its letters.
    pure function nearest_known(name, names) result(found)
-      character(*), intent(in) :: name
-      character(*), intent(in) :: names(:)
+      character(*), intent(in) :: name, names(:)
       character(:), allocatable :: found
       integer :: i, distance, smallest
 
@@ -149,9 +144,7 @@ contains
    !> Fewest insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`.
    pure function edit_distance(a, b) result(distance)
       character(*), intent(in) :: a, b
-      integer :: distance
-      integer :: i, j, cost
-      integer :: d(0:len(a), 0:len(b))
+      integer :: distance, i, j, cost, d(0:len(a), 0:len(b))
 
       d(:, 0) = [(i, i=0, len(a))]
       d(0, :) = [(j, j=0, len(b))]

@@ -1,12 +1,10 @@
 !> From the entries of a namelist to the values of a case.
 !>
-!> They are read one by one, so that every failure has its line, group and key. What a value means
-!> for the case is decided in `case_input`.
+!> One by one, so that each failure has its line, group and key; `case_input` gives them meaning.
 module value_reader
    use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t, quoted
-   use input_keys, only: find_group, find_key, group_rows, key_rows, &
-      renamed_words
+   use input_keys, only: find_group, find_key, group_rows, key_rows, renamed_words
    use input_values, only: input_values_t, value_t
    use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_in_range, &
       is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, &

@@ -7,11 +7,11 @@ module iteration_report
    implicit none (type, external)
    private
 
-   public :: breakdown_t, report_t
+   public :: breakdown_t, cycle_numbers_t, report_t
 
    !> Number of phases whose wall time is kept apart.
    integer, parameter, public :: phase_count = 6
-   !> Index of a phase in `report_t%phase_seconds`: kernels, levels, plans and storage.
+   !> Index of a phase in `cost_t%phase_seconds`: kernels, levels, plans and storage.
    integer, parameter, public :: phase_setup = 1
    !> The steady solution (also the one that a transient starts from).
    integer, parameter, public :: phase_steady = 2
@@ -42,6 +42,49 @@ module iteration_report
       real(wp) :: smallest_film = huge(1.0_wp)
    end type breakdown_t
 
+   !> Numbers of a method. Zero: chosen by the program; in a report: not used.
+   type :: cycle_numbers_t
+      !> Bound on the residuals and the load error [-].
+      real(wp) :: tolerance = 0.0_wp
+      !> Largest number of cycles for one solution (of each time step).
+      integer :: max_cycles = 0
+      !> Grid levels, the finest counted.
+      integer :: levels = 0
+      !> Smoothing sweeps before and after the coarse-grid correction, and on the coarsest level
+      !> where it is not solved exactly.
+      integer :: pre_sweeps = 0, post_sweeps = 0, coarse_sweeps = 0
+      !> Under-relaxation of the smoother, 0 < relaxation <= 1, and of the force balance [-].
+      real(wp) :: relaxation = 0.0_wp, load_relaxation = 0.0_wp
+   end type cycle_numbers_t
+
+   !> What a solve has cost.
+   type :: cost_t
+      !> Pairs of forward and backward transforms.
+      integer(int64) :: fft_pairs = 0_int64
+      !> Sweeps, each weighted by its share of the nodes of the finest level [-].
+      real(wp) :: work_units = 0.0_wp
+      !> Wall time of the whole solve, and by phase, see `phase_names` [s].
+      real(wp) :: wall_seconds = 0.0_wp, phase_seconds(phase_count) = 0.0_wp
+      !> Most memory of the process [bytes]; 0: not told.
+      real(wp) :: peak_memory = 0.0_wp
+   end type cost_t
+
+   !> How well domain, grid and time step fit the contact.
+   type :: fit_t
+      !> Relative errors of the film thickness and of the largest pressure because the domain ends
+      !> at its inlet [-].
+      real(wp) :: inlet_error = 0.0_wp, inlet_pressure_error = 0.0_wp
+      !> Largest P of the last node before the outlet over all solutions; above 0 the outlet cuts
+      !> the film off [-].
+      real(wp) :: outlet_pressure = 0.0_wp
+      !> Nodes of the grid in the finest wave of the surfaces, steps in which the finest moving one
+      !> passes a place; huge: there is none.
+      real(wp) :: nodes_per_wave = huge(1.0_wp), steps_per_wave = huge(1.0_wp)
+      !> Steps of the start that were not cut, because their parts had no solution: less accurate
+      !> there.
+      integer :: uncut_steps = 0
+   end type fit_t
+
    !> Outcome, history and cost of one solve.
    type :: report_t
       !> Residual and load error are below `tolerance_effective` (of the last solve, and of every
@@ -49,62 +92,34 @@ module iteration_report
       logical :: converged = .false.
       !> Why the solver ended; 'converged', or what stood in the way.
       character(:), allocatable :: reason
-      !> Method that was used, 'auto' resolved.
+      !> Method that was used, 'auto' resolved, and its numbers, in a transient those of the time
+      !> steps.
       character(:), allocatable :: method
-      !> What the method used, in a transient that of the time steps: bounds, sweeps,
-      !> under-relaxation; 0: not used by it.
-      real(wp) :: tolerance = 0.0_wp, relaxation = 0.0_wp, load_relaxation = 0.0_wp
-      integer :: max_cycles = 0, pre_sweeps = 0, post_sweeps = 0, coarse_sweeps = 0
+      type(cycle_numbers_t) :: numbers
+      type(cost_t) :: cost
+      type(fit_t) :: fit
       !> Films below the floor.
       type(breakdown_t) :: breakdown
-      !> Nodes of the grid in the finest wave of the surfaces, steps in which the finest moving one
-      !> passes a place; huge: there is none.
-      real(wp) :: nodes_per_wave = huge(1.0_wp), steps_per_wave = huge(1.0_wp)
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
       !> Cycles (or iterations) on the finest level, time steps included.
       integer :: cycles = 0
-      !> Grid levels, the finest counted.
-      integer :: levels = 0
       !> Time steps done.
       integer :: steps = 0
-      !> Steps of the start that were taken whole, because their parts had no solution: less
-      !> accurate there.
-      integer :: uncut_steps = 0
       !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
       real(wp) :: residual = huge(1.0_wp)
       !> Last |dX sum P - pi/2| [-].
       real(wp) :: load_error = huge(1.0_wp)
       !> max(tolerance, 5 x round-off floor of the residual) [-].
       real(wp) :: tolerance_effective = 0.0_wp
-      !> Relative error of the film thickness because the domain ends at its inlet [-].
-      real(wp) :: inlet_error = 0.0_wp
-      !> The same of the largest pressure.
-      real(wp) :: inlet_pressure_error = 0.0_wp
-      !> Largest P of the last node before the outlet over all solutions; above 0 the outlet cuts
-      !> the film off [-].
-      real(wp) :: outlet_pressure = 0.0_wp
-      !> Pairs of forward and backward transforms.
-      integer(int64) :: fft_pairs = 0_int64
-      !> Sweeps, each weighted by its share of the nodes of the finest level [-].
-      real(wp) :: work_units = 0.0_wp
-      !> Wall time of the whole solve [s].
-      real(wp) :: wall_seconds = 0.0_wp
-      !> Most memory of the process [bytes]; 0: not told.
-      real(wp) :: peak_memory = 0.0_wp
-      !> Wall time by phase [s], see `phase_names`.
-      real(wp) :: phase_seconds(phase_count) = 0.0_wp
-      !> Entries of the history in use; the two arrays below may be longer.
-      integer :: history_size = 0
-      real(wp), allocatable, private :: residuals(:)
-      real(wp), allocatable, private :: load_errors(:)
+      !> Residual and load error after each cycle (2, history_size or more).
+      real(wp), allocatable, private :: history(:, :)
+      integer, private :: history_size = 0
    contains
       !> Appends one cycle to the history and counts it.
       procedure :: add
-      !> Residual after each cycle (history_size) [-].
-      procedure :: residual_history
-      !> Load error after each cycle (history_size) [-].
-      procedure :: load_error_history
+      !> Residual, load error after each cycle (history_size) [-].
+      procedure :: residual_history, load_error_history
       !> Takes over a history that was kept, in place of the present one.
       procedure :: restore
    end type report_t
@@ -117,14 +132,11 @@ contains
       class(report_t), intent(inout) :: self
       real(wp), intent(in) :: residual, load_error
 
-      if (.not. allocated(self%residuals)) allocate (self%residuals(32), self%load_errors(32))
-      if (self%history_size == size(self%residuals)) then
-         self%residuals = [self%residuals, self%residuals]
-         self%load_errors = [self%load_errors, self%load_errors]
-      end if
+      if (.not. allocated(self%history)) allocate (self%history(2, 32))
+      if (self%history_size == size(self%history, 2)) self%history = reshape([self%history, &
+         self%history], [2, 2*self%history_size])
       self%history_size = self%history_size + 1
-      self%residuals(self%history_size) = residual
-      self%load_errors(self%history_size) = load_error
+      self%history(:, self%history_size) = [residual, load_error]
       self%residual = residual
       self%load_error = load_error
       self%cycles = self%cycles + 1
@@ -136,7 +148,7 @@ contains
       real(wp), allocatable :: history(:)
 
       allocate (history(self%history_size))
-      if (self%history_size > 0) history = self%residuals(:self%history_size)
+      if (self%history_size > 0) history = self%history(1, :self%history_size)
    end function residual_history
 
    !> The load error after each cycle (history_size) [-].
@@ -145,7 +157,7 @@ contains
       real(wp), allocatable :: history(:)
 
       allocate (history(self%history_size))
-      if (self%history_size > 0) history = self%load_errors(:self%history_size)
+      if (self%history_size > 0) history = self%history(2, :self%history_size)
    end function load_error_history
 
    !> Takes over `residuals` and `load_errors` [-], one each a cycle; `cycles` becomes their number.

@@ -2,9 +2,8 @@
 !> choice changes; and all of them in one line of the closing table.
 module adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use adequacy, only: adequacy_t, compared, influence_t
-   use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: new_label, write_dataset
+   use adequacy, only: adequacy_t, compared
+   use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use quantities, only: quantity_count, quantity_rows
@@ -26,7 +25,7 @@ contains
    subroutine write_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
       type(adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: group
+      character(:), allocatable :: group, source
       logical :: is_compared(quantity_count)
       integer :: i, k
 
@@ -35,7 +34,14 @@ contains
       do i = 1, size(adequacy%rows)
          group = '/adequacy/'//trim(adequacy%rows(i)%name)
          associate (row => adequacy%rows(i))
-            call write_influence(file, row, source_of(row), pack(quantity_rows%name, is_compared), &
+            source = 'the case on coarser grids'
+            if (row%is_at_rest) source = 'the smooth steady contact on coarser grids'
+            if (row%has_roughness) source = 'the smooth steady contact on coarser grids, with '// &
+               'the error that roughness adds'
+            if (row%is_numerical) source = from_estimates
+            if (row%name == 'time_step') source = 'runs of the error estimates, or a coarse '// &
+               'grid with twice its time step'
+            call write_influence(file, row, source, pack(quantity_rows%name, is_compared), &
                pack(row%change, is_compared), pack(row%error, is_compared))
             call write_attribute(file, group, 'left_out', row%left_out)
             do k = 1, quantity_count
@@ -55,20 +61,6 @@ contains
       if (all(adequacy%in_time > 0)) call write_attribute(file, '/adequacy', 'intervals_in_time', &
          adequacy%in_time(1))
    end subroutine write_adequacy
-
-   !> Where the changes of a row come from.
-   pure function source_of(row) result(text)
-      type(influence_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = 'the case on coarser grids'
-      if (row%is_at_rest) text = 'the smooth steady contact on coarser grids'
-      if (row%has_roughness) text = 'the smooth steady contact on coarser grids, with the error ' &
-         //'that roughness adds'
-      if (row%is_numerical) text = from_estimates
-      if (row%name == 'time_step') text = 'runs of the error estimates, or a coarse grid with '// &
-         'twice its time step'
-   end function source_of
 
    !> The group of `row`, with a dataset for each of `quantities` whose relative change is known,
    !> with its error, and why others are not. `measured_on`: where these come from.

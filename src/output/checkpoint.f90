@@ -1,20 +1,18 @@
 !> Checkpoint of a transient, NAME.ckpt for NAME.part: where the run stood after a time step.
 !>
-!> It is written under another name, brought to the disk and renamed, so that there is always the
-!> last complete one, whenever the run is killed. It ends with a seal over all its bytes (module
-!> file_bytes) and holds the checksums of NAME.part: what is damaged is refused before anything is
-!> read. What it holds is in module checkpoint_content.
+!> It is written under another name, brought to the disk and renamed: the last complete one is
+!> always there. It ends with a seal (module file_bytes) and holds the checksum of NAME.part: what
+!> is damaged is refused before anything is read. What it holds is in module checkpoint_content.
 module checkpoint
    use build_info, only: git_commit, program_name, program_version
    use checkpoint_content, only: checkpoint_t, format_number, visit_checkpoint
    use checkpoint_file, only: checkpoint_file_t
+   use disk_file, only: folder_of, hdf5_mark, place_fault, remove_file, rename_file, sync_file
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: seal_fault, seal_file
-   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: write_attribute
    use hdf5_file, only: create_hdf5_file
-   use file_path, only: folder_of
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
-   use own_file, only: hdf5_mark, place_fault, remove_file, rename_file, sync_file
    implicit none (type, external)
    private
 
@@ -52,8 +50,7 @@ contains
       if (allocated(error)) is_done = remove_file(path//'.tmp')
    end subroutine write_checkpoint
 
-   !> Reads the checkpoint `path` for the case `case`. Error: it is damaged, of another version or
-   !> of another case.
+   !> Reads the checkpoint `path`. Error: it is damaged, of another version or not of `case`.
    subroutine read_checkpoint(path, case, checkpoint, error)
       character(*), intent(in) :: path, case
       type(checkpoint_t), intent(out) :: checkpoint
@@ -87,12 +84,10 @@ contains
       difference = ''
       version = reader%text('/', 'version')
       commit = reader%text('/', 'git_commit')
-      if (reader%integer_value('/', 'checkpoint_format') /= format_number &
-         .or. version /= program_version &
-         .or. commit /= git_commit()) difference = ' was written by another version, ' &
-            //program_name//' '//version// &
-         ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')' &
-            //way_out
+      if (reader%integer_value('/', 'checkpoint_format') /= format_number .or. &
+         version /= program_version .or. commit /= git_commit()) difference = &
+         ' was written by another version, '//program_name//' '//version//' (commit '//commit &
+         //'), this is '//program_version//' (commit '//git_commit()//')'//way_out
       if (allocated(reader%failure)) difference = ''
    end function other_version
 
@@ -115,8 +110,7 @@ contains
       end associate
    end function first_difference
 
-   !> The line that begins at byte `start` of a text whose lines all have an end; behind it
-   !> 'nothing'.
+   !> The line at byte `start` of a text whose lines all have an end; 'nothing' behind it.
    pure function line_at(text, start) result(line)
       character(*), intent(in) :: text
       integer, intent(in) :: start

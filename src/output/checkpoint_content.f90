@@ -3,7 +3,7 @@ module checkpoint_content
    use checkpoint_file, only: checkpoint_file_t
    use film_passage, only: film_passage_t, new_passage
    use film_statistics, only: film_statistics_t, new_statistics
-   use iteration_report, only: breakdown_t, report_t
+   use iteration_report, only: report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t
@@ -192,8 +192,7 @@ contains
          call file%visit('/momentum/heights', past%heights)
          call file%visit('/momentum/reynolds/pressure', past%reynolds%pressure)
          call file%visit('/momentum/reynolds/film', past%reynolds%film)
-         call file%visit('/momentum/reynolds/rigid_displacement', &
-            past%reynolds%rigid_displacement)
+         call file%visit('/momentum/reynolds/rigid_displacement', past%reynolds%rigid_displacement)
       end associate
    end subroutine visit_momentum
 
@@ -258,27 +257,21 @@ contains
       if (file%is_read) call report%restore(residuals, load_errors)
       report%converged = .true.
       call file%visit_text('/report/method', report%method)
-      call file%visit('/report/outlet_pressure', report%outlet_pressure)
+      call file%visit('/report/outlet_pressure', report%fit%outlet_pressure)
       call file%visit('/report/tolerance_effective', report%tolerance_effective)
-      call file%visit('/report/uncut_steps', report%uncut_steps)
-      call file%visit('/report/work_units', report%work_units)
-      call file%visit('/report/fft_pairs', report%fft_pairs)
-      call file%visit('/report/wall_seconds', report%wall_seconds)
-      call file%visit('/report/phase_seconds', report%phase_seconds)
-      call visit_breakdown(file, report%breakdown)
+      call file%visit('/report/uncut_steps', report%fit%uncut_steps)
+      call file%visit('/report/work_units', report%cost%work_units)
+      call file%visit('/report/fft_pairs', report%cost%fft_pairs)
+      call file%visit('/report/wall_seconds', report%cost%wall_seconds)
+      call file%visit('/report/phase_seconds', report%cost%phase_seconds)
+      associate (films => report%breakdown)
+         call file%visit('/breakdown/count', films%count)
+         call file%visit('/breakdown/step', films%step)
+         call file%visit('/breakdown/time', films%time)
+         call file%visit('/breakdown/position', films%position)
+         call file%visit('/breakdown/film', films%film)
+         call file%visit('/breakdown/smallest_film', films%smallest_film)
+      end associate
    end subroutine visit_report
-
-   !> Films below the floor.
-   subroutine visit_breakdown(file, breakdown)
-      type(checkpoint_file_t), intent(inout) :: file
-      type(breakdown_t), intent(inout) :: breakdown
-
-      call file%visit('/breakdown/count', breakdown%count)
-      call file%visit('/breakdown/step', breakdown%step)
-      call file%visit('/breakdown/time', breakdown%time)
-      call file%visit('/breakdown/position', breakdown%position)
-      call file%visit('/breakdown/film', breakdown%film)
-      call file%visit('/breakdown/smallest_film', breakdown%smallest_film)
-   end subroutine visit_breakdown
 
 end module checkpoint_content

@@ -24,13 +24,8 @@ module checkpoint_file
       type(hdf5_file_t) :: file
       type(hdf5_input_t) :: reader
    contains
-      !> Reals or integers of any rank; a text or a vector as long as it is.
+      procedure :: visit_text, visit_vector, has
       generic :: visit => visit_reals, visit_integers, visit_longs
-      procedure :: visit_text, visit_vector
-      !> Whether something is there: `is_kept` while the file is written, what the file has while it
-      !> is read.
-      procedure :: has
-      !> Closes the file; `error` is the first failure.
       procedure :: close => close_checkpoint
       procedure, private :: visit_reals, visit_integers, visit_longs
    end type checkpoint_file_t
@@ -108,11 +103,10 @@ contains
    end subroutine visit_numbers
 
    !> Whether there is something at `path`.
-   function has(self, path, is_kept)
+   logical function has(self, path, is_kept)
       class(checkpoint_file_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical, intent(in) :: is_kept
-      logical :: has
 
       has = is_kept
       if (self%is_read) has = self%reader%has(path)

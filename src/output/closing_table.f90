@@ -1,5 +1,4 @@
-!> What is printed of a lubricated case when it is done, its outcome and a table of its quantities,
-!> and of a film that breaks down.
+!> What is printed of a lubricated case at its end: outcome, quantities; and of a film breakdown.
 module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_dataset, only: label_t
@@ -31,8 +30,7 @@ module closing_table
 
    !> What others say in the closing table; not allocated or empty: nothing.
    type :: closing_words_t
-      !> What a spike means for p_max; films by formulas; what the ingredients of the model change;
-      !> what was left out.
+      !> What a spike means for p_max; films by formulas; effects of ingredients; what was left out.
       character(:), allocatable :: spike, formulas, model, decision
    end type closing_words_t
 
@@ -71,7 +69,12 @@ contains
             //'   load error '//number_text(report%load_error, 2)//'   bound ' &
             //number_text(report%tolerance_effective, 2))
       end if
-      if (present(limits)) call add_limits(log, limits)
+      if (present(limits)) then
+         do i = 1, size(limits)
+            if (limits(i)%is_passed) call log%add_to_summary('  '//wrapped(merge('inlet     ', &
+               'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
+         end do
+      end if
       if (times%counts_from > 0.0_wp) call log%add_to_summary('  times     '//times_text(times))
       if (present(words)) then
          call add_words(log, words%model)
@@ -82,18 +85,6 @@ contains
       call log%add_to_summary('  result    '//path)
       call log%print_summary()
    end subroutine close_case
-
-   !> A line for each limit of the model that is passed.
-   subroutine add_limits(log, limits)
-      type(progress_log_t), intent(inout) :: log
-      type(limit_t), intent(in) :: limits(:)
-      integer :: i
-
-      do i = 1, size(limits)
-         if (limits(i)%is_passed) call log%add_to_summary('  '//wrapped(merge('inlet     ', &
-            'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
-      end do
-   end subroutine add_limits
 
    !> The row of quantity `i` of a steady contact or of one in time.
    function row_of_table(i, summary, scaling, is_transient) result(line)
@@ -117,8 +108,7 @@ contains
          row(29:) = number_text(quantity%value, 6)
          if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
          if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
-            row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
-               //' %'
+            row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2)//' %'
          else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
             row(40:) = '+- not known'
          end if
@@ -141,23 +131,21 @@ contains
       if (.not. report%converged .and. is_short) return
       outcome = outcome//', '//counted(report%cycles, 'cycle')
       if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
-      if (report%uncut_steps > 0) outcome = outcome//' (' &
-         //number_text(real(report%uncut_steps, wp), 9)//' of the start not cut into parts)'
-      outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
-      if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
-         //prefixed_text(report%peak_memory, 'B')
+      if (report%fit%uncut_steps > 0) outcome = outcome//' (' &
+         //number_text(real(report%fit%uncut_steps, wp), 9)//' of the start not cut into parts)'
+      outcome = outcome//', '//number_text(report%cost%wall_seconds, 3)//' s'
+      if (report%cost%peak_memory > 0.0_wp) outcome = outcome//', ' &
+         //prefixed_text(report%cost%peak_memory, 'B')
    end function outcome_text
 
    !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
    !> central pressure where the largest one is well known.
-   pure function is_in_table(summary, i)
+   pure logical function is_in_table(summary, i)
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
-      logical :: is_in_table
 
       is_in_table = .true.
-      if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
-         0.0_wp)
+      if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, 0.0_wp)
       if (i == p_central) is_in_table = is_central_shown(summary)
    end function is_in_table
 
@@ -187,11 +175,9 @@ contains
          //number_text(times%settled_from, 4)
    end function times_text
 
-   !> Whether the central pressure is shown with the largest: that is not known to 1 %, and less
-   !> than half as well as the central one.
-   pure function is_central_shown(summary) result(is_shown)
+   !> Whether p_central is shown: p_max is not known to 1 %, nor half as well as p_central.
+   pure logical function is_central_shown(summary) result(is_shown)
       type(line_summary_t), intent(in) :: summary
-      logical :: is_shown
 
       associate (central => summary%of(p_central), largest => summary%of(p_max))
          is_shown = ieee_is_finite(central%error_estimate)
@@ -232,20 +218,18 @@ contains
          //'--set accuracy.target=0.01 --set accuracy.target_p_max=0.01'
    end function spike_lines
 
-   !> Where and when the first film below the floor was, in SI: 'film breakdown at x = -31.2 um
-   !> (X = -0.2950), t = ...'.
+   !> The first film below the floor: 'film breakdown at x = -31.2 um (X = -0.2950), t = ...'.
    pure function breakdown_sentence(breakdown, film_floor, scaling) result(sentence)
       type(breakdown_t), intent(in) :: breakdown
       real(wp), intent(in) :: film_floor
       type(scaling_t), intent(in) :: scaling
       character(:), allocatable :: sentence
 
-      sentence = 'film breakdown at x = ' &
-         //prefixed_text(breakdown%position*scaling%half_width, 'm')//' (X = ' &
-         //number_text(breakdown%position, 4)//'), t = ' &
-         //prefixed_text(breakdown%time*scaling%time, 's')//' (T = ' &
-         //number_text(breakdown%time, 4)//', time step ' &
-         //number_text(real(breakdown%step, wp), 9)//'): '
+      sentence = 'film breakdown at x = '//prefixed_text(breakdown%position*scaling%half_width, &
+         'm')//' (X = '//number_text(breakdown%position, 4) &
+         //'), t = '//prefixed_text(breakdown%time*scaling%time, 's') &
+         //' (T = '//number_text(breakdown%time, 4) &
+         //', time step '//number_text(real(breakdown%step, wp), 9)//'): '
       if (breakdown%film > 0.0_wp) then
          sentence = sentence//'film '//prefixed_text(breakdown%film*scaling%film, 'm') &
             //', below film_floor = '//prefixed_text(film_floor*scaling%film, 'm')

@@ -2,7 +2,7 @@
 module decision_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use adequacy, only: adequacy_t, compared, influence_t, new_influence
-   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    use adequacy_section, only: write_changes
    use kinds, only: wp
@@ -82,10 +82,9 @@ contains
       text = trim(merge('left out', 'kept    ', is_left_out))
    end function decision_text
 
-   !> The table: an ingredient a line with the quantity that it changes most, by what was measured
-   !> before the run or else after it (`adequacy`); then the numbers that were chosen, with the
-   !> largest error that is due to them. Empty: nothing was to be decided. No line is longer than
-   !> `width`.
+   !> The table, of at most `width` columns: each ingredient with the quantity that it changes most,
+   !> measured before the run or else after it (`adequacy`), then the chosen numbers with the
+   !> largest error due to them. Empty: nothing was to be decided.
    pure function decision_lines(choice, adequacy) result(lines)
       type(model_choice_t), intent(in) :: choice
       type(adequacy_t), intent(in) :: adequacy
@@ -121,8 +120,7 @@ contains
          'is found', tabs(1))
    end function decision_lines
 
-   !> Puts `words` into the last one of `lines` from column `tab` on, or behind what is there;
-   !> where they do not fit, into a new line.
+   !> Puts `words` into the last of `lines`, from column `tab` on or behind it; else on a new line.
    pure subroutine place(lines, words, tab)
       character(:), allocatable, intent(inout) :: lines
       character(*), intent(in) :: words

@@ -35,14 +35,14 @@ contains
       character(len=columns) :: line
       integer :: i
 
-      if (dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(dry) &
-         // ' nodes for an error of ' // number_text(100.0_wp*dry%target, 2) &
-         // ' % of the contact area')
+      words = to_text(dry%grid%nx)
+      if (dry%grid%ny > 1) words = words // ' x ' // to_text(dry%grid%ny)
+      if (dry%target > 0.0_wp) call log%say(name // ': solved on ' // words // ' nodes for an '// &
+         'error of ' // number_text(100.0_wp*dry%target, 2) // ' % of the contact area')
       associate (rows => outcome%rows, solution => outcome%solution)
          if (solution%report%converged) then
-            call log%add_to_summary(name // ': converged, ' &
-               // counted(solution%report%cycles, 'iteration') // ', ' &
-               // to_text(solution%report%wall_seconds, 3) // ' s')
+            call log%add_to_summary(name // ': converged, ' // counted(solution%report%cycles, &
+               'iteration') // ', ' // to_text(solution%report%cost%wall_seconds, 3) // ' s')
          else
             if (log%prints_errors_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
                // solution%report%reason)
@@ -72,15 +72,6 @@ contains
          call log%print_summary()
       end associate
    end subroutine close_dry_case
-
-   !> The number of nodes, of an area nx x ny.
-   pure function nodes_text(dry) result(words)
-      type(dry_case_t), intent(in) :: dry
-      character(:), allocatable :: words
-
-      words = to_text(dry%grid%nx)
-      if (dry%grid%ny > 1) words = words // ' x ' // to_text(dry%grid%ny)
-   end function nodes_text
 
    !> Errors in percent of the values of a load, as cells of the closing table; '-' if not known.
    pure function percent(errors, values) result(cells)

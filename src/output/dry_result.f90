@@ -5,7 +5,7 @@ module dry_result
    use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: node_positions
    use adequacy_section, only: from_estimates, write_influence
-   use dry_adequacy, only: coarsening, compared, dry_adequacy_t, dry_influence_t
+   use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
    use dry_problem, only: no_hardness
    use dry_scaling, only: dry_scaling_t, load_number
@@ -13,9 +13,8 @@ module dry_result
    use dry_quantities, only: describe, dry_count, dry_fields_t, dry_outcome_t, dry_table, load, &
       mean_pressure
    use errors, only: error_t
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
-   use hdf5_dataset, only: label_t, new_label, write_dataset, write_zeros
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use missing_value, only: not_known
@@ -94,24 +93,12 @@ contains
       real(wp), intent(in) :: mean_pressure
 
       call file%create_group('/scaling')
-      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
-      call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
+      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus, 'Pa')
       if (.not. dry%is_periodic .or. scaling%is_flat .or. .not. mean_pressure > 0.0_wp) return
-      call write_number('similarity_number', load_number(scaling%pressure, mean_pressure))
-      if (dry%loads%hardness < no_hardness) call write_number('hardness_number', &
-         load_number(dry%loads%hardness, mean_pressure))
-
-   contains
-
-      !> A number without unit.
-      subroutine write_number(name, value)
-         character(*), intent(in) :: name
-         real(wp), intent(in) :: value
-
-         call write_attribute(file, '/scaling', name, value)
-         call write_attribute(file, '/scaling', name//'_units', '1')
-      end subroutine write_number
-
+      call write_attribute(file, '/scaling', 'similarity_number', load_number(scaling%pressure, &
+         mean_pressure), '1')
+      if (dry%loads%hardness < no_hardness) call write_attribute(file, '/scaling', &
+         'hardness_number', load_number(dry%loads%hardness, mean_pressure), '1')
    end subroutine write_scaling
 
    !> /solution.
@@ -220,40 +207,37 @@ contains
       integer, intent(in) :: k
       type(roughness_t), intent(in) :: roughness(:)
       logical, intent(in) :: is_line
-      character(:), allocatable :: height
+      character(*), parameter :: names(*) = [character(len=3) :: 'ra', 'rq', 'rz', 'rsk', 'rku']
+      character(len=44) :: texts(size(names))
+      real(wp) :: values(size(roughness), size(names))
+      integer :: i
 
-      height = 'highest less lowest'
-      if (is_line) height = height//', mean of five parts'
-      call write_one('ra', roughness%ra, 'arithmetic mean height', 'm')
-      call write_one('rq', roughness%rq, 'rms height', 'm')
-      call write_one('rz', roughness%rz, height, 'm')
-      call write_one('rsk', roughness%rsk, 'skewness', '1')
-      call write_one('rku', roughness%rku, 'kurtosis', '1')
-
-   contains
-
-      !> One parameter.
-      subroutine write_one(name, values, text, unit)
-         character(*), intent(in) :: name, text, unit
-         real(wp), intent(in) :: values(:)
-
-         call write_column(file, name//'_'//trim(states(k)), values, &
-            new_label(text//' '//trim(times(k)), unit))
-      end subroutine write_one
-
+      texts = [character(len=44) :: 'arithmetic mean height', 'rms height', &
+         'highest less lowest'//merge(', mean of five parts', repeat(' ', 20), is_line), &
+         'skewness', 'kurtosis']
+      values = reshape([roughness%ra, roughness%rq, roughness%rz, roughness%rsk, roughness%rku], &
+         shape(values))
+      do i = 1, size(names)
+         call write_column(file, trim(names(i))//'_'//trim(states(k)), values(:, i), &
+            new_label(trim(texts(i))//' '//trim(times(k)), merge('m', '1', i <= 3)))
+      end do
    end subroutine write_roughness
 
    !> /adequacy: a group for each ingredient, with a dataset for each known change.
    subroutine write_dry_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_adequacy_t), intent(in) :: adequacy
+      character(:), allocatable :: source
       integer :: i
 
       if (.not. allocated(adequacy%rows)) return
       do i = 1, size(adequacy%rows)
          associate (row => adequacy%rows(i))
-            call write_influence(file, row, dry_source_of(adequacy, row), &
-               dry_table(compared)%name, row%change, row%error)
+            source = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
+               //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
+            if (row%name == 'area') source = 'the nodes of the result'
+            if (row%is_numerical) source = from_estimates
+            call write_influence(file, row, source, dry_table(compared)%name, row%change, row%error)
          end associate
       end do
       if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
@@ -263,20 +247,7 @@ contains
          'of the change; no dataset: not known')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
-      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared) &
-         %name, ', '))
+      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared)%name, ', '))
    end subroutine write_dry_adequacy
-
-   !> Where the changes of a row of /adequacy come from.
-   pure function dry_source_of(adequacy, row) result(text)
-      type(dry_adequacy_t), intent(in) :: adequacy
-      type(dry_influence_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
-         //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
-      if (row%name == 'area') text = 'the nodes of the result'
-      if (row%is_numerical) text = from_estimates
-   end function dry_source_of
 
 end module dry_result

@@ -26,8 +26,7 @@ module dry_surface_section
 
 contains
 
-   !> /surface: slope, curvature, bearing curves, height density and spectrum of the undeformed,
-   !> loaded and unloaded surface.
+   !> /surface: slope, curvature, bearing curves, height density, spectrum, in all three states.
    subroutine write_surface(file, dry, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
@@ -49,9 +48,8 @@ contains
          'm'), '=')
       call write_field(file, '/surface/density_edge', edges, &
          new_label('ends of the steps of the height densities', 'm'), '=')
-      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) &
-         + edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'), &
-         '=')
+      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) + &
+         edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'), '=')
       ! Two surfaces at a time: they share nothing.
       !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
       do k = 1, 2

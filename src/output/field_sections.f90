@@ -4,9 +4,8 @@ module field_sections
    use film_fields, only: film_fields_t
    use film_passage, only: film_passage_t
    use film_statistics, only: bins_per_decade, film_first, film_statistics_t, pressure_first
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: link_object, write_field
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -29,8 +28,7 @@ module field_sections
 
 contains
 
-   !> /solution: the fields of the last time over x; with `has_si` in /si/solution those that are
-   !> other numbers in SI.
+   !> /solution: the fields of the last time; with `has_si` in /si/solution those that differ in SI.
    subroutine write_solution(file, state, scaling, has_si)
       class(hdf5_file_t), intent(inout) :: file
       type(line_state_t), intent(in) :: state
@@ -234,8 +232,7 @@ contains
 
    contains
 
-      !> The occupied classes of a distribution: edges (n+1) and shares of the time between them
-      !> (n).
+      !> The occupied classes of a distribution: edges (n+1), shares of the time between them (n).
       subroutine write_distribution(name, what, bins, first, scale, units)
          character(*), intent(in) :: name, what, units
          real(wp), intent(in) :: bins(:), scale

@@ -1,9 +1,7 @@
-!> /formulas of a result file and lines of the closing table: what the film formulas of handbooks
-!> give for the contact, with the computed film.
+!> /formulas of a result and lines of the closing table: handbook films beside the computed one.
 module formulas_section
    use film_formulas, only: film_by_formula, formula_rows, formulas_hold, known_bias
-   use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
@@ -32,8 +30,7 @@ module formulas_section
 
 contains
 
-   !> What the formulas need to know of a steady `contact`: they hold for smooth ones within the
-   !> ranges of module film_formulas.
+   !> What formulas need of a steady `contact`: they hold for smooth ones in certain ranges.
    pure function formulas_of(contact) result(known)
       type(line_contact_t), intent(in) :: contact
       type(formula_contact_t) :: known
@@ -45,8 +42,7 @@ contains
       known%fluid = contact%fluid
    end function formulas_of
 
-   !> Writes /formulas: a film for each formula, with how much it lies above the computed one;
-   !> nothing where none is meant for the contact.
+   !> Writes /formulas: films, and how far above the computed one; nothing if none is meant for it.
    subroutine write_formulas(file, contact, summary, scaling)
       class(hdf5_file_t), intent(inout) :: file
       type(formula_contact_t), intent(in) :: contact
@@ -111,11 +107,10 @@ contains
    end function formula_lines
 
    !> By how much `film` lies above a computed quantity, relative to that.
-   pure function difference(film, quantity, summary) result(share)
+   pure real(wp) function difference(film, quantity, summary) result(share)
       real(wp), intent(in) :: film
       character(*), intent(in) :: quantity
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: share
 
       share = film/summary%of(findloc(quantity_rows%name == quantity, .true., 1))%value - 1
    end function difference

@@ -1,7 +1,7 @@
 !> /input/effective of a result file: every value that was used, given, default or chosen.
 module input_section
    use case_record, only: effective_t
-   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    implicit none (type, external)
    private

@@ -4,9 +4,8 @@
 module output_names
    use build_info, only: program_name
    use case_record, only: path_from_namelist, case_t, result_path
-   use file_path, only: file_identity_t, folder_of, kind_missing, kind_other, kind_regular, &
-      look_at_file
-   use own_file, only: any_mark, hdf5_mark, place_fault, xdmf_mark
+   use disk_file, only: any_mark, file_at, file_identity_t, folder_of, hdf5_mark, kind_missing, &
+      kind_other, kind_regular, place_fault, xdmf_mark
    use result_name, only: working_endings
    use xdmf_file, only: xdmf_path
    implicit none (type, external)
@@ -29,9 +28,8 @@ module output_names
 
 contains
 
-   !> All objections to the results of `cases` in the folder `output_dir` (empty: where the
-   !> cases say), a line each. A run that goes on with a checkpoint looks at it, and at NAME.part,
-   !> itself.
+   !> All objections to the results of `cases` in the folder `output_dir` (empty: where the cases
+   !> say), a line each. A run that goes on with a checkpoint looks at it, and at NAME.part, itself.
    function output_findings(cases, output_dir, is_resume) result(problems)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
@@ -53,8 +51,7 @@ contains
       end do
    end function output_findings
 
-   !> Namelists and height files, this many `inputs`; behind them results, each followed by what is
-   !> written during its run.
+   !> Namelists and height files (`inputs`), then results, each with what its run writes.
    subroutine list_places(cases, output_dir, places, inputs)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
@@ -114,12 +111,12 @@ contains
       type(file_identity_t) :: found
 
       key = path
-      found = look_at_file(path, follows=.true.)
+      found = file_at(path, follows=.true.)
       if (found%kind /= kind_missing) then
          key = found%word
          return
       end if
-      found = look_at_file(folder_of(path), follows=.true.)
+      found = file_at(folder_of(path), follows=.true.)
       if (found%kind /= kind_missing) key = found%word//path(index('/'//path, '/', back=.true.):)
    end function key_of
 
@@ -162,8 +159,7 @@ contains
          if (output%first <= inputs) then
             found = 'found the '//trim(other%what)//' '//other%path//' as its ' &
                //trim(output%what)//', expected another &case output'
-         else if (other%owner /= output%owner .and. any([other%what, output%what] &
-            == 'result')) then
+         else if (other%owner /= output%owner .and. any([other%what, output%what] == 'result')) then
             found = 'found the '//trim(output%what)//' '//output%path//', which is also that of ' &
                //cases(other%owner)%file//', expected different names'
          end if
@@ -182,12 +178,12 @@ contains
       found = ''
       is_temporary = output%what == 'temporary file'
       if (is_temporary) then
-         file = look_at_file(output%path, follows=.false.)
+         file = file_at(output%path, follows=.false.)
          is_taken = file%kind == kind_regular .and. place_fault(output%path, any_mark) /= ''
          if (is_resume) is_taken = is_taken .and. index(output%path, '.tmp', back=.true.) &
             == len(output%path) - 3
       else
-         file = look_at_file(output%path, follows=.true.)
+         file = file_at(output%path, follows=.true.)
          is_taken = file%kind == kind_other .or. place_fault(output%path, merge(hdf5_mark, &
             xdmf_mark, output%what == 'result')) /= ''
       end if

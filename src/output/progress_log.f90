@@ -1,9 +1,8 @@
 !> What the user sees while a case runs, on standard error, and its summary when it is done, on
 !> standard output: the only module under src/ that prints.
 !>
-!> On a terminal one line that is updated; in a log few plain lines; with `is_quiet` nothing but
-!> what went wrong. A closed standard error is no reason to stop: the status of a write is dropped
-!> on purpose; that a summary is lost is said.
+!> On a terminal one updated line, in a log few lines, with `is_quiet` only what went wrong. A
+!> closed standard error is no reason to stop: that write is dropped; a lost summary is reported.
 module progress_log
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
    use c_library, only: standard_error, standard_output
@@ -54,20 +53,8 @@ module progress_log
       !> Step at which they started; -1: they have not.
       integer, private :: first_step = -1
    contains
-      procedure :: on_cycle
-      procedure :: on_step
-      !> A new case begins.
-      procedure :: start_case
-      !> A line about the case, unless quiet.
-      procedure :: say
-      !> Something went wrong; said in any case.
-      procedure :: say_error
-      !> A summary: its lines, unless quiet, and its end.
-      procedure :: add_to_summary, print_summary
-      !> Whether errors are printed apart from the summary.
-      procedure :: prints_errors_apart
-      !> Removes the updating line; writes lines, in any case.
-      procedure :: clear, write_line
+      procedure :: on_cycle, on_step, start_case, say, say_error, add_to_summary, print_summary, &
+         prints_errors_apart, clear, write_line
       procedure, private :: update
    end type progress_log_t
 
@@ -98,8 +85,7 @@ contains
       self%first_step = -1
    end subroutine start_case
 
-   !> In a log cycles 1, 2, 4, 8, ..., and after a long silence; on a terminal each, but not more
-   !> than ten a second.
+   !> In a log cycles 1, 2, 4, 8, ... and after a long silence; on a terminal ten a second at most.
    subroutine on_cycle(self, cycle, residual, load_error)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: cycle
@@ -111,13 +97,11 @@ contains
       if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() &
          - self%last_line >= update_seconds
       if (.not. is_due) return
-      call self%update('cycle '//number_text(real(cycle, wp), 9)//'  residual ' &
-         //number_text(residual, 3)// &
-                       '  load error '//number_text(load_error, 3))
+      call self%update('cycle '//number_text(real(cycle, wp), 9) &
+         //'  residual '//number_text(residual, 3)//'  load error '//number_text(load_error, 3))
    end subroutine on_cycle
 
-   !> In a log every tenth of the way, and after a long silence; on a terminal each step, but not
-   !> more than ten a second.
+   !> In a log every tenth of the way and after a long silence; on a terminal ten a second at most.
    subroutine on_step(self, step, steps, state, report)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: step, steps
@@ -135,18 +119,10 @@ contains
       end if
       if (step == self%first_step) return
       silence = now - self%last_line
-      is_due = tenths(step, steps) > tenths(step - 1, steps) .or. silence >= log_seconds
+      is_due = 10_int64*step/steps > 10_int64*(step - 1)/steps .or. silence >= log_seconds
       if (self%is_updating) is_due = silence >= update_seconds
       if (is_due) call self%update(step_text(self, step, steps, state, report))
    end subroutine on_step
-
-   !> Tenths of the way after `step` of `steps`.
-   pure function tenths(step, steps) result(n)
-      integer, intent(in) :: step, steps
-      integer :: n
-
-      n = int(10_int64*step/steps)
-   end function tenths
 
    !> Step, time, smallest film and remaining time in one line.
    function step_text(log, step, steps, state, report) result(line)
@@ -172,11 +148,9 @@ contains
       line = line//'  '//duration_text(remaining)//' left'
    end function step_text
 
-   !> Whether errors are printed apart from the summary: there is none, or its reader may not be
-   !> that of the log.
-   function prints_errors_apart(self)
+   !> Whether errors are printed apart from the summary, which may be quiet or have another reader.
+   logical function prints_errors_apart(self)
       class(progress_log_t), intent(in) :: self
-      logical :: prints_errors_apart
 
       prints_errors_apart = self%is_quiet
       if (self%has_summary_apart .and. .not. prints_errors_apart) prints_errors_apart = &

@@ -1,22 +1,20 @@
 !> A result file from its first line to its final name, whatever it holds.
 !>
-!> While the case runs NAME.part in the same folder holds its place. The time steps of a transient
-!> are appended to it, so that memory does not grow with their number. At the end the result is
-!> put together in NAME.tmp, which is then renamed. An interrupted or failed run leaves an older
-!> NAME as it was.
+!> While the case runs NAME.part in the same folder holds its place and the time steps, so that
+!> memory does not grow with them. At the end the result is put together in NAME.tmp, which is then
+!> renamed. An interrupted or failed run leaves an older NAME as it was.
 module result_file
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
+   use disk_file, only: remove_file, sync_file
    use errors, only: error_t, fail, input_error
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: write_users
-   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_inputs
    use iteration_report, only: report_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use own_file, only: remove_file, sync_file
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
    use result_sections, only: write_breakdown, write_report, write_scaling
@@ -29,8 +27,7 @@ module result_file
 
    public :: open_result, reopen_result, result_file_t
 
-   !> Layout of result files: 2 = axes, `units` and the group /si (CHANGELOG.md); without the
-   !> attribute: 1.
+   !> Layout of result files (CHANGELOG.md): 2 has axes, `units` and /si; no attribute: 1.
    integer, parameter :: layout = 3
    !> Longest name of a field or series.
    integer, parameter, public :: field_name_length = max(len(field_names), len(sliding_names))
@@ -56,31 +53,14 @@ module result_file
       character(:), allocatable, private :: problem, title, namelist
       logical, private :: is_scaled = .false.
    contains
-      !> Keeps what is known before the run.
-      procedure :: describe
-      !> Appends a time step to /transient.
-      procedure :: append_step
-      !> Brings NAME.part to the disk as far as it is written.
-      procedure :: sync
-      !> Whether something could not be written.
-      procedure :: has_failed
-      !> Makes the file ready for what is known at the end only.
-      procedure :: begin_end
-      !> Copies the time steps into /transient.
-      procedure :: copy_steps
-      !> Writes input and report, closes, and gives the file its name.
-      procedure :: publish
-      !> Closes NAME.part and leaves it for a later run to go on with.
-      procedure :: suspend
-      !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
-      procedure :: discard
+      procedure :: describe, append_step, sync, has_failed, begin_end, copy_steps, publish, &
+         suspend, discard
       procedure, private :: keep_failure
    end type result_file_t
 
 contains
 
-   !> Starts a `new` result `path` under its temporary name; `error` says why that cannot be. A
-   !> checkpoint of an earlier run is removed.
+   !> Starts a `new` result `path` under its temporary name, without an old checkpoint, or `error`.
    subroutine open_result(new, path, error)
       class(result_file_t), intent(inout) :: new
       character(*), intent(in) :: path
@@ -98,9 +78,8 @@ contains
       call new%name%give_back(is_complete=.false.)
    end subroutine open_result
 
-   !> Goes on, in a `new` one, with the result `path` of an interrupted run, behind the first
-   !> `records` time steps with profiles of `nx` nodes. Error: NAME.part is not what the checkpoint
-   !> says, its checksum not `digits`.
+   !> Goes on with the result `path` of an interrupted run, behind the first `records` time steps
+   !> with profiles of `nx` nodes. Error: NAME.part is not that of the checkpoint, by its `digits`.
    subroutine reopen_result(new, path, fields, nx, records, digits, error)
       class(result_file_t), intent(inout) :: new
       character(*), intent(in) :: path, fields(:), digits
@@ -126,8 +105,7 @@ contains
       new%name%has_checkpoint = .true.
    end subroutine reopen_result
 
-   !> Keeps problem and title (UTF-8), the text of the input; the reference values of a lubricated
-   !> contact.
+   !> Keeps problem, title (UTF-8), input text, and reference values of a lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_file_t), intent(inout) :: self
       character(*), intent(in) :: problem, title, namelist
@@ -180,17 +158,15 @@ contains
    end subroutine keep_failure
 
    !> Whether something could not be written.
-   pure function has_failed(self)
+   pure logical function has_failed(self)
       class(result_file_t), intent(in) :: self
-      logical :: has_failed
 
       has_failed = allocated(self%file%failure)
    end function has_failed
 
    !> Waits until NAME.part is on the disk; true if that worked.
-   function sync(self) result(is_done)
+   logical function sync(self) result(is_done)
       class(result_file_t), intent(inout) :: self
-      logical :: is_done
 
       call self%keep_failure()
       is_done = .not. allocated(self%file%failure)
@@ -250,7 +226,7 @@ contains
       call self%discard()
    end subroutine publish
 
-   !> Closes NAME.part and lets others write it.
+   !> Closes NAME.part, which stays for a run that resumes, and lets others write it.
    subroutine suspend(self)
       class(result_file_t), intent(inout) :: self
 
@@ -258,7 +234,7 @@ contains
       call self%name%release()
    end subroutine suspend
 
-   !> Closes the files whatever their state and removes them.
+   !> Closes the files whatever their state and removes them, but NAME.part with a checkpoint.
    subroutine discard(self)
       class(result_file_t), intent(inout) :: self
       type(error_t), allocatable :: error

@@ -1,5 +1,4 @@
-!> What the stored fields and series of a lubricated line contact are: name, meaning and scale, each
-!> in one place.
+!> Stored fields and series of a lubricated line contact: name, meaning and scale, once.
 module result_labels
    use hdf5_dataset, only: label_t, new_label
    use kinds, only: wp
@@ -21,8 +20,7 @@ module result_labels
       character(len=48) :: definition = ''
    end type row_t
 
-   !> The fields of `line_state_t`, as in /solution, then the series of /transient, and units of
-   !> quantities: their texts are in their own table.
+   !> Fields of `line_state_t`, as in /solution, series of /transient, units of quantities.
    type(row_t), parameter :: rows(*) = [ &
       row_t('x', 'half_width', 'position along the contact', ', X = x/b'), &
       row_t('pressure', 'hertz_pressure', 'pressure', ', P = p/p_h'), &
@@ -103,8 +101,7 @@ contains
       end select
    end function scaled_label
 
-   !> Values of a field of `field_names` (nx); none for an unknown name or a field that the state
-   !> does not hold.
+   !> Values (nx) of a field of `field_names`; none for one that the state does not hold.
    pure function field_values(name, state) result(values)
       character(*), intent(in) :: name
       type(line_state_t), intent(in) :: state

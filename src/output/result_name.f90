@@ -1,17 +1,15 @@
-!> The name of a result while a run holds it: who may write it, which files belong to it, and what
-!> happens to them when the run ends.
+!> The name of a result while a run holds it: who may write it, its files, and their end.
 !>
 !> NAME.part keeps other runs away and holds the time steps of a transient, NAME.tmp is the result
 !> that is put together at the end, NAME.ckpt a checkpoint and NAME.ckpt.tmp the next one. An
 !> interrupted or failed run leaves an older NAME as it was, and every run what is not its own.
 module result_name
    use build_info, only: program_name
+   use disk_file, only: file_at, file_fault, file_identity_t, folder_of, hdf5_mark, is_folder, &
+      kind_link, kind_other, lock_t, place_fault, remove_file, rename_file, sync_file
    use errors, only: error_t, fail, output_error
    use file_bytes, only: seal_file
-   use file_path, only: file_fault, file_identity_t, folder_of, is_folder, kind_link, kind_other, &
-      look_at_file
-   use own_file, only: hdf5_mark, lock_t, place_fault, remove_file, rename_file, sync_file
-   use signals, only: forget_last_words, lay_down_last_words, set_patience
+   use signals, only: clear_exit_message, set_exit_message, set_patience
    use text, only: to_text
    implicit none (type, external)
    private
@@ -35,28 +33,13 @@ module result_name
       !> Lock on NAME.part.
       type(lock_t) :: lock
    contains
-      !> Prepares for an end by force: the message, and the files that are removed then. `step`: of
-      !> the last checkpoint.
-      procedure :: expect_interruption
-      !> That message.
-      procedure :: interruption_text
-      !> Seals the complete NAME.tmp and gives it the name; the checkpoint goes.
-      procedure :: give_to
-      !> Removes the checkpoint and what an interrupted run may have left of the next one, and of
-      !> the result.
-      procedure :: remove_checkpoint
-      !> Gives the name back without using it.
-      procedure :: give_back
-      !> Removes NAME.part.
-      procedure :: remove_part
-      !> Lets others write the result.
-      procedure :: release
+      procedure :: expect_interruption, interruption_text, give_to, remove_checkpoint, give_back, &
+         remove_part, release
    end type result_name_t
 
 contains
 
-   !> Takes the name of the result `path`, so that nobody else writes it until `release`. Error:
-   !> somebody does; it cannot be the name of a result.
+   !> Takes the name `path` until `release`. Error: another run has it; it cannot be a result.
    subroutine hold_name(name, path, error)
       type(result_name_t), intent(out) :: name
       character(*), intent(in) :: path
@@ -73,8 +56,7 @@ contains
       if (fault /= '') call fail(error, output_error, 'cannot write '//path//': '//fault)
    end subroutine hold_name
 
-   !> Why a result cannot have this name; empty: it can. What is written beside it must not go
-   !> through a link, or into a pipe or device.
+   !> Why a result cannot have this name, or be written through a link or pipe; empty: it can.
    function fault_of_name(path) result(fault)
       character(*), intent(in) :: path
       character(:), allocatable :: fault
@@ -89,7 +71,7 @@ contains
          if (file_fault(folder_of(path)) == '') fault = folder_of(path)//' is a file, not a folder'
       else
          do i = 1, size(working_endings)
-            file = look_at_file(path//trim(working_endings(i)), follows=.false.)
+            file = file_at(path//trim(working_endings(i)), follows=.false.)
             if (file%kind == kind_link) fault = ' is a link'
             if (file%kind == kind_other) fault = ' is no regular file'
             if (fault /= '') then
@@ -121,7 +103,7 @@ contains
 
       self%kept_step = step
       first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
-      call lay_down_last_words(program_name//': '//self%interruption_text(), &
+      call set_exit_message(program_name//': '//self%interruption_text(), &
          self%path//working_endings(first:3))
    end subroutine expect_interruption
 
@@ -164,8 +146,7 @@ contains
       self%has_checkpoint = .false.
    end subroutine remove_checkpoint
 
-   !> Gives the name back. Where the result `is_complete`, what a run that was killed in its last
-   !> moments left beside it is removed.
+   !> Gives the name back; beside a complete result what a killed run left is removed.
    subroutine give_back(self, is_complete)
       class(result_name_t), intent(inout) :: self
       logical, intent(in) :: is_complete
@@ -187,7 +168,7 @@ contains
    subroutine release(self)
       class(result_name_t), intent(inout) :: self
 
-      call forget_last_words()
+      call clear_exit_message()
       call self%lock%release()
    end subroutine release
 

@@ -3,9 +3,8 @@ module result_sections
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: make_counter, write_field
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: breakdown_t, phase_names, report_t
    use kinds, only: wp
@@ -13,7 +12,7 @@ module result_sections
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
-   use quantities, only: quantity_count, quantity_row_t, quantity_rows, sliding_rows
+   use quantities, only: quantity_count, quantity_rows, sliding_rows
    use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t
    use text, only: joined
@@ -25,47 +24,36 @@ module result_sections
 
 contains
 
-   !> /scaling: reference values as attributes, each with its unit in `<name>_units`; what is
-   !> unknown is left out.
+   !> /scaling: reference values as attributes, with units; what is unknown is left out.
    subroutine write_scaling(file, scaling)
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
+      character(*), parameter :: group = '/scaling'
 
-      call file%create_group('/scaling')
-      call write_attribute(file, '/scaling', 'about', 'reference values; Moes numbers with '// &
+      call file%create_group(group)
+      call write_attribute(file, group, 'about', 'reference values; Moes numbers with '// &
          'the mean velocity u_s/2 (the names in _sum: with u_s = u1 + u2)')
-      call put('lambda', scaling%lambda, '1')
-      call put('alpha_bar', scaling%alpha_bar, '1')
-      if (ieee_is_finite(scaling%slide_to_roll)) call put('slide_to_roll', scaling%slide_to_roll, &
-         '1')
-      call put('moes_m', scaling%moes_m, '1')
-      call put('moes_l', scaling%moes_l, '1')
-      call put('moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
-      call put('moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
-      if (scaling%hertz_pressure > 0.0_wp) call put('hertz_pressure', scaling%hertz_pressure, 'Pa')
+      call write_attribute(file, group, 'lambda', scaling%lambda, '1')
+      call write_attribute(file, group, 'alpha_bar', scaling%alpha_bar, '1')
+      if (ieee_is_finite(scaling%slide_to_roll)) call write_attribute(file, group, &
+         'slide_to_roll', scaling%slide_to_roll, '1')
+      call write_attribute(file, group, 'moes_m', scaling%moes_m, '1')
+      call write_attribute(file, group, 'moes_l', scaling%moes_l, '1')
+      call write_attribute(file, group, 'moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
+      call write_attribute(file, group, 'moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
+      if (scaling%hertz_pressure > 0.0_wp) call write_attribute(file, group, 'hertz_pressure', &
+         scaling%hertz_pressure, 'Pa')
       if (.not. scaling%is_dimensional) return
-      call put('half_width', scaling%half_width, 'm')
-      call put('reduced_radius', scaling%reduced_radius, 'm')
-      call put('reduced_modulus', scaling%reduced_modulus, 'Pa')
-      call put('load_per_length', scaling%load_per_length, 'N/m')
-      call put('film_thickness', scaling%film, 'm')
-      call put('shear_stress', scaling%shear_stress, 'Pa')
-      call put('power', scaling%power, 'W/m')
-      call put('time', scaling%time, 's')
-      call put('viscosity', scaling%viscosity, 'Pa s')
-      call put('speed_sum', scaling%speed_sum, 'm/s')
-
-   contains
-
-      !> One value with its unit.
-      subroutine put(name, value, units)
-         character(*), intent(in) :: name, units
-         real(wp), intent(in) :: value
-
-         call write_attribute(file, '/scaling', name, value)
-         call write_attribute(file, '/scaling', name//'_units', units)
-      end subroutine put
-
+      call write_attribute(file, group, 'half_width', scaling%half_width, 'm')
+      call write_attribute(file, group, 'reduced_radius', scaling%reduced_radius, 'm')
+      call write_attribute(file, group, 'reduced_modulus', scaling%reduced_modulus, 'Pa')
+      call write_attribute(file, group, 'load_per_length', scaling%load_per_length, 'N/m')
+      call write_attribute(file, group, 'film_thickness', scaling%film, 'm')
+      call write_attribute(file, group, 'shear_stress', scaling%shear_stress, 'Pa')
+      call write_attribute(file, group, 'power', scaling%power, 'W/m')
+      call write_attribute(file, group, 'time', scaling%time, 's')
+      call write_attribute(file, group, 'viscosity', scaling%viscosity, 'Pa s')
+      call write_attribute(file, group, 'speed_sum', scaling%speed_sum, 'm/s')
    end subroutine write_scaling
 
    !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
@@ -77,6 +65,7 @@ contains
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: is_transient
       character(*), intent(in) :: missing
+      character(:), allocatable :: extreme
       integer :: i
 
       call file%create_group('/summary')
@@ -88,7 +77,10 @@ contains
       do i = 1, quantity_count
          if (any(i == sliding_rows) .and. .not. ieee_is_finite(scaling%slide_to_roll)) cycle
          associate (row => quantity_rows(i), quantity => summary%of(i))
-            call write_quantity(trim(row%name), trim(row%text)//over_time(row), quantity, 1.0_wp, &
+            extreme = ''   ! where there are several times and the text does not say which it is
+            if (is_transient .and. index(row%text, trim(row%extreme)) == 0) extreme = ', ' &
+               //trim(row%extreme)//' over time'
+            call write_quantity(trim(row%name), trim(row%text)//extreme, quantity, 1.0_wp, &
                row_label(trim(row%field), scaling))
             if (row%field == 'film_thickness' .and. len_trim(row%short) > 0) call &
                write_quantity(trim(row%name)//'_moes', trim(row%name)// &
@@ -115,18 +107,7 @@ contains
             'it says how far the model holds: /adequacy/validity has its threshold')
       end subroutine write_limit
 
-      !> Which extreme a quantity is, if there are several times and its text does not say so.
-      pure function over_time(row) result(words)
-         type(quantity_row_t), intent(in) :: row
-         character(:), allocatable :: words
-
-         words = ''
-         if (is_transient .and. index(row%text, trim(row%extreme)) == 0) words = ', ' &
-            //trim(row%extreme)//' over time'
-      end function over_time
-
-      !> One quantity times `factor`, what it tends to and when it was reached; `scale` gives its
-      !> unit.
+      !> One quantity times `factor`, its limit and its time; `scale` gives its unit.
       subroutine write_quantity(name, long_name, quantity, factor, scale)
          character(*), intent(in) :: name, long_name
          type(quantity_t), intent(in) :: quantity
@@ -192,25 +173,25 @@ contains
       call write_dataset(file, group//'method', method, new_label('method of solution', '1'))
       call put_count('cycles', report%cycles, 'cycles on the finest level, time steps included')
       call put_count('steps', report%steps, 'time steps')
-      call put_count('uncut_steps', report%uncut_steps, &
+      call put_count('uncut_steps', report%fit%uncut_steps, &
          'steps of the start taken whole: parts without a solution')
-      call put_count('levels', report%levels, 'grid levels, the finest counted')
-      call write_dataset(file, group//'fft_pairs', report%fft_pairs, &
+      call put_count('levels', report%numbers%levels, 'grid levels, the finest counted')
+      call write_dataset(file, group//'fft_pairs', report%cost%fft_pairs, &
          new_label('pairs of forward and backward transforms', '1'))
-      call put('work_units', report%work_units, &
+      call put('work_units', report%cost%work_units, &
          'sweeps, each weighted by its share of the nodes of the finest level')
       call put('residual', report%residual, &
          'last residual, unit of d(rho H)/dX; dry: violation of the contact conditions')
       call put('load_error', report%load_error, &
          'last |dX sum P - pi/2|; dry: relative error of the load')
-      call put('inlet_error', report%inlet_error, 'relative error of the film thickness '// &
+      call put('inlet_error', report%fit%inlet_error, 'relative error of the film thickness '// &
          'because the domain ends at its inlet (estimate)')
       call put('tolerance_effective', report%tolerance_effective, &
          'bound on residual and load error: max(tolerance, 5 x round-off floor)')
-      if (report%nodes_per_wave < huge(1.0_wp)) call put('nodes_per_wave', report%nodes_per_wave, &
-         'nodes of the grid in the finest wave of the surfaces')
-      if (report%steps_per_wave < huge(1.0_wp)) call put('steps_per_wave', report%steps_per_wave, &
-         'time steps in which the finest moving wave passes a place')
+      if (report%fit%nodes_per_wave < huge(1.0_wp)) call put('nodes_per_wave', &
+         report%fit%nodes_per_wave, 'nodes of the grid in the finest wave of the surfaces')
+      if (report%fit%steps_per_wave < huge(1.0_wp)) call put('steps_per_wave', &
+         report%fit%steps_per_wave, 'time steps in which the finest moving wave passes a place')
       if (allocated(report%note)) call write_dataset(file, group//'note', report%note, &
          new_label('what should be known about this result', '1'))
       call make_counter(file, group//'cycle', size(report%residual_history()), &
@@ -219,12 +200,12 @@ contains
          new_label('residual after each cycle', '1'), 'cycle')
       call write_field(file, group//'load_error_history', report%load_error_history(), &
          new_label('load error after each cycle', '1'), 'cycle')
-      call put('wall_seconds', report%wall_seconds, 'wall time of the solution', 's')
+      call put('wall_seconds', report%cost%wall_seconds, 'wall time of the solution', 's')
       call make_counter(file, group//'phase', size(phase_names), 'number of: '//phases)
-      call write_field(file, group//'phase_seconds', report%phase_seconds, &
+      call write_field(file, group//'phase_seconds', report%cost%phase_seconds, &
          new_label('wall time of: '//phases, 's'), 'phase')
       call write_attribute(file, group//'phase_seconds', 'phases', phases)
-      if (report%peak_memory > 0.0_wp) call put('peak_memory', report%peak_memory, &
+      if (report%cost%peak_memory > 0.0_wp) call put('peak_memory', report%cost%peak_memory, &
          'most memory of the process', 'B')
 
    contains

@@ -1,5 +1,4 @@
-!> The result of a lubricated case: what is known of its solution, and all of it written into its
-!> file (module result_file) at the end.
+!> The result of a lubricated case: what is known, written into its file at the end.
 module result_writer
    use adequacy, only: adequacy_t, judge
    use adequacy_section, only: write_adequacy
@@ -53,12 +52,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      !> Adds a time step.
-      procedure :: store_step
-      !> The quantities of the run, with what is known of their errors.
-      procedure :: quantities_at_end
-      !> Writes solution, summary and report, closes, and gives the file its name.
-      procedure :: finish
+      procedure :: store_step, quantities_at_end, finish
    end type result_writer_t
 
 contains
@@ -85,8 +79,7 @@ contains
       call self%append_step(state, summary, report)
    end subroutine store_step
 
-   !> The quantities of a run that has ended with `state`, of a transient extremes; with error bars
-   !> if it has converged.
+   !> The quantities at the end, of a transient extremes; with error bars if it has converged.
    pure function quantities_at_end(self, state, report) result(summary)
       class(result_writer_t), intent(in) :: self
       type(line_state_t), intent(in) :: state
@@ -98,9 +91,8 @@ contains
          summary)
    end function quantities_at_end
 
-   !> Writes the solution at the last time, the quantities and the report, closes the file and
-   !> gives it its final name. On an error nothing is left but an older result (and NAME.part, if
-   !> there is a checkpoint).
+   !> Writes the last solution, quantities and report, closes the file and gives it its final name.
+   !> An error leaves only an older result (and NAME.part, if there is a checkpoint).
    subroutine finish(self, state, report, error)
       class(result_writer_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
@@ -127,8 +119,7 @@ contains
       if (allocated(self%limits)) call write_validity(self%file, self%limits)
       call write_formulas(self%file, self%formulas, self%summary, self%scaling)
       if (allocated(self%momentum)) then
-         call write_momentum(self%file, self%momentum, self%scaling, self%is_transient, &
-            self%has_si)
+         call write_momentum(self%file, self%momentum, self%scaling, self%is_transient, self%has_si)
          if (self%is_transient) call write_film_passage(self%file, self%run%film_passage, &
             self%scaling, self%has_si)
       end if

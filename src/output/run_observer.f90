@@ -20,12 +20,10 @@ module run_observer
 
    public :: run_observer_t
 
-   !> A run of this wall time [s] gets a checkpoint after its last step, before coarse runs and
-   !> result.
+   !> Runs of this wall time [s] get a checkpoint after the last step, before coarse runs.
    real(wp), parameter :: long_run = 5.0_wp
 
-   !> Hands everything on to `writer` and `log`; stops the solver if nothing can be written any more
-   !> or the run is interrupted.
+   !> Hands everything on to `writer` and `log`; stops the solver on a failure or an interruption.
    type, extends(listener_t) :: run_observer_t
       type(result_writer_t) :: writer
       type(progress_log_t) :: log
@@ -46,17 +44,13 @@ module run_observer
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step
-      procedure :: on_stage
-      procedure :: wants_stop
+      procedure :: on_step, on_stage, start_clock, wants_stop
       procedure, private :: keep
-      !> The run begins.
-      procedure :: start_clock
    end type run_observer_t
 
 contains
 
-   !> Sets the clocks.
+   !> Sets the clocks: the run begins.
    subroutine start_clock(self)
       class(run_observer_t), intent(inout) :: self
 
@@ -113,8 +107,7 @@ contains
       end if
    end subroutine on_stage
 
-   !> Writes a checkpoint. A failure is reported and does not stop the run: the last
-   !> one is still there.
+   !> Writes a checkpoint. A failure is reported and stops nothing: the last one is still there.
    subroutine keep(self, state, history, report)
       class(run_observer_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
@@ -132,11 +125,11 @@ contains
       if (allocated(self%follower)) checkpoint%momentum = self%follower%kept()
       checkpoint%part_digits = self%writer%store%sums%digits()
       associate (kept => checkpoint%march%report)
-         kept%wall_seconds = self%earlier_seconds + begin - self%start
-         kept%phase_seconds(phase_output) = self%output_seconds
-         kept%phase_seconds(phase_transient) = 0.0_wp
-         kept%phase_seconds(phase_transient) = max(kept%wall_seconds &
-            - sum(kept%phase_seconds), 0.0_wp)
+         kept%cost%wall_seconds = self%earlier_seconds + begin - self%start
+         kept%cost%phase_seconds(phase_output) = self%output_seconds
+         kept%cost%phase_seconds(phase_transient) = 0.0_wp
+         kept%cost%phase_seconds(phase_transient) = max(kept%cost%wall_seconds &
+            - sum(kept%cost%phase_seconds), 0.0_wp)
       end associate
       if (allocated(self%failure)) deallocate (self%failure)
       if (self%writer%sync()) then
@@ -157,9 +150,8 @@ contains
 
    !> Whether nothing can be written any more, or the run is interrupted: between time steps only if
    !> the last one has kept a checkpoint for it, for a signal may come after that.
-   function wants_stop(self)
+   logical function wants_stop(self)
       class(run_observer_t), intent(inout) :: self
-      logical :: wants_stop
 
       if (.not. self%is_marching) self%is_stopping = self%is_stopping .or. is_interrupted()
       wants_stop = self%is_stopping

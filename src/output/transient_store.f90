@@ -1,19 +1,17 @@
-!> /transient of a result: records in NAME.part while the run goes on, series in the result at its
-!> end.
+!> /transient: records in NAME.part while the run goes on, series in the result at its end.
 !>
 !> NAME.part is a line of text that says what is in it, with blanks to a multiple of 8 bytes, and
 !> behind it a record for each time step: the numbers, the profiles of every `stride`-th step, and
 !> the checksum of all bytes before, 16 digits. A record is appended by one write: a kill leaves
 !> whole records, and perhaps one whose checksum differs. Readers: python/asperity/running.py.
 !>
-!> Series of one number hold every time step; profiles may be stored of some steps only, and have
-!> times of their own.
+!> Series of numbers hold every time step; profiles may be of some only, with times of their own.
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
+   use disk_file, only: any_mark, file_fault, part_words, place_fault
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: open_positional_file, positional_file_t, real_bytes, sums_of
-   use file_path, only: file_fault
    use hdf5_axes, only: link_object, name_axes
    use hdf5_dataset, only: label_t
    use hdf5_file, only: hdf5_file_t
@@ -22,7 +20,6 @@ module transient_store
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use own_file, only: any_mark, part_words, place_fault
    use quantities, only: quantity_rows, sliding_rows
    use result_labels, only: field_names, field_values, row_label
    use scaling, only: scaling_t
@@ -69,10 +66,7 @@ module transient_store
       character(:), allocatable, private :: line
       type(checksum_t) :: sums
    contains
-      !> Appends one time step.
-      procedure :: append
-      !> Writes the series into another file.
-      procedure :: copy_into
+      procedure :: append, copy_into
    end type transient_store_t
 
 contains
@@ -136,8 +130,7 @@ contains
       end if
    end subroutine attach_store
 
-   !> Whole time steps in the file `path` and the time of the last one [T]; 0: it has none, or is no
-   !> such file.
+   !> Complete time steps in the file `path` and the time of the last one [T]; 0: there are none.
    subroutine read_progress(path, records, time)
       character(*), intent(in) :: path
       integer, intent(out) :: records
@@ -232,9 +225,8 @@ contains
       self%records = self%records + 1
    end subroutine append
 
-   !> Writes all series into the open HDF5 file `file` that has /solution, with their axes; with
-   !> `has_si` in /si/transient those that are other numbers in SI. A failure: the records are not
-   !> what was stored.
+   !> Writes all series with their axes into `file`, which has /solution; with `has_si` those that
+   !> differ in SI also below /si. A failure: the records are not what was stored.
    subroutine copy_into(self, file, scaling, has_si)
       class(transient_store_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file

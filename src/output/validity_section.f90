@@ -1,8 +1,7 @@
 !> /adequacy/validity of a result, and the sentence on a limit that is passed.
 module validity_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use quantity_text, only: number_text, prefixed_text

@@ -1,15 +1,14 @@
-!> NAME.xdmf of a result NAME.h5: what its fields and their axes are, for ParaView and other readers
-!> of XDMF.
+!> NAME.xdmf of a result NAME.h5: its fields and axes, for ParaView and other readers of XDMF.
 !>
 !> XML that names datasets of the result and holds no numbers itself. Each group with fields is a
 !> grid of nodes: over x alone, over x and y (areas), x and time (passages), or zeta and x (layers
 !> of the film). It is made from the finished file, so that nothing is named that is not there.
 module xdmf_file
    use, intrinsic :: iso_fortran_env, only: int64
+   use disk_file, only: any_mark, place_fault, remove_file, rename_file, xdmf_mark, xdmf_words
    use errors, only: error_t, fail, output_error
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_source, only: hdf5_source_t
-   use own_file, only: any_mark, place_fault, remove_file, rename_file, xdmf_mark, xdmf_words
    use result_labels, only: field_names
    use text, only: to_text
    implicit none (type, external)
@@ -55,8 +54,7 @@ contains
       xdmf_path = path(:last)//'.xdmf'
    end function xdmf_path
 
-   !> Writes the file of the result `path`. Error (output_error): the result cannot be read, or
-   !> the file not be written.
+   !> Writes the file of the result `path`. Error (output_error): one cannot be read or written.
    subroutine write_xdmf(path, error)
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
@@ -126,8 +124,7 @@ contains
 
    contains
 
-      !> Where an axis is stored: its name in this group may be a link, through which ParaView does
-      !> not read.
+      !> Where an axis is stored: in this group it may be a link, which ParaView does not follow.
       function path_of(axis) result(path)
          character(*), intent(in) :: axis
          character(:), allocatable :: path

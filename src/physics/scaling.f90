@@ -21,10 +21,8 @@ module scaling
    character(len=16), parameter, public :: rheologies(0:1) = [character(len=16) :: 'newtonian', &
       'eyring']
 
-   !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). If `is_dimensional` is false
-   !> (input by Moes' numbers), only lambda, alpha_bar, moes_m and moes_l are set, and
-   !> hertz_pressure if alpha is known; all others are 0.
-   type, public :: scaling_t
+   !> Scales of (2.51, 2.52).
+   type :: scales_t
       !> b [m], unit of x.
       real(wp) :: half_width = 0.0_wp
       !> p_h [Pa], unit of pressure.
@@ -47,6 +45,11 @@ module scaling
       real(wp) :: shear_stress = 0.0_wp
       !> p_h b^2/R u_s [W/m], unit of power per length.
       real(wp) :: power = 0.0_wp
+   end type scales_t
+
+   !> Scales and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is false (input by
+   !> Moes' numbers) only the groups mean anything, and hertz_pressure if alpha is known.
+   type, public, extends(scales_t) :: scaling_t
       !> Speed parameter [-] of (2.57).
       real(wp) :: lambda = 0.0_wp
       !> alpha p_h [-], (2.56); 0 for constant viscosity.

@@ -4,6 +4,7 @@ module film_fields
    use film_geometry, only: layer_centres
    use film_passage, only: film_passage_t
    use kinds, only: wp
+   use momentum_history, only: newton_cost_t
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use momentum_rows, only: momentum_terms_t
    use thin_film_flow, only: shear_differences, shear_viscosity
@@ -13,7 +14,7 @@ module film_fields
    public :: compare_passage, film_fields_t, stress_rise, take_fields
 
    !> Fields (layers, nx) in the middle of the layers at the nodes.
-   type :: film_fields_t
+   type, extends(newton_cost_t) :: film_fields_t
       !> zeta of the layers (layers): 0 at surface 1, 1 at surface 2.
       real(wp), allocatable :: zeta(:)
       !> u and w over u_s, P = p/p_h, tau_xz/p_h, viscosity under shear over mu_0.
@@ -26,8 +27,6 @@ module film_fields
          pressure_variation = 0.0_wp
       !> T_max, see `stress_rise`; in a transient the largest.
       real(wp) :: stress_rise = 0.0_wp
-      !> Newton steps, factorisations of the matrix, steps of GMRES.
-      integer :: steps = 0, factorisations = 0, linear_iterations = 0
    end type film_fields_t
 
 contains

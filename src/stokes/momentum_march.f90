@@ -347,9 +347,8 @@ contains
       fields%reynolds_pressure = self%history%reynolds%pressure
       fields%reynolds_film = self%history%reynolds%film
       fields%stress_rise = self%history%stress_rise
+      fields%newton_cost_t = self%newton%newton_cost_t
       fields%steps = self%history%steps
-      fields%factorisations = self%newton%factorisations
-      fields%linear_iterations = self%newton%linear_iterations
    end function present_fields
 
 end module momentum_march

@@ -10,6 +10,7 @@ module momentum_newton
    use gmres, only: gmres_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t
+   use momentum_history, only: newton_cost_t
    use momentum_matrix, only: factor_momentum, momentum_matrix_t, solve_momentum
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
    use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t
@@ -41,11 +42,10 @@ module momentum_newton
    real(wp), parameter :: smallest_rise = 1.0e-2_wp
    integer, parameter :: most_changes = 3
 
-   !> Outcome of one solution, and work space of its steps.
-   type :: momentum_newton_t
+   !> Outcome of one solution, and what its steps work with.
+   type, extends(newton_cost_t) :: momentum_newton_t
       logical :: is_converged = .false.
-      integer :: steps = 0, factorisations = 0, linear_iterations = 0
-      !> Share of delta^2 that module momentum_solver has reached.
+      !> Share of delta^2 that module momentum_solver has come to.
       real(wp) :: reached = 0.0_wp
       !> The factors are kept while this many more steps with them are expected to suffice.
       !> (Factoring costs as much as six steps.)

@@ -23,8 +23,8 @@ module momentum_problem
    integer, parameter :: inlet_even = 1
    integer, parameter, public :: inlet_parallel = 2, inlet_thin = 3
 
-   !> Data of one problem. Arrays (0:n) unless stated.
-   type :: momentum_problem_t
+   !> Grid and numbers of the equations.
+   type :: momentum_equations_t
       !> Intervals in X, layers across the film.
       integer :: n = 0, layers = 0
       !> dX and dzeta.
@@ -40,6 +40,10 @@ module momentum_problem
       type(fluid_t) :: fluid
       !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, 0 for a Newtonian oil.
       real(wp) :: shear_scale = 0.0_wp
+   end type momentum_equations_t
+
+   !> Data of one problem. Arrays (0:n) unless stated.
+   type, extends(momentum_equations_t) :: momentum_problem_t
       !> Lower wall z1 = lower_share H + lower_shape.
       real(wp) :: lower_share = 0.0_wp
       real(wp), allocatable :: lower_shape(:)

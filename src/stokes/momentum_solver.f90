@@ -68,17 +68,15 @@ contains
       if (fields%stress_rise < 1.0_wp) call solve_by_continuation(newton, problem, level, flow, &
          reynolds, tolerance)
       report%converged = newton%is_converged
-      fields%steps = newton%steps
-      fields%factorisations = newton%factorisations
-      fields%linear_iterations = newton%linear_iterations
+      fields%newton_cost_t = newton%newton_cost_t
       if (newton%is_converged) then
          call take_fields(problem, flow, newton%terms, fields)
          call copy_state(contact, level, state, fields)
       else
          report%reason = missing_reason(newton, fields%stress_rise)
       end if
-      report%wall_seconds = report%wall_seconds + wall_seconds() - start
-      report%phase_seconds(phase_steady) = report%phase_seconds(phase_steady) &
+      report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
+      report%cost%phase_seconds(phase_steady) = report%cost%phase_seconds(phase_steady) &
          + wall_seconds() - start
    end subroutine solve_film_momentum
 

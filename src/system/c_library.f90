@@ -1,5 +1,4 @@
-!> Calls of the C library (Linux). A procedure of the same name, without `c_`, is documented in the
-!> manual page that is named.
+!> Calls of the C library (Linux), documented in its manual pages without `c_`.
 module c_library
    use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_int16_t, c_int32_t, &
       c_int64_t, c_long, c_ptr, c_short, c_size_t
@@ -21,8 +20,7 @@ module c_library
 
    !> struct flock of fcntl(2): a lock on the whole file.
    type, bind(c), public :: file_lock_t
-      integer(c_short) :: kind
-      integer(c_short) :: origin = 0_c_short
+      integer(c_short) :: kind, origin = 0_c_short
       integer(c_int64_t) :: start = 0_c_int64_t, length = 0_c_int64_t
       integer(c_int) :: process = 0_c_int
    end type file_lock_t
@@ -151,8 +149,7 @@ module c_library
          integer(c_int), value :: number
          type(c_funptr), value :: action
       end function c_signal
-      !> setitimer(2): `setting` is the interval and the time until the first signal, each in
-      !> seconds and microseconds.
+      !> setitimer(2): `setting` is interval and time to the first signal, in seconds, microseconds.
       integer(c_int) function c_setitimer(timer, setting, old) bind(c, name='setitimer')
          import
          implicit none (type, external)

@@ -11,14 +11,11 @@ module checksum
    type :: checksum_t
       integer(int64), private :: first = 0_int64, second = 0_int64
    contains
-      !> Adds numbers.
       procedure :: add
-      !> 16 hexadecimal digits.
       procedure :: digits => digits_of
    end type checksum_t
 
-   !> The largest prime below 2^32: with 2^32 - 1 itself, bits all set would count like bits all
-   !> clear.
+   !> The largest prime below 2^32: modulo 2^32 - 1 all bits set would count like all bits clear.
    integer(int64), parameter :: modulus = 4294967291_int64
    !> Numbers after which the sums are reduced: below 2^60 by then.
    integer, parameter :: stretch = 4096

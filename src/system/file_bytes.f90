@@ -1,18 +1,17 @@
 !> A file whose bytes are read and written at stated places, without a buffer in between: what was
 !> written survives the process, and a full disk shows at once. (FLUSH of Fortran does not report a
 !> failure.) And the seal of a file that this program will read again: a line behind its last byte,
-!> with the number of bytes before it and their checksum. It covers everything in the file and is
-!> checked before the HDF5 library opens the file, since some damaged files crash it. HDF5 and its
-!> tools do not see what lies behind the end of their own data; a program that changes the file
-!> takes the line away.
+!> with the number of bytes before it and their checksum, checked before the HDF5 library opens the
+!> file, since some damaged files crash it. HDF5 does not see what lies behind the end of its data;
+!> a program that changes the file takes the line away.
 module file_bytes
    use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_char, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    use c_library, only: c_close, c_open, c_pread, c_pwrite
    use checksum, only: checksum_t
+   use disk_file, only: seal_bytes, seal_words
    use errors, only: error_t, fail, output_error
    use kinds, only: wp
-   use own_file, only: seal_bytes, seal_words
    implicit none (type, external)
    private
 
@@ -117,9 +116,8 @@ contains
    end subroutine seal_file
 
    !> Whether `path` ends with a seal, right or wrong.
-   function has_seal(path)
+   logical function has_seal(path)
       character(*), intent(in) :: path
-      logical :: has_seal
       type(positional_file_t) :: file
       integer(int64) :: bytes
       character(len=16) :: digits
@@ -149,8 +147,7 @@ contains
       if (is_there .and. allocated(file%failure)) fault = file%failure%message
    end function seal_fault
 
-   !> Opens `path` and reads its last line: bytes before it and their checksum; `is_there`: it is a
-   !> seal, and as long as it says.
+   !> Opens `path` and reads its seal: bytes before it and their checksum; `is_there`: it fits.
    subroutine open_at_seal(file, path, bytes, digits, is_there)
       type(positional_file_t), intent(out) :: file
       character(*), intent(in) :: path

@@ -7,9 +7,8 @@
 !> it: it prints the message prepared for that, removes the files named with it, and exits with
 !> status 4. A second SIGINT or SIGTERM does the same at once.
 !>
-!> Another timer counts the processor time since the last line of progress: where the program would
-!> be silent for long, in calls of libraries and loops without progress lines, its handler writes
-!> what is being done, and for how many seconds.
+!> Another timer counts the processor time since the last line: where the program would be silent
+!> for long, its handler writes what is being done, and for how many seconds.
 !>
 !> Requests and words are module variables: a signal handler has no arguments through which it could
 !> reach anything else. It only calls what POSIX allows there (poll, write, unlink, open, lseek,
@@ -20,17 +19,16 @@ module signals
       c_null_char, c_null_ptr, c_short, c_size_t
    use c_library, only: c_exit, c_poll, c_setitimer, c_signal, c_time, c_unlink, c_write, poll_t, &
       standard_error
-   use own_file, only: mark_of, no_mark
+   use disk_file, only: mark_of, no_mark
    use quantity_text, only: shortened
    implicit none (type, external)
    private
 
-   public :: begin_activity, begin_line, begin_subject, end_line, forget_last_words, &
-      is_interrupted, lay_down_last_words, listen_to_signals, set_patience, stop_listening, &
-      take_last_words, watch_silence
+   public :: begin_activity, begin_line, begin_subject, end_line, clear_exit_message, &
+      is_interrupted, set_exit_message, listen_to_signals, set_patience, stop_listening, &
+      disarm_exit_message, watch_silence
 
-   !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ and
-   !> SIGPROF as on Linux.
+   !> Numbers of signals; SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ and SIGPROF as on Linux.
    integer(c_int), parameter :: signal_hangup = 1_c_int, signal_interrupt = 2_c_int, &
       signal_user_1 = 10_c_int, signal_user_2 = 12_c_int, signal_pipe = 13_c_int, &
       signal_alarm = 14_c_int, signal_terminate = 15_c_int, signal_processor_time = 24_c_int, &
@@ -45,14 +43,14 @@ module signals
    integer(c_long), parameter :: soon = 500000_c_long, patience = 20000000_c_long, &
       longest_silence = 4000000_c_long, one_second = 1000000_c_long
    !> Time for a reader to take the message [ms].
-   integer, parameter :: patience_for_words = 1000
+   integer, parameter :: patience_of_reader = 1000
    integer(c_int), parameter :: status_interrupted = 4_c_int
    !> Longest words, longest file name, and files to remove.
-   integer, parameter :: longest_words = 9000, longest_name = 4200, max_files = 4
+   integer, parameter :: longest_message = 9000, longest_name = 4200, max_files = 4
    !> Longest subject and activity, so that the line fits on a terminal.
    integer, parameter :: longest_subject = 20, longest_activity = longest_subject + 50
-   character(*), parameter :: usual_words = 'asperity: interrupted'
-   character(kind=c_char, len=*), parameter :: waiting_words = &
+   character(*), parameter :: usual_message = 'asperity: interrupted'
+   character(kind=c_char, len=*), parameter :: waiting_message = &
       'asperity: interrupted, ends when this time step or result is complete'//new_line('a')
    !> POLLOUT, and the bytes that a pipe which is ready takes without waiting (PIPE_BUF of Linux).
    integer(c_short), parameter :: is_ready = 4_c_short
@@ -65,14 +63,13 @@ module signals
    logical, volatile :: is_patient = .false., is_waiting = .false.
    !> The program prints the message itself: the handlers only end it.
    logical, volatile :: is_taken = .false.
-   !> The message and the files that go with it, twice: one set is valid while the other one is
-   !> written.
-   type :: last_words_t
+   !> The message and its files, twice: one set is valid while the other is written.
+   type :: exit_message_t
       integer :: length = 0, files = 0
-      character(kind=c_char, len=longest_words) :: words = ''
+      character(kind=c_char, len=longest_message) :: words = ''
       character(kind=c_char, len=longest_name) :: names(max_files) = ''
-   end type last_words_t
-   type(last_words_t) :: sets(2)
+   end type exit_message_t
+   type(exit_message_t) :: sets(2)
    integer, volatile :: current = 0
 
    !> Silence is broken; on a terminal, where that is no line of its own.
@@ -88,10 +85,9 @@ module signals
 
 contains
 
-   !> From now on the first request is recorded instead of ending the program. A signal that was
-   !> ignored (nohup, a job in the background) stays ignored. A closed pipe on the output (SIGPIPE)
-   !> and a write beyond the allowed file size (SIGXFSZ, `ulimit -f`) fail instead of ending the
-   !> program without a message.
+   !> From now on the first request is recorded instead of ending the program; a signal that was
+   !> ignored (nohup, a job in the background) stays ignored. A closed pipe (SIGPIPE) and a write
+   !> beyond the allowed size (SIGXFSZ, `ulimit -f`) fail instead of ending the program silently.
    subroutine listen_to_signals()
       integer(c_int), parameter :: requests(*) = [signal_hangup, signal_interrupt, &
          signal_terminate, signal_user_1, signal_user_2, signal_processor_time]
@@ -100,7 +96,7 @@ contains
 
       call ignore(signal_pipe)
       call ignore(signal_file_size)
-      call forget_last_words()
+      call clear_exit_message()
       previous = c_signal(signal_alarm, c_funloc(end_at_last))
       do i = 1, size(requests)
          previous = c_signal(requests(i), c_funloc(note))
@@ -109,14 +105,14 @@ contains
    end subroutine listen_to_signals
 
    !> Sets the message and the files to remove if the program has to be ended from now on.
-   subroutine lay_down_last_words(words, files)
+   subroutine set_exit_message(words, files)
       character(*), intent(in) :: words, files(:)
       integer :: i, next
 
       next = merge(2, 1, current == 1)
       associate (set => sets(next))
          set%words = words
-         set%length = min(len(words) + 1, longest_words)
+         set%length = min(len(words) + 1, longest_message)
          set%words(set%length:set%length) = new_line('a')
          set%files = 0
          do i = 1, min(size(files), max_files)
@@ -126,20 +122,20 @@ contains
          end do
       end associate
       current = next
-   end subroutine lay_down_last_words
+   end subroutine set_exit_message
 
    !> Nothing is removed, and the message is only that the program was interrupted.
-   subroutine forget_last_words()
+   subroutine clear_exit_message()
       call set_patience(.false.)
-      call lay_down_last_words(usual_words, [character(len=1) ::])
-   end subroutine forget_last_words
+      call set_exit_message(usual_message, [character(len=1) ::])
+   end subroutine clear_exit_message
 
    !> The program is about to say itself that it was interrupted: the handlers no longer say it, so
    !> that it is said once however long the rest of the end takes.
-   subroutine take_last_words()
+   subroutine disarm_exit_message()
       call set_timer(wall_timer, merge(patience, soon, is_waiting))   ! first: time to say it
       is_taken = .true.
-   end subroutine take_last_words
+   end subroutine disarm_exit_message
 
    !> Stops the timer: all work is done and the message is printed.
    subroutine stop_listening()
@@ -147,8 +143,7 @@ contains
       is_taken = .true.
    end subroutine stop_listening
 
-   !> Whether what is going on is worth waiting for: a time step, after which a checkpoint is kept,
-   !> or the writing of a result.
+   !> Whether to wait for a time step with its checkpoint, or for the writing of a result.
    subroutine set_patience(is_worth_it)
       logical, intent(in) :: is_worth_it
 
@@ -156,8 +151,7 @@ contains
    end subroutine set_patience
 
    !> Whether the program was asked to end.
-   function is_interrupted() result(answer)
-      logical :: answer
+   logical function is_interrupted() result(answer)
 
       answer = noted /= 0_c_int
    end function is_interrupted
@@ -177,7 +171,7 @@ contains
       integer(c_int), value :: number
 
       if (has_come(number) .and. (number == signal_interrupt &
-         .or. number == signal_terminate)) call say_last_words()
+         .or. number == signal_terminate)) call exit_with_message()
       has_come(number) = .true.
       if (noted /= 0_c_int) return
       noted = number
@@ -194,14 +188,14 @@ contains
       if (is_patient .and. .not. is_waiting) then
          is_waiting = .true.
          call set_timer(wall_timer, patience)
-         is_heard = tell(waiting_words, len(waiting_words), 0)
+         is_heard = write_error_text(waiting_message, len(waiting_message), 0)
          return
       end if
-      call say_last_words()
+      call exit_with_message()
    end subroutine end_at_last
 
    !> Removes the files, prints the message if a reader takes it, and ends the program.
-   recursive subroutine say_last_words()
+   recursive subroutine exit_with_message()
       integer(c_int) :: status
       integer :: i
       logical :: is_heard
@@ -213,10 +207,10 @@ contains
          end do
          is_heard = is_taken
          is_taken = .true.
-         if (.not. is_heard) is_heard = tell(set%words, set%length, patience_for_words)
+         if (.not. is_heard) is_heard = write_error_text(set%words, set%length, patience_of_reader)
       end associate
       call c_exit(status_interrupted)
-   end subroutine say_last_words
+   end subroutine exit_with_message
 
    !> Begins to break silence. `updates`: on a terminal.
    subroutine watch_silence(updates)
@@ -299,7 +293,7 @@ contains
       length = merge(max(length + 2, width), length + 3, is_updating)
       first = merge(1, 2, is_updating)
       if (.not. is_updating) line(length:length) = new_line('a')
-      is_watching = tell(line(first:), length - first + 1, 0)
+      is_watching = write_error_text(line(first:), length - first + 1, 0)
       last_line = now
       if (is_updating) columns_of_sign = length - 1
       if (is_watching) call set_timer(processor_timer, longest_silence)
@@ -307,10 +301,9 @@ contains
 
    !> Writes `text` of `length` characters to standard error as far as it is taken within `time`
    !> [ms] for each 4096: a handler must not wait for a reader that no longer reads.
-   recursive function tell(text, length, time) result(is_taken)
+   recursive logical function write_error_text(text, length, time) result(is_taken)
       character(kind=c_char), intent(in) :: text(*)
       integer, intent(in) :: length, time
-      logical :: is_taken
       type(poll_t) :: place
       integer :: done, written
 
@@ -326,7 +319,7 @@ contains
          is_taken = written > 0
          done = done + written
       end do
-   end function tell
+   end function write_error_text
 
    !> The signal of `timer` after `time` [us].
    recursive subroutine set_timer(timer, time)

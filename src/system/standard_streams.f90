@@ -1,5 +1,4 @@
-!> Standard output and error. (Fortran's own output reports neither a full device nor a closed
-!> pipe.)
+!> Standard output and error. (Fortran's own output reports no full device and no closed pipe.)
 module standard_streams
    use, intrinsic :: iso_c_binding, only: c_int, c_null_char, c_size_t
    use c_library, only: c_close, c_isatty, c_open, c_write, standard_error, standard_output
@@ -42,8 +41,7 @@ contains
       end do
    end subroutine write_text
 
-   !> Opens closed standard streams on /dev/null: else the next files to be opened would take their
-   !> descriptors, and messages would go into a result.
+   !> Opens closed standard streams on /dev/null: else messages would go into the next file opened.
    subroutine settle_standard_streams()
       integer(c_int) :: descriptor
 
@@ -55,9 +53,8 @@ contains
    end subroutine settle_standard_streams
 
    !> Whether a file descriptor is a terminal.
-   function is_terminal(descriptor) result(answer)
+   logical function is_terminal(descriptor) result(answer)
       integer(c_int), intent(in) :: descriptor
-      logical :: answer
 
       answer = c_isatty(descriptor) == 1_c_int
    end function is_terminal

@@ -1,5 +1,5 @@
-!> What a case may use of this machine, within the limits of this process (Linux): memory, stack,
-!> processors.
+!> The memory that a case needs at most, known before any of it is allocated, and what it may use of
+!> this machine within the limits of this process (Linux): memory, stack, processors.
 module system_limits
    use, intrinsic :: iso_c_binding, only: c_int, c_long
    use c_library, only: c_getrlimit, c_mallopt, c_setrlimit, c_sysconf, limit_t
@@ -10,15 +10,14 @@ module system_limits
    implicit none (type, external)
    private
 
-   public :: check_stack, group_memory, memory_fault, peak_memory, processors, settle_memory, &
-      thread_memory
+   public :: check_stack, dry_memory, group_memory, lubricated_memory, memory_fault, peak_memory, &
+      processors, settle_memory, thread_memory
 
    !> What the program itself takes, and its libraries for it, without a grid [bytes].
    real(wp), parameter :: of_program = 20.0e6_wp
    !> Address space that OpenBLAS reserves for its thread; it uses little of it [bytes].
    real(wp), parameter, public :: of_blas = 136.0e6_wp
-   !> Stack that the program needs; stack of a thread where that of the process is unlimited
-   !> [bytes].
+   !> Least stack of the program; stack of a thread where that of the process is unlimited [bytes].
    integer(c_long), parameter :: least_stack = 1048576_c_long
    real(wp), parameter :: usual_stack = 2097152.0_wp
    !> RLIMIT_DATA, RLIMIT_STACK, RLIMIT_AS.
@@ -31,6 +30,41 @@ module system_limits
    character(*), parameter :: process_status = '/proc/self/status'
 
 contains
+
+   !> The memory of a dry case with nodes(1) times nodes(2) nodes, at most [bytes]: above the
+   !> highest peaks of processes of every size (docs/decisions.md). `refined`: nodes of the largest
+   !> grid beside which one of up to twice as many in each direction is solved; 0: none.
+   pure real(wp) function dry_memory(nodes, is_periodic, refined) result(bytes)
+      integer, intent(in) :: nodes(2)
+      logical, intent(in) :: is_periodic
+      real(wp), intent(in) :: refined
+      real(wp), parameter :: of_node = 460.0_wp, of_node_periodic = 330.0_wp, &
+         of_refined_node = 1300.0_wp
+
+      bytes = product(real(nodes, wp)) &
+         *merge(of_node_periodic, of_node, is_periodic .and. nodes(2) > 1)
+      bytes = max(bytes, of_refined_node*refined)
+   end function dry_memory
+
+   !> The same of a lubricated case with `steps` time steps (0: steady). `is_dense`: with a full
+   !> matrix. `layers` (0: none): layers across the film, m of them with 3 m - 1 unknowns an
+   !> interval, each with a column of a band matrix that reaches 4 m + 3 to both sides, and pressure
+   !> and film of all times.
+   pure real(wp) function lubricated_memory(intervals, steps, is_dense, layers) result(bytes)
+      integer, intent(in) :: intervals
+      real(wp), intent(in) :: steps
+      logical, intent(in) :: is_dense
+      integer, intent(in) :: layers
+      real(wp), parameter :: of_interval = 1400.0_wp, of_step = 1000.0_wp, of_entry = 9.0_wp, &
+         of_profile = 16.0_wp
+      real(wp) :: m, n
+
+      m = layers
+      n = intervals
+      bytes = of_interval*n + of_step*steps
+      if (is_dense) bytes = bytes + of_entry*n**2
+      if (layers > 0) bytes = bytes + (8*m*(36*m + 130) + of_profile*steps)*n
+   end function lubricated_memory
 
    !> "found ..., expected ..." for something, `what`, that takes this many `bytes` beside the
    !> program, and `mapped` ones of address space that it hardly writes to; empty if there is
@@ -78,9 +112,8 @@ contains
    end function megabytes
 
    !> The value of a limit [bytes]; huge: none.
-   function limit_of(resource) result(bytes)
+   real(wp) function limit_of(resource) result(bytes)
       integer(c_int), intent(in) :: resource
-      real(wp) :: bytes
       type(limit_t) :: limit
 
       bytes = huge(bytes)
@@ -88,12 +121,10 @@ contains
       if (limit%present_value >= 0_c_long) bytes = real(limit%present_value, wp)
    end function limit_of
 
-   !> The least memory limit of the control group of this process and of those around it
-   !> (cgroups(7), version 1 and 2), as batch systems and containers set them [bytes]; huge: none.
-   !> `root` stands before /proc and /sys.
-   function group_memory(root) result(bytes)
+   !> The least memory limit of the control groups around this process (cgroups(7), versions 1 and
+   !> 2) [bytes]; huge: none. `root` stands before /proc and /sys.
+   real(wp) function group_memory(root) result(bytes)
       character(*), intent(in) :: root
-      real(wp) :: bytes
       character(*), parameter :: mount = '/sys/fs/cgroup'
       character(len=4096) :: line
       integer :: first, second, status, unit
@@ -109,10 +140,10 @@ contains
          second = first + index(line(first + 1:), ':')
          if (second == first) cycle
          if (line(:second) == '0::') then
-            call look_around(mount, 'memory.max')
-            call look_around(mount//'/unified', 'memory.max')
+            call read_limits(mount, 'memory.max')
+            call read_limits(mount//'/unified', 'memory.max')
          else if (index(','//line(first + 1:second - 1)//',', ',memory,') > 0) then
-            call look_around(mount//'/memory', 'memory.limit_in_bytes')
+            call read_limits(mount//'/memory', 'memory.limit_in_bytes')
          end if
       end do
       close (unit, iostat=status)
@@ -120,7 +151,7 @@ contains
    contains
 
       !> Looks into the files `name` of the group in `folder` and of all groups around it.
-      subroutine look_around(folder, name)
+      subroutine read_limits(folder, name)
          character(*), intent(in) :: folder, name
          character(:), allocatable :: path
 
@@ -130,15 +161,13 @@ contains
             if (len(path) <= 1) exit
             path = path(:index(path(:len(path) - 1), '/', back=.true.))
          end do
-      end subroutine look_around
+      end subroutine read_limits
 
    end function group_memory
 
-   !> The number behind `label` in the first line of a file of the system that begins with it, in
-   !> bytes if the line has kB; huge: there is none.
-   function number_in(file, label) result(number)
+   !> The number behind `label` in a file of the system, in bytes if its line has kB; huge: none.
+   real(wp) function number_in(file, label) result(number)
       character(*), intent(in) :: file, label
-      real(wp) :: number
       character(*), parameter :: blanks = ' '//achar(9)
       character(len=200) :: line
       real(wp) :: value
@@ -163,10 +192,8 @@ contains
       close (unit, iostat=status)
    end function number_in
 
-   !> Most physical memory of the process at one time so far [bytes], all of its cases together; 0:
-   !> not known.
-   function peak_memory() result(bytes)
-      real(wp) :: bytes
+   !> Most physical memory of the process so far, all of its cases together [bytes]; 0: not known.
+   real(wp) function peak_memory() result(bytes)
       real(wp), save :: most = 0.0_wp   ! of the counters of Linux a later sum may be less
 
       bytes = number_in(process_status, 'VmHWM:')
@@ -174,11 +201,10 @@ contains
       bytes = most
    end function peak_memory
 
-   !> Prepares the libraries for what there is. Where the address space is not limited, freed memory
-   !> is kept for the next block, since the system would clear each page of it again. Where it is,
-   !> the C library takes one pool for all threads instead of 64 MB for each. Errors (input_error):
-   !> there is no room even for the program; an OpenBLAS with threads, which hang without 134 MB
-   !> each.
+   !> Prepares the libraries. Without a limit of address space freed memory is kept, since the
+   !> system would clear each page again; with one the C library takes one pool for all threads, not
+   !> 64 MB for each. Errors (input_error): no room even for the program; an OpenBLAS with threads,
+   !> which hang without 134 MB each.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       integer(c_int), parameter :: large_block = 1073741824_c_int
@@ -201,9 +227,8 @@ contains
    end subroutine settle_memory
 
    !> Address space that `threads` threads of the program take beside that of the first [bytes].
-   function thread_memory(threads) result(bytes)
+   real(wp) function thread_memory(threads) result(bytes)
       integer, intent(in) :: threads
-      real(wp) :: bytes
 
       bytes = limit_of(limit_stack)
       if (bytes >= huge(bytes)) bytes = usual_stack
@@ -211,8 +236,7 @@ contains
    end function thread_memory
 
    !> Processors that work, at least 1.
-   function processors() result(number)
-      integer :: number
+   integer function processors() result(number)
 
       number = max(int(c_sysconf(online_processors)), 1)
    end function processors

@@ -2,8 +2,8 @@
 !> any length, one after another from any place on. Lines end with LF, CR or CRLF.
 module text_file
    use, intrinsic :: iso_fortran_env, only: int64
+   use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use file_path, only: file_fault
    use text, only: count_of, to_text
    implicit none (type, external)
    private
@@ -42,8 +42,7 @@ contains
    !> Reads `file` into `content`. A line feed ends each line: a carriage return that stands alone
    !> becomes one, and one before a line feed stays.
    !>
-   !> Errors (input_error): the file does not exist, is a folder, a pipe or a device, cannot be
-   !> read, is larger than 16 MB.
+   !> Errors (input_error): no such file, a folder, pipe or device; not readable; above 16 MB.
    subroutine read_text_file(file, content, error)
       character(*), intent(in) :: file
       character(:), allocatable, intent(out) :: content
@@ -147,8 +146,7 @@ contains
       position = 0
    end function find_bad_byte
 
-   !> Opens `file` at its first line, behind a byte order mark of UTF-8. Error: no such file; a
-   !> folder, a pipe or a device.
+   !> Opens `file` behind a byte order mark. Error: no such file; a folder, a pipe or a device.
    subroutine open_lines(lines, file, error)
       type(text_lines_t), intent(out) :: lines
       character(*), intent(in) :: file
@@ -171,8 +169,7 @@ contains
       self%number = number - 1
    end subroutine seek
 
-   !> The next line without its end; `is_there` is false behind the last one. Errors: the file
-   !> cannot be read; the line is too long.
+   !> The next line without its end; `is_there` is false at the end. Errors: unreadable; too long.
    subroutine next(self, is_there, error)
       class(text_lines_t), intent(inout) :: self
       logical, intent(out) :: is_there

@@ -1,18 +1,35 @@
-!> Which files this program may replace or remove: those that it has written, and no others; and how
-!> it does so, safe against a crash and against other runs. Its files are known by a mark in their
-!> bytes, so that a damaged or half-written file is known too.
-module own_file
+!> Files and folders by their paths, of which two name one file if device and inode agree. This
+!> program replaces and removes only files that it has written, safe against a crash and against
+!> other runs: they are known by a mark in their bytes, also if damaged or half-written.
+module disk_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_short, &
       c_size_t
    use build_info, only: program_name
-   use c_library, only: c_close, c_fcntl, c_fsync, c_lseek, c_open, c_pread, c_rename, &
-      c_unlink, file_lock_t
-   use file_path, only: file_identity_t, kind_missing, kind_regular, look_at_file, &
-      look_at_open_file
+   use c_library, only: c_close, c_fcntl, c_fsync, c_lseek, c_mkdir, c_open, c_pread, c_rename, &
+      c_statx, c_unlink, file_lock_t, statx_t
    implicit none (type, external)
    private
 
-   public :: lock_t, mark_of, place_fault, remove_file, rename_file, sync_file
+   public :: file_at, file_fault, folder_of, is_folder, lock_t, make_folder, mark_of, place_fault, &
+      remove_file, rename_file, sync_file
+
+   !> What a path leads to; `kind_other`: a pipe, a device, a socket.
+   integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_link = 3, kind_other = 4
+   integer, parameter :: kind_folder = 2
+
+   !> A file as the operating system knows it; what cannot be looked at is missing.
+   type, public :: file_identity_t
+      integer :: kind = kind_missing
+      !> Device and inode.
+      character(len=64) :: word = ''
+   end type file_identity_t
+
+   !> AT_FDCWD, AT_SYMLINK_NOFOLLOW, AT_EMPTY_PATH, STATX_BASIC_STATS.
+   integer(c_int), parameter :: current_folder = -100_c_int, no_follow = 256_c_int, &
+      empty_path = 4096_c_int, basic = 2047_c_int
+   !> The part of the mode that is the kind of file (S_IFMT), and its values.
+   integer, parameter :: kind_bits = 61440, bits_folder = 16384, bits_regular = 32768, &
+      bits_link = 40960
 
    !> What a file is marked as: not at all; an HDF5 file; an XDMF file; nothing is in it yet, which
    !> a run that was killed may leave; time steps. `any_mark`: any of them.
@@ -37,9 +54,8 @@ module own_file
    integer, parameter :: head_bytes = 4096
    !> O_RDONLY, O_RDWR; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer; SEEK_END.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int, &
-      look_only = 2048_c_int, from_end = 2_c_int
-   !> F_OFD_SETLK of fcntl(2): a lock of the open file, which the end of another descriptor does not
-   !> end; F_WRLCK, F_UNLCK.
+      read_at_once = 2048_c_int, from_end = 2_c_int
+   !> F_OFD_SETLK of fcntl(2), a lock that other descriptors do not end; F_WRLCK, F_UNLCK.
    integer(c_int), parameter :: set_lock = 37_c_int
    integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
 
@@ -62,25 +78,23 @@ contains
       integer :: found
 
       fault = ''
-      file = look_at_file(path, follows=.true.)
+      file = file_at(path, follows=.true.)
       if (file%kind /= kind_regular) return
       found = mark_of(path//c_null_char)
       if (found == mark .or. (mark == any_mark .and. found /= no_mark)) return
       fault = ': it is there, and '//program_name//' has not written it'
    end function place_fault
 
-   !> The mark of the file `path`, which has a zero at its end. A signal handler may ask: nothing is
-   !> allocated.
-   recursive function mark_of(path) result(mark)
+   !> The mark of the file `path` (with a zero at its end), found without allocating: for handlers.
+   recursive integer function mark_of(path) result(mark)
       character(kind=c_char), intent(in) :: path(*)
-      integer :: mark
       character(kind=c_char, len=head_bytes), target :: head
       integer(c_int64_t) :: bytes
       integer(c_int) :: descriptor, status
       integer :: length, place
 
       mark = no_mark
-      descriptor = c_open(path, look_only)
+      descriptor = c_open(path, read_at_once)
       if (descriptor < 0_c_int) return
       bytes = c_lseek(descriptor, 0_c_int64_t, from_end)
       length = int(c_pread(descriptor, c_loc(head), int(head_bytes, c_size_t), 0_c_int64_t))
@@ -101,20 +115,17 @@ contains
       status = c_close(descriptor)
    end function mark_of
 
-   !> Renames a file in one step, replacing an older one that this program has written; true if that
-   !> worked.
-   function rename_file(old, new) result(is_done)
+   !> Renames a file in one step, replacing only one of this program; true if that worked.
+   logical function rename_file(old, new) result(is_done)
       character(*), intent(in) :: old, new
-      logical :: is_done
 
       is_done = place_fault(new, mark_of(old//c_null_char)) == ''
       if (is_done) is_done = c_rename(old//c_null_char, new//c_null_char) == 0_c_int
    end function rename_file
 
    !> Removes a file that this program has written; true if that worked.
-   function remove_file(path) result(is_done)
+   logical function remove_file(path) result(is_done)
       character(*), intent(in) :: path
-      logical :: is_done
 
       is_done = place_fault(path, any_mark) == ''
       if (is_done) is_done = c_unlink(path//c_null_char) == 0_c_int
@@ -122,9 +133,8 @@ contains
 
    !> Waits until everything written to a file, or the names in a folder, are on the disk; true if
    !> that worked (some file systems cannot do it for folders).
-   function sync_file(path) result(is_done)
+   logical function sync_file(path) result(is_done)
       character(*), intent(in) :: path
-      logical :: is_done
       integer(c_int) :: descriptor, status
 
       descriptor = c_open(path//c_null_char, read_only)
@@ -137,10 +147,9 @@ contains
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
    !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
    !> between opening and locking, the lock is tried again.
-   function acquire(self, path) result(is_taken)
+   logical function acquire(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
-      logical :: is_taken
       integer :: status, unit
 
       is_taken = .true.
@@ -161,14 +170,13 @@ contains
    end function acquire
 
    !> Whether `path` still leads to the locked file.
-   function holds(self, path)
+   logical function holds(self, path)
       class(lock_t), intent(in) :: self
       character(*), intent(in) :: path
-      logical :: holds
       type(file_identity_t) :: locked, there
 
-      locked = look_at_open_file(self%descriptor)
-      there = look_at_file(path, follows=.true.)
+      locked = file_of_descriptor(self%descriptor)
+      there = file_at(path, follows=.true.)
       holds = there%kind /= kind_missing .and. locked%word == there%word
    end function holds
 
@@ -181,4 +189,95 @@ contains
       self%descriptor = -1_c_int
    end subroutine release
 
-end module own_file
+   !> What `path` leads to, or with `follows` false a link itself.
+   function file_at(path, follows) result(identity)
+      character(*), intent(in) :: path
+      logical, intent(in) :: follows
+      type(file_identity_t) :: identity
+
+      if (len(path) > 0) identity = query(current_folder, path, merge(0_c_int, no_follow, follows))
+   end function file_at
+
+   !> The file of an open descriptor.
+   function file_of_descriptor(descriptor) result(identity)
+      integer(c_int), intent(in) :: descriptor
+      type(file_identity_t) :: identity
+
+      identity = query(descriptor, '', empty_path)
+   end function file_of_descriptor
+
+   !> Asks the operating system.
+   function query(folder, path, flags) result(identity)
+      integer(c_int), intent(in) :: folder, flags
+      character(*), intent(in) :: path
+      type(file_identity_t) :: identity
+      type(statx_t) :: answer
+
+      if (c_statx(folder, path//c_null_char, flags, basic, answer) /= 0_c_int) return
+      write (identity%word, '(2(i0, a), i0)') answer%device(1), ':', answer%device(2), ':', &
+         answer%inode
+      select case (iand(int(answer%mode), kind_bits))
+      case (bits_regular)
+         identity%kind = kind_regular
+      case (bits_folder)
+         identity%kind = kind_folder
+      case (bits_link)
+         identity%kind = kind_link
+      case default   ! all others
+         identity%kind = kind_other
+      end select
+   end function query
+
+   !> Why `path` cannot be read, in words (only regular files have an end); empty if it can.
+   function file_fault(path) result(fault)
+      character(*), intent(in) :: path
+      character(:), allocatable :: fault
+      type(file_identity_t) :: identity
+
+      identity = file_at(path, follows=.true.)
+      select case (identity%kind)
+      case (kind_regular)
+         fault = ''
+      case (kind_folder)
+         fault = 'found a folder, expected a file'
+      case (kind_missing)
+         fault = 'no such file'
+      case default   ! all others
+         fault = 'found a pipe, a device or a socket, expected a file'
+      end select
+   end function file_fault
+
+   !> Whether `path` is an existing folder.
+   logical function is_folder(path) result(answer)
+      character(*), intent(in) :: path
+
+      inquire (file=path//'/.', exist=answer)
+   end function is_folder
+
+   !> The folder part of a path; '.' if it has none.
+   pure function folder_of(path) result(folder)
+      character(*), intent(in) :: path
+      character(:), allocatable :: folder
+      integer :: slash
+
+      slash = index(path, '/', back=.true.)
+      folder = '.'
+      if (slash == 1) folder = '/'
+      if (slash > 1) folder = path(:slash - 1)
+   end function folder_of
+
+   !> Makes a folder with those above it; that it failed shows when a file is put into it.
+   recursive subroutine make_folder(path)
+      character(*), intent(in) :: path
+      integer(c_int), parameter :: all_permissions = 511_c_int   ! 0777, less the user's mask
+      integer(c_int) :: status
+      integer :: last
+
+      last = verify(path, '/', back=.true.)
+      if (last == 0) return
+      if (is_folder(path)) return
+      call make_folder(folder_of(path(:last)))
+      status = c_mkdir(path(:last)//c_null_char, all_permissions)
+   end subroutine make_folder
+
+end module disk_file
