@@ -131,7 +131,7 @@ module input_keys
          'of the softer body: pressures above it, and above the shakedown limit, are told', &
          range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
-         'length of the contact across the flow, for load and for an estimate of the flow to its '// &
+         'length of the contact across the flow, for load and an estimate of the flow to its '// &
          'sides', range='>= 1e-9, <= 1e6', needed='load%load: with load', typical='1e-4 to 5', &
          example='! 0.02'), &
       key_row_t('bodies', 'thermal_effusivity', real_kind, 'W s^0.5/m2/K', '13000.0', &

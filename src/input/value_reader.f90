@@ -201,8 +201,7 @@ contains
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
-            hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
-            if (hint == '' .and. entry%group == 'load') hint = '; '//answer_to('load_steps')
+            hint = hint_for_several(entry, row)
          else if (max(entry%first + size(pieces) - 1, entry%last) > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
          else if (all(entry%last /= [0, entry%first + size(pieces) - 1])) then
@@ -222,6 +221,16 @@ contains
          call store(entry, row, pieces(i), entry%first + i - 1, slot, findings)
       end do
    end subroutine read_entry
+
+   !> A hint for an entry with several values where one is expected.
+   pure function hint_for_several(entry, row) result(hint)
+      type(entry_t), intent(in) :: entry
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: hint
+
+      hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
+      if (hint == '' .and. entry%group == 'load') hint = '; '//answer_to('load_steps')
+   end function hint_for_several
 
    !> Gives the arrays of a slot at least `length` elements.
    subroutine make_room(slot, length)
