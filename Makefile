@@ -32,7 +32,7 @@ DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/d
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs notebooks wheel clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs site notebooks wheel clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -180,6 +180,11 @@ bench-program: build
 
 docs: prepare ## the pages of the programming interface, docs/api/index.html; a warning is an error
 	@sh tools/build_docs.sh
+
+site: ## the pages as a site with search, build/site/index.html; a broken link is an error
+	@test -x build/site-tools/bin/mkdocs || { python3 -m venv build/site-tools && \
+	   build/site-tools/bin/pip install -q --disable-pip-version-check -r tools/requirements-site.txt; }
+	@NO_MKDOCS_2_WARNING=1 build/site-tools/bin/mkdocs build -q -f tools/site.yml && echo build/site/index.html
 
 notebooks: build ## the notebooks again, with their pictures and numbers
 	PYTHONPATH=$(CURDIR)/python jupyter execute --inplace python/notebooks/*.ipynb

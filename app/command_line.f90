@@ -65,7 +65,7 @@ contains
          select case (word)
          case ('--check', '--keys', '--version', '--help', '--keys-markdown')
             call set_action(command, word(3:), error)
-         case ('-h')
+         case ('-h', 'help')
             call set_action(command, 'help', error)
          case ('table')
             if (i == 1) then

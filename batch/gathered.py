@@ -8,10 +8,24 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from formulas import FormulaError, evaluate
 from sweep_file import SweepError
 
 PREFIXED = ("m", "Pa", "s")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+# Quantities in words; of a key its own words do.
+WORDS = {
+    "h_min": "Smallest film thickness",
+    "h_central": "Central film thickness",
+    "p_max": "Largest pressure",
+    "p_central": "Central pressure",
+    "friction_coefficient": "Friction coefficient",
+    "contact_area_fraction": "Contact area over nominal area",
+    "mean_separation": "Mean separation",
+    "bodies.speed_1": "Speed of surface 1",
+    "bodies.speed_2": "Speed of surface 2",
+    "load.hertz_pressure": "Hertzian pressure",
+}
 # What h5py raises where the bytes of a file are damaged.
 DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
 
@@ -21,7 +35,13 @@ class Axis:
     """How a column is shown: shown = stored / size, and its label."""
 
     size: float
-    label: str
+    words: str
+    unit: str
+
+    @property
+    def label(self) -> str:
+        """Words and unit."""
+        return f"{self.words} [{self.unit}]" if self.unit else self.words
 
 
 @dataclass(frozen=True)
@@ -76,11 +96,35 @@ class Gathered:
             largest = np.nanmax(values)
             size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
         unit = {"": "", "1": "-"}.get(unit, prefix + unit)
-        return Axis(size, f"{name} [{unit}]" if unit else name)
+        return Axis(size, words_of(name), unit)
+
+    def compute(self, entry: str) -> str:
+        """Adds the column that `name = formula` defines, of the columns of each case; returns the name. Raises SweepError."""
+        name, sign, formula = (part.strip() for part in entry.partition("="))
+        if not sign:
+            return entry
+        values = np.full(len(self.columns["case"]), np.nan)
+        for i in range(values.size):
+            row = {column: found[i] for column, found in self.columns.items()}
+            try:
+                values[i] = evaluate(formula, row.get)
+            except FormulaError as error:
+                if not any(column in formula and isinstance(value, float) and np.isnan(value) for column, value in row.items()):
+                    raise SweepError(f"{self.path}: {name}: {error}") from error
+        self.columns[name] = values
+        return name
 
     def levels(self, name: str) -> list:
         """The different values of a column, sorted."""
         return sorted(set(self.column(name).tolist()))
+
+
+def words_of(name: str) -> str:
+    """A column in words: h_min with its name behind them, of bodies.speed_1 `Speed 1`."""
+    if "." in name:
+        return WORDS.get(name, name.rpartition(".")[2].replace("_", " ").capitalize())
+    words = WORDS.get(name, name)
+    return words if name.replace("_", " ") in words.lower() or words == name else f"{words} {name}"
 
 
 def read_gathered(path: Path) -> Gathered:

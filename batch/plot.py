@@ -46,7 +46,20 @@ def wish_of(table: Gathered, options: argparse.Namespace) -> Wish:
         raise SweepError(f"{table.path}: a map needs --colour, its second axis")
     if "sample" in table.sweep:
         plot.setdefault("points", True)
+    plot |= {"x": table.compute(plot["x"]), "y": [table.compute(name) for name in plot["y"]]}
+    axes = {"x": plot["x"], "y": plot["colour"] if plot.get("kind") == "map" else ""}
+    plot.setdefault("log", [axis for axis, name in axes.items() if is_logarithmic(table.sweep, name)])
     return Wish(**{name: tuple(value) if isinstance(value, list) else value for name, value in plot.items()})
+
+
+def is_logarithmic(sweep: dict[str, object], name: str) -> bool:
+    """Whether a sweep varies a parameter, as `group.key` or `"name"`, in equal ratios."""
+    vary = sweep.get("vary", {})
+    steps = vary.get(name)
+    for word in name.split(".") if steps is None else ():
+        vary = vary.get(word) if isinstance(vary, dict) else None
+        steps = vary
+    return isinstance(steps, dict) and steps.get("spacing") == "log"
 
 
 def draw(path: Path, options: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from case_folder import ROOT
-from gathered import Gathered
+from gathered import Gathered, words_of
 from sweep_file import SweepError
 
 sys.path.append(str(ROOT / "postproc"))
@@ -76,11 +76,11 @@ def rows_of(table: Gathered, wish: Wish) -> list[list[str]]:
 
 def label_of(table: Gathered, names: list[str]) -> str:
     """Names and unit of quantities that share an axis, long ones below each other; of many the unit alone: the legend has them."""
-    label = table.axis(largest(table, names)).label
+    axis = table.axis(largest(table, names))
     words = ", ".join(names)
     if len(words) > LONGEST_LABEL:
         words = ",\n".join(names) if len(names) <= MOST_LINES else ""
-    return label if len(names) == 1 else f"{words} [{label.rpartition('[')[2]}".strip()
+    return axis.label if len(names) == 1 else f"{words} [{axis.unit}]".strip()
 
 
 def largest(table: Gathered, names: list[str]) -> str:
@@ -101,10 +101,9 @@ def panels_of(table: Gathered, wish: Wish) -> list[tuple[str, np.ndarray]]:
 def value_words(table: Gathered, name: str, value: object) -> str:
     """`name = value unit`."""
     if isinstance(value, str):
-        return f"{name} = {value}"
+        return f"{words_of(name)} = {value}"
     axis = table.axis(name)
-    unit = axis.label.removeprefix(name).strip(" []").replace("-", "")
-    return f"{name} = {value / axis.size:.4g} {unit}".strip()
+    return f"{axis.words} = {value / axis.size:.4g} {axis.unit.replace('-', '')}".strip()
 
 
 def series_of(table: Gathered, wish: Wish, names: list[str]) -> Iterator[tuple[str, str, np.ndarray, dict[str, object]]]:
@@ -194,7 +193,7 @@ def finish(figure: object, axes: np.ndarray, table: Gathered, wish: Wish, handle
         chosen = sorted({0, len(levels) // 2, len(levels) - 1})
         bar = figure.colorbar(scale, ax=axes, ticks=[i / (len(levels) - 1) for i in chosen])
         bar.ax.set_yticklabels([value_words(table, wish.colour, levels[i]).partition("= ")[2] for i in chosen])
-        bar.set_label(style.literal(wish.colour))
+        bar.set_label(style.literal(words_of(wish.colour)))
     shown = marks if many else [*handles, *marks]
     if shown and (len(shown) > 1 or many):
         longest = max(len(handle.get_label()) for handle in shown)

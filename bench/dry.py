@@ -31,7 +31,7 @@ COLUMNS = ("work", "asked", "aim", "value", "unit", "verdict", "note")
 PEERS = {"aspher": (1e-6, 1e-7, 1e-8, 1e-10), "tamaas": (1e-6, 1e-8, 1e-10, 1e-12), "ContactMechanics": (1e-4, 1e-6, 1e-8)}
 WANTED = 1e-6
 ONE_THREAD = ENVIRONMENT | {"OMP_WAIT_POLICY": "passive"}
-PROFILES = ROOT / "test" / "data" / "profiles_ABCD.csv"
+PROFILES = ROOT / "input" / "profiles_ABCD.csv"
 LOADS = (5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 125, 150)
 # Asked and aimed at for a whole process, by the nodes of a side.
 WHOLE_PROCESS = {256: (5, 8), 512: (5, 8), 1024: (7, 10), 2048: (10, 15)}

@@ -53,7 +53,7 @@ class Point:
 
 def profile_case() -> Groups:
     """Reference profile C, harmonics 1 to 64, elastic at a mean pressure of 1 GPa."""
-    file = str(ROOT / "test" / "data" / "profiles_ABCD.csv")
+    file = str(ROOT / "input" / "profiles_ABCD.csv")
     return {
         "case": {"problem": "dry_line"},
         "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3},

@@ -108,8 +108,8 @@ class Quantity:
 
     def axis(self, si: bool) -> Axis:
         """Factor and label; SI with the prefix that suits the largest value."""
-        words, symbol, si_symbol = SYMBOLS[self.name]
-        if not si:
+        words, symbol, si_symbol = SYMBOLS.get(self.name, (self.name, self.name, self.name))
+        if not si or self.si_units == "1":
             return Axis(1.0, None, words, symbol.split("=")[0].strip(), symbol, "")
         largest = float(np.nanmax(np.abs(self.values), initial=0.0)) * self.si_scale
         size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
@@ -203,9 +203,9 @@ def read_result(path: str | Path, si: bool = False, with_transient: bool = False
         _check_content(path, file, ("solution", "transient") if with_transient else ("solution",))
         result = Result(
             path=path,
-            title=_text(file.attrs.get("title", "")),
+            title=text_of(file.attrs.get("title", "")),
             converged=bool(np.asarray(file.attrs.get("converged", 0)).item()),
-            reason=_text(file.attrs.get("reason", "")),
+            reason=text_of(file.attrs.get("reason", "")),
             solution=_quantities(path, file, "solution", ("x", "pressure", "film_thickness")),
             summary=_summary(file),
             report={name: _plain(item) for name, item in _datasets(file, "report").items()},
@@ -267,7 +267,7 @@ def _file(path: Path) -> h5py.File:
 
 
 def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:
-    problem = _text(file.attrs.get("problem", ""))
+    problem = text_of(file.attrs.get("problem", ""))
     if not problem:
         raise ResultError(f"{path}: not a result of asperity (no attribute 'problem')")
     if problem != "ehl_line":
@@ -276,7 +276,7 @@ def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:
         if group not in file:
             hint = " (a steady result)" if group == "transient" else ""
             decision = file.get("adequacy/decision")
-            solved = _text(decision.attrs.get("solved", "")) if decision is not None else ""
+            solved = text_of(decision.attrs.get("solved", "")) if decision is not None else ""
             if hint and "in place of" in solved:
                 hint = f": model = 'auto' solved {solved}; model = 'full' has it"
             raise ResultError(f"{path}: has no /{group}{hint}")
@@ -293,7 +293,7 @@ def _quantities(path: Path, file: h5py.File, group: str, names: tuple[str, ...])
         if values.size == 0:
             raise ResultError(f"{path}: /{group}/{name} is empty")
         scale = float(np.asarray(dataset.attrs.get("si_scale", 1.0)).item())
-        found[name] = Quantity(name, values, _text(dataset.attrs.get("si_units", "1")), scale)
+        found[name] = Quantity(name, values, text_of(dataset.attrs.get("si_units", "1")), scale)
     return found
 
 
@@ -320,15 +320,16 @@ def _plain(source: object) -> object:
     """A dataset, or the value of an attribute, as str, number or array."""
     value = values_of(source) if isinstance(source, h5py.Dataset) else source
     if isinstance(value, (bytes, str)):
-        return _text(value)
+        return text_of(value)
     array = np.asarray(value)
     if array.dtype.kind in "SO":
-        texts = [_text(item) for item in array.ravel()]
+        texts = [text_of(item) for item in array.ravel()]
         return texts[0] if len(texts) == 1 else texts
     return array.item() if array.size == 1 else array
 
 
-def _text(value: object) -> str:
+def text_of(value: object) -> str:
+    """A text as stored: bytes, str or an array of one."""
     if isinstance(value, np.ndarray):
         value = value.ravel()[0] if value.size else ""
     if isinstance(value, bytes):

@@ -8,6 +8,7 @@ import numpy as np
 from cases import write
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
+INPUT = DATA.parent.parent / "input"
 
 CASE = """&case problem = '{problem}' /
 &bodies {elastic}{bodies} /
@@ -23,7 +24,7 @@ HARD = ", hardness = 4e9"
 def profile(name, harmonics=None):
     """A surface of the reference profiles."""
     more = f", harmonics = {harmonics}" if harmonics else ""
-    return f"shape = 'file', file = '{DATA}/profiles_ABCD.csv', positions = 'x_m', dataset = 'z{name}_m'{more}"
+    return f"shape = 'file', file = '{INPUT}/profiles_ABCD.csv', positions = 'x_m', dataset = 'z{name}_m'{more}"
 
 
 def case_text(surface, loads, bodies=HARD, more="", problem="dry_line", loading="", key="mean_pressure", modulus=None):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from batch_runs import ROOT, call
 from gathered import read_gathered
-from plot import wish_of
+from plot import is_logarithmic, wish_of
 from plot_curves import Wish, draw_curves, draw_series, style
 from plot_map import REGIMES, draw_map, on_grid, read_films
 from sweep_file import SweepError
@@ -79,7 +79,7 @@ def test_failed_cases_are_marked_and_counted(table):
 def test_facets_units_and_labels(table):
     figure = draw(table, x="u", y=("h_min", "h_central"), facet="load.w")
     assert len(figure.axes) == 4
-    assert figure.axes[0].get_title() == "load.w = 1e+05"
+    assert figure.axes[0].get_title() == "W = 1e+05"
     assert figure.axes[0].get_ylabel() == "h_min, h_central [µm]"
     style.plt.close(figure)
 
@@ -111,6 +111,22 @@ def test_no_label_of_a_line_is_under_words(table):
     shown = {text.get_text(): text.get_visible() for text in texts}
     assert (shown["under"], shown["over"], shown["apart"]) == (False, True, True)
     style.plt.close(figure)
+
+
+def test_a_column_by_formula(table):
+    found = read_gathered(table)
+    assert found.compute("lambda = h_min/sqrt(2*1e-7**2)") == "lambda"
+    np.testing.assert_allclose(found.numbers("lambda"), found.numbers("h_min") / np.sqrt(2e-14))
+    assert np.isnan(found.numbers("lambda")).sum() == 2
+    with pytest.raises(SweepError, match="h_mean"):
+        found.compute("lambda = h_mean/1e-7")
+
+
+@pytest.mark.parametrize("key", ["bodies.u", "u"])
+def test_axes_are_as_the_sweep_varies(key):
+    vary = {"u": {"from": 1, "to": 2, "count": 3, "spacing": "log"}}
+    assert is_logarithmic({"vary": {"bodies": vary} if "." in key else vary}, key)
+    assert not is_logarithmic({"vary": vary}, "bodies.v")
 
 
 def test_long_names_stand_below_each_other_along_an_axis(table):

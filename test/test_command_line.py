@@ -75,7 +75,7 @@ def test_set_is_the_file_with_that_entry(asperity, tmp_path):
             "lubricant.rheology=eyrin",
             "&lubricant rheology: found 'eyrin', expected 'newtonian' or 'eyring'; did you mean 'eyring'?",
         ),
-        ("time.end_time=3", "&time end_time: found a key that is not used with transient = .false., expected it left out"),
+        ("time.end_time=3", "&time end_time: not used with transient = .false.: remove it"),
     ],
 )
 def test_findings_name_set(asperity, tmp_path, entry, message):

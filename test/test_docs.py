@@ -167,24 +167,12 @@ def test_names_of_the_developer_page_are_in_the_source():
     assert named - words - parts == set(), "docs/developer.md has names that are not in the source"
 
 
-TASKS = [
-    "A roller of your own",
-    "Its film over the speed",
-    "A measured profile, dry and in oil",
-    "Results in xarray",
-    "Two hundred cases",
-]
-
-
-def test_each_task_is_short():
-    """The five usual tasks need no script of more than ten lines."""
+def test_each_task_fits_a_screen():
     page = (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8")
     sections = dict(part.split("\n", 1) for part in page.split("\n## ")[1:])
-    assert list(sections) == TASKS
+    assert len(sections) == 9
     for title, text in sections.items():
-        scripts = re.findall(r"^```(?:sh|python)\n(.*?)^```$", text, re.M | re.S)
-        assert scripts, title
-        assert max(script.count("\n") for script in scripts) <= 10, title
+        assert text.count("\n") <= 50, title
 
 
 SCENES = sorted((ROOT / "input" / "scenes").glob("*.nml"))
@@ -239,14 +227,15 @@ def pictures(book):
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook(path, program, monkeypatch):
+def test_notebook(path, program, monkeypatch, tmp_path):
+    """From an empty folder."""
     monkeypatch.setenv("ASPERITY", str(program))
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
     monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
     stored = nbformat.read(path, 4)
     book = nbformat.read(path, 4)
     environment = dict(os.environ)
-    nbclient.NotebookClient(book, timeout=600, resources={"metadata": {"path": str(path.parent)}}).execute(env=environment)
+    nbclient.NotebookClient(book, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute(env=environment)
     assert len(quantities(stored)) >= 3
     assert [name for name, _ in quantities(book)] == [name for name, _ in quantities(stored)]
     for (name, value), (_, shown) in zip(quantities(book), quantities(stored), strict=True):

@@ -28,7 +28,7 @@ def test_stand_ins_have_the_printed_parameters():
         "C": (0.14, 0.78, 0.18, -0.02, 3.50),
         "D": (0.35, 2.22, 0.45, -0.07, 3.10),
     }
-    data = np.genfromtxt(ROOT / "test" / "data" / "profiles_ABCD.csv", delimiter=",", names=True)
+    data = np.genfromtxt(ROOT / "input" / "profiles_ABCD.csv", delimiter=",", names=True)
     for name, values in printed.items():
         z = 1e6 * (data[f"z{name}_m"] - data[f"z{name}_m"].mean())
         rms = (z**2).mean() ** 0.5

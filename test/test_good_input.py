@@ -3,6 +3,7 @@
 import re
 import tomllib
 
+import h5py
 import pytest
 from cases import MOES, STEADY, TRANSIENT, ended
 from conftest import ROOT
@@ -73,6 +74,17 @@ FORMS = {
 @pytest.mark.parametrize("name", FORMS)
 def test_form_is_accepted(asperity, tmp_path, name):
     check(asperity, tmp_path, FORMS[name])
+
+
+def test_a_load_is_that_of_the_length_of_the_contact(solve_all):
+    over_length = STEADY.replace("load_per_length = 1e5", "load = 2e3").replace("speed_1 =", "contact_length = 0.02, speed_1 =")
+    folder = solve_all({"whole": over_length, "per_length": STEADY})
+    films = []
+    for name in ("whole", "per_length"):
+        with h5py.File(folder / f"{name}.h5") as file:
+            assert file["scaling"].attrs["load_per_length"] == pytest.approx(1e5, rel=1e-14)
+            films.append(file["summary/h_min"][()])
+    assert films[0] == films[1]
 
 
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)

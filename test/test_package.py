@@ -34,6 +34,12 @@ def test_a_path_a_text_and_a_mapping_are_the_same_case(minimal):
     assert asperity.run(groups).case.todict() == groups.todict()
 
 
+def test_examples_come_with_the_package():
+    assert asperity.example("minimal.nml") == MINIMAL
+    with pytest.raises(asperity.AsperityError, match="case1.nml"):
+        asperity.example("none.nml")
+
+
 def test_fields_and_summary_are_in_si(minimal, tmp_path):
     result = asperity.run(MINIMAL, folder=tmp_path / "new")
     assert result.path == tmp_path / "new" / "minimal.h5"
@@ -171,7 +177,7 @@ def wheel(program, tmp_path_factory):
 def test_the_wheel_carries_program_and_scripts(wheel):
     assert re.fullmatch(r"asperity-[\d.]+-py3-none-manylinux_2_\d+_\w+(\.manylinux\w+)*\.whl", wheel.name)
     names = zipfile.ZipFile(wheel).namelist()
-    assert {"asperity/bin/asperity", "asperity/postproc/profile.py", "asperity/batch/sweep.py", "asperity/py.typed"} <= set(names)
+    assert {"asperity/bin/asperity", "asperity/postproc/profile.py", "asperity/batch/sweep.py", "asperity/py.typed", "asperity/input/minimal.nml"} <= set(names)
     assert any(re.match(r"asperity\.libs/libgomp-.*\.so", name) for name in names)  # of others what is not in the program
 
 

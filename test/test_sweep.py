@@ -133,7 +133,7 @@ BAD = {
         HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8, count = 1000000000 }\n",
         "found 1000000000 cases, expected at most 100000 (or --yes",
     ),
-    "what the base forbids": (HEAD + "load.load_per_length = [1e5, 2e5]\n", "found together with load_per_length"),
+    "what the base forbids": (HEAD + "load.load_per_length = [1e5, 2e5]\n", "found more than one load"),
     "one value twice": (
         HEAD + "load.hertz_pressure = [4e8, 5e8, 4e8]\n",
         "small.toml:3: load.hertz_pressure: found 400000000.0 as value",

@@ -94,7 +94,7 @@ def test_slips_of_a_unit_are_told(asperity, tmp_path):
 @pytest.mark.path
 def test_unusual_values_stand_in_log_and_result(asperity, tmp_path):
     write(tmp_path, "case.nml", MINIMAL.replace("= 0.01 ", "= 12.0 ").replace("viscosity = 0.14", "viscosity = 30"))
-    line = "case.nml:7: &bodies reduced_radius: 12 m is unusual, typical is 1e-4 to 5 m; is the unit right?\n"
+    line = "case.nml:7: &bodies reduced_radius: 12 m is unusual, typical is 1e-4 to 5 m; is it in mm?\n"
     assert line in ended(asperity("case.nml")).stderr
     assert asperity("case.nml", "--quiet").stderr == ""
     with h5py.File(tmp_path / "case.h5") as file:
@@ -106,7 +106,7 @@ def test_unusual_values_of_a_dry_case(asperity, tmp_path):
     content = (ROOT / "input" / "dry_sphere.nml").read_text().replace("hertz_pressure = 1e9", "hertz_pressure = 3e4")
     write(tmp_path, "case.nml", content.replace("reduced_radius = 0.005", "reduced_radius = 8"))
     done = asperity("case.nml")
-    assert "&bodies reduced_radius: 8 m is unusual, typical is 1e-4 to 5 m; is the unit right?" in done.stderr
+    assert "&bodies reduced_radius: 8 m is unusual, typical is 1e-4 to 5 m; is it in mm?" in done.stderr
     with h5py.File(tmp_path / "case.h5") as file:
         assert "&load hertz_pressure: 30000 Pa is unusual" in text(file["report/note"][()])
 

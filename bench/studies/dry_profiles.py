@@ -31,7 +31,7 @@ def pressures(loads: Sequence[float] = LOADS) -> list[float]:
 
 def stand_in(name: str, loads: Sequence[float] = LOADS) -> Case:
     """A stand-in profile under all loads."""
-    data = str(ROOT / "test" / "data" / "profiles_ABCD.csv")
+    data = str(ROOT / "input" / "profiles_ABCD.csv")
     return changed(
         base_case("dry_profile"),
         load={"mean_pressure": pressures(loads)},

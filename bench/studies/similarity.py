@@ -22,7 +22,7 @@ SAME = 1e-5  # what a tolerance of 1e-9 leaves in P and H
 
 def shape_of(name: str) -> np.ndarray:
     """Heights of a stand-in over their rms."""
-    data = np.genfromtxt(ROOT / "test" / "data" / "profiles_ABCD.csv", delimiter=",", names=True)
+    data = np.genfromtxt(ROOT / "input" / "profiles_ABCD.csv", delimiter=",", names=True)
     heights = data[f"z{name}_m"] - data[f"z{name}_m"].mean()
     return heights / heights.std()
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .calls import NotConvergedWarning, Progress, check, run
     from .errors import AsperityError, Finding, InputError
-    from .program import version
+    from .program import example, version
     from .result import Result, read
     from .running import read_part
 
@@ -26,6 +26,7 @@ __all__ = [
     "Progress",
     "Result",
     "check",
+    "example",
     "read",
     "read_part",
     "run",
@@ -36,7 +37,7 @@ __all__ = [
 _MODULES = {
     "calls": ("NotConvergedWarning", "Progress", "check", "run"),
     "errors": ("AsperityError", "Finding", "InputError"),
-    "program": ("version",),
+    "program": ("example", "version"),
     "result": ("Result", "read"),
     "running": ("read_part",),
 }

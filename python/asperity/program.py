@@ -30,6 +30,16 @@ def program_path() -> Path:
     return Path(found)
 
 
+def example(name: str) -> Path:
+    """An input or profile that comes with the program: example("minimal.nml"); `example(".")` is the folder of all."""
+    here = Path(__file__).resolve().parent
+    folder = next(path for path in (here / "input", here.parent.parent / "input") if path.is_dir())
+    path = folder / name
+    if not path.exists():
+        raise AsperityError(f"{name} is no example: {', '.join(sorted(file.name for file in folder.iterdir()))}")
+    return path
+
+
 def version() -> str:
     """Version and commit of the program."""
     status, lines = call(["--version"])

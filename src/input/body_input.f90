@@ -75,8 +75,8 @@ contains
             // trim(parts(findloc(given, .true., dim=1))) // ', expected either ' // reduced &
             // ' or ' // list)
       else if (.not. any(given)) then
-         call values%refuse('bodies', trim(parts(1)), 'found nothing, expected ' // list // &
-            ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
+         call values%refuse('bodies', trim(parts(1)), 'missing, expected ' // list // ', or ' // &
+            reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
       else
          do i = 1, size(parts)
             if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)))
@@ -189,10 +189,10 @@ contains
       character(:), allocatable :: choice, fault
       integer :: given, i
 
-      choice = 'load_per_length [N/m] or hertz_pressure [Pa]'
+      choice = 'load_per_length [N/m], load [N] or hertz_pressure [Pa]'
       if (values%problem == lubricated) then
-         keys = [character(len=16) :: 'load_per_length', 'hertz_pressure']
-         fault = 'found together with load_per_length, expected one of the two'
+         keys = [character(len=16) :: 'load_per_length', 'load', 'hertz_pressure']
+         fault = 'found more than one load, expected one of '//joined(keys, ', ')
       else
          keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', merge('load_per_length', &
             'load           ', values%problem == 'dry_line'), 'separation']
@@ -205,7 +205,7 @@ contains
          given = given + 1
          if (given > 1) call values%refuse('load', trim(keys(i)), fault)
       end do
-      if (given == 0) call values%refuse('load', trim(keys(1)), 'found nothing, expected '//choice)
+      if (given == 0) call values%refuse('load', trim(keys(1)), 'missing, expected '//choice)
    end subroutine check_load
 
    !> The bodies of a lubricated contact; with &moes they are unknown (zero).
@@ -224,7 +224,8 @@ contains
       end if
    end subroutine fill_bodies
 
-   !> The load of a line [N/m] or an area [N], given by the `key` of &load; 0 if there is none.
+   !> The load of a line [N/m], of a lubricated one over its length, or an area [N], given by the
+   !> `key` of &load; 0 if there is none.
    subroutine find_load(values, radius, modulus, key, load)
       type(input_values_t), intent(in) :: values
       real(wp), intent(in) :: radius, modulus
@@ -233,6 +234,12 @@ contains
 
       key = trim(merge('load           ', 'load_per_length', values%problem == 'dry_area'))
       if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
+      if (values%problem == lubricated .and. values%is_given('load', 'load')) then
+         key = 'load'
+         load = values%real_value('load', key)/max(values%real_value('bodies', 'contact_length'), &
+            tiny(1.0_wp))
+         return
+      end if
       load = values%real_value('load', key)
       if (key /= 'hertz_pressure') return
       if (values%problem == 'dry_area') then

@@ -182,6 +182,7 @@ contains
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: key
       type(case_t), intent(in) :: case
+      type(unusual_t), allocatable :: unusual(:)
 
       if (.not. case%scaling%is_dimensional) return
       associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
@@ -192,6 +193,12 @@ contains
                // to_text(case%bodies%reduced_radius, 3) // ' m')
          else if (.not. (is_in_range(scales%moes_m, m%range) .and. is_in_range(scales%moes_l, &
             l%range))) then
+            unusual = find_unusual(values)
+            if (size(unusual) > 0) then
+               call values%refuse('load', key, 'found no contact that can be computed: '// &
+                  unusual(1)%words//unusual(1)%question)
+               return
+            end if
             call values%refuse('load', key, 'found a contact with Moes numbers M = ' &
                // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) &
                // ' (mean velocity), expected M ' // trim(m%range) // ' and L ' // trim(l%range))

@@ -131,19 +131,23 @@ module input_keys
          'of the softer body: pressures above it, and above the shakedown limit, are told', &
          range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
-         'length of the contact across the flow, for an estimate of the flow to its sides', &
-         range='>= 1e-9, <= 1e6', typical='1e-4 to 5', example='! 0.02'), &
+         'length of the contact across the flow, for load and an estimate of the flow to its '// &
+         'sides', range='>= 1e-9, <= 1e6', needed='load%load: with load', typical='1e-4 to 5', &
+         example='! 0.02'), &
       key_row_t('bodies', 'thermal_effusivity', real_kind, 'W s^0.5/m2/K', '13000.0', &
          'sqrt(k rho c) of both bodies, for an estimate of temperatures; default: steel', &
          range='>= 1, <= 1e6', typical='100 to 1e5')]
 
    type(key_row_t), parameter :: load_rows(*) = [ &
       key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, &
-         'load w per length of the line; this or hertz_pressure', range='>= 1e-6, <= 1e12', &
+         'load w per length of the line; this, load or hertz_pressure', range='>= 1e-6, <= 1e12', &
          problems='ehl_line dry_line', typical='50 to 2e7', example='1e5', dry_example='! 100e3'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
          'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13', &
          typical=typical_pressure, example='! 0.6e9'), &
+      key_row_t('load', 'load', real_kind, 'N', is_optional, &
+         'load of the whole contact_length', range='> 0, <= 1e15', typical='1e-2 to 1e8', &
+         example='! 2000.0'), &
       key_row_t('load', 'mean_pressure', reals_kind, 'Pa', is_optional, &
          'load over nominal area; several values: a sweep; or load_per_length, load, ' &
          //'hertz_pressure, separation', range='> 0, <= 1e15', problems=dry, &

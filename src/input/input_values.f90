@@ -173,7 +173,7 @@ contains
       character(*), intent(in), optional :: reason
       character(:), allocatable :: message
 
-      message = 'found nothing, expected ' // expected_value(key_rows(find_key(group, key, &
+      message = 'missing, expected ' // expected_value(key_rows(find_key(group, key, &
          self%problem)))
       if (present(reason)) message = trim(message // ' ' // reason)
       call self%findings%add(self%line_of(group, ''), group, key, message)
@@ -185,7 +185,7 @@ contains
       character(*), intent(in) :: group, key, reason
 
       if (self%is_given(group, key)) call self%refuse(group, key, &
-         'found a key that is not used ' // reason // ', expected it left out')
+         'not used ' // reason // ': remove it')
    end subroutine refuse_unused
 
 end module input_values

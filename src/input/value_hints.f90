@@ -3,7 +3,35 @@ module value_hints
    implicit none (type, external)
    private
 
-   public :: edit_distance, form_hint, nearest_known
+   public :: answer_to, edit_distance, form_hint, nearest_known
+
+   !> A part of a name that engineers look for, and what to do instead.
+   type :: answer_t
+      character(len=12) :: part
+      character(len=112) :: text
+   end type answer_t
+
+   type(answer_t), parameter :: answers(*) = [ &
+      answer_t('point', 'contacts of balls with oil are not built: ehl_line is right for '// &
+         'rollers, dry_area presses a ball without oil'), &
+      answer_t('ellip', 'elliptic contacts with oil are not built: ehl_line is right for an '// &
+         'ellipse that is five times as wide'), &
+      answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
+      answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &
+      answer_t('temperature', 'heat is not built: give viscosity and pressure_viscosity at the '// &
+         'temperature of the inlet'), &
+      answer_t('grade', 'give viscosity [Pa s] at the temperature of the inlet, for a grade '// &
+         'that of its data sheet'), &
+      answer_t('mixed', 'mixed lubrication is not built: the result tells the film over the '// &
+         'roughness'), &
+      answer_t('friction', 'friction is a result: /summary/friction_coefficient'), &
+      answer_t('grease', 'grease is not built: give the base oil, and x_inlet for starvation'), &
+      answer_t('load_', 'loads that change are not built: run a case for each, by a sweep'), &
+      answer_t('wear', 'wear and running-in are not built'), &
+      answer_t('rpm', 'give the speeds of the surfaces [m/s]: 2 pi rpm/60 times the radius'), &
+      answer_t('omega', 'give the speeds of the surfaces [m/s]: omega times the radius'), &
+      answer_t('young', 'youngs_modulus_1 and youngs_modulus_2, or reduced_modulus'), &
+      answer_t('diameter', 'give radius_1 and radius_2, or reduced_radius')]
 
    character(*), parameter :: digits = '0123456789'
    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
@@ -82,6 +110,18 @@ contains
       rest = text
       if (scan(text(:1), '+-') > 0) rest = text(2:)
    end function without_sign
+
+   !> What to do instead of a key or word that is not there; empty: no idea.
+   pure function answer_to(name) result(text)
+      character(*), intent(in) :: name
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(answers)
+         if (index(name, trim(answers(i)%part)) > 0) text = trim(answers(i)%text)
+      end do
+   end function answer_to
 
    !> The name nearest to `name` by edit distance; empty if none is within a third of its letters.
    pure function nearest_known(name, names) result(found)

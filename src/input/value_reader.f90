@@ -15,7 +15,7 @@ module value_reader
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
    use text, only: joined, to_lower, to_text
-   use value_hints, only: form_hint, nearest_known
+   use value_hints, only: answer_to, form_hint, nearest_known
    implicit none (type, external)
    private
 
@@ -93,8 +93,7 @@ contains
 
       if (row > 0) then
          if (.not. has_word(group_rows(row)%problems, trim(problem))) call findings%add(line, &
-            name, '', "found a group that problem = '"//trim(problem) &
-            //"' does not use, expected it left out")
+            name, '', not_used_by(problem))
          return
       end if
       hint = nearest_known(name, group_rows%group)
@@ -126,8 +125,9 @@ contains
       end do
       if (.not. has_word(group_rows(find_group(entry%group))%problems, trim(problem))) return
       if (is_known) then
-         message = "found a key that problem = '" // trim(problem) &
-            // "' does not use, expected it left out"
+         message = not_used_by(problem)
+      else if (answer_to(entry%key) /= '') then
+         message = 'unknown key; '//answer_to(entry%key)
       else
          if (hint == '') then
             hint = nearest_known(entry%key, names)
@@ -138,6 +138,14 @@ contains
       end if
       call findings%add(entry%line, entry%group, quoted(entry%key), message)
    end subroutine report_unknown_key
+
+   !> That a key or group belongs to other problems.
+   pure function not_used_by(problem) result(message)
+      character(*), intent(in) :: problem
+      character(:), allocatable :: message
+
+      message = "not used by problem = '"//trim(problem)//"': remove it"
+   end function not_used_by
 
    !> Reads the default of a row through the reader of the user's entries.
    subroutine read_default(row, slot, findings)
@@ -193,7 +201,7 @@ contains
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
-            hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
+            hint = hint_for_several(entry, row)
          else if (max(entry%first + size(pieces) - 1, entry%last) > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
          else if (all(entry%last /= [0, entry%first + size(pieces) - 1])) then
@@ -213,6 +221,16 @@ contains
          call store(entry, row, pieces(i), entry%first + i - 1, slot, findings)
       end do
    end subroutine read_entry
+
+   !> A hint for an entry with several values where one is expected.
+   pure function hint_for_several(entry, row) result(hint)
+      type(entry_t), intent(in) :: entry
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: hint
+
+      hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
+      if (hint == '' .and. entry%group == 'load') hint = '; '//answer_to('load_steps')
+   end function hint_for_several
 
    !> Gives the arrays of a slot at least `length` elements.
    subroutine make_room(slot, length)
@@ -306,8 +324,14 @@ contains
          hint = "; '" // trim(renamed_words(i)%new) // "' is its new name"
          return
       end do
-      hint = nearest_known(word, split_words(row%words, ' '))
-      if (hint /= '') hint = "; did you mean '" // hint // "'?"
+      hint = ''
+      if (row%key == 'problem') hint = answer_to(word)
+      if (hint /= '') then
+         hint = '; '//hint
+      else
+         hint = nearest_known(word, split_words(row%words, ' '))
+         if (hint /= '') hint = "; did you mean '" // hint // "'?"
+      end if
    end function nearest_word
 
    !> Adds "found ..., expected ..." for an entry; `hint` follows.

@@ -1,0 +1,93 @@
+"""The page of a result to pass on: complete in itself, with outcome, limits and input; other files are refused."""
+
+import base64
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import pytest
+from cases import STEADY, TRANSIENT
+from conftest import ROOT
+from dry_cases import case_text, profile
+
+class Page(HTMLParser):
+    """The cells of a page, row by row, and its pictures."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.rows, self.pictures, self.is_cell = [], [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "tr":
+            self.rows.append([])
+        elif tag == "td":
+            self.rows[-1].append("")
+        elif tag == "img":
+            self.pictures.append(base64.b64decode(dict(attrs)["src"].partition("base64,")[2]))
+        self.is_cell = tag in ("td", "span")
+
+    def handle_data(self, data):
+        if self.is_cell and self.rows:
+            self.rows[-1][-1] += data.strip()
+
+    def row(self, name):
+        return next(row for row in self.rows if row and row[0] == name)
+
+
+def report(*arguments):
+    command = [sys.executable, str(ROOT / "postproc" / "report.py"), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def folder(solve_all):
+    found = solve_all({"steady": STEADY, "ridge": TRANSIENT, "dry": case_text(profile("A", 10), [50e6, 100e6])})
+    done = report(*sorted(found.glob("*.h5")), "--output", found / "pages")
+    assert (done.returncode, done.stderr) == (0, "")
+    return found
+
+
+@pytest.mark.parametrize(("name", "pictures"), [("steady", 1), ("ridge", 4), ("dry", 3)])
+def test_a_page_is_complete_in_itself(folder, name, pictures):
+    text = (folder / "pages" / f"{name}.html").read_text(encoding="utf-8")
+    page = Page(text)
+    assert len(page.pictures) == pictures
+    assert all(b"<svg" in picture for picture in page.pictures)
+    assert not re.search(r'(src|href)="(?!data:|#)', text)
+    assert "nan" not in re.sub(r"base64,[^\"]*", "", text)
+    assert "<pre>&amp;case" in text
+    assert "<b>Not converged" not in text
+
+
+def test_results_have_units_errors_and_times(folder):
+    page = Page((folder / "pages" / "ridge.html").read_text(encoding="utf-8"))
+    film, pressure = page.row("Smallest film thickness"), page.row("Largest pressure")
+    assert re.fullmatch(r"[\d.]+ nm", film[1])
+    assert "time steps, an estimate needs" in film[2]
+    steady = Page((folder / "pages" / "steady.html").read_text(encoding="utf-8"))
+    assert re.fullmatch(r"± [\d.]+ %", steady.row("Smallest film thickness")[2])
+    assert re.fullmatch(r"[\d.]+ µs", film[3])
+    assert pressure[1].endswith(" MPa")
+    assert page.row("Slide-to-roll ratio")[1] == "1.667"
+    assert page.row("roughness")[3] == "smooth surfaces"
+    dry = Page((folder / "pages" / "dry.html").read_text(encoding="utf-8"))
+    assert re.fullmatch(r"[\d.]+ µm", dry.row("Mean separation")[1])
+
+
+def test_no_solution_is_said_first(asperity, tmp_path):
+    (tmp_path / "bad.nml").write_text(STEADY + "&solver max_cycles = 1 /\n")
+    assert asperity("bad.nml").returncode == 2
+    done = report(tmp_path / "bad.h5", "--output", tmp_path / "page.html")
+    assert done.returncode == 0
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert text.index("Not converged:") < text.index("Results")
+
+
+def test_other_files_are_refused(tmp_path):
+    (tmp_path / "no.h5").write_text("nothing")
+    done = report(tmp_path / "no.h5", tmp_path / "missing.h5")
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 2
+    assert not list(tmp_path.glob("*.html"))
