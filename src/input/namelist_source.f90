@@ -4,7 +4,7 @@ module namelist_source
    implicit none (type, external)
    private
 
-   public :: source_t, new_source, next_equals, key_start, name_end
+   public :: source_t, new_source, next_equals, key_start, name_end, without_returns
 
    !> The characters of the file as the parser sees them.
    type :: source_t
@@ -33,7 +33,7 @@ contains
       character(len=1) :: mark
       logical :: in_comment
 
-      source%text = content // line_feed
+      source%text = without_returns(content) // line_feed
       allocate (source%in_string(len(source%text)), source%line(len(source%text)))
       source%in_string = .false.
       mark = ' '
@@ -44,7 +44,6 @@ contains
       do i = 1, len(source%text)
          source%line(i) = line
          associate (byte => source%text(i:i))
-            if (byte == carriage_return) byte = ' '   ! a line feed follows
             if (byte == line_feed) then
                if (mark /= ' ') then
                   call findings%add(line, '', '', 'found the string '// &
@@ -72,6 +71,22 @@ contains
          end associate
       end do
    end subroutine new_source
+
+   !> `content` without carriage returns; a line feed follows each.
+   pure function without_returns(content) result(text)
+      character(*), intent(in) :: content
+      character(:), allocatable :: text
+      integer :: i, length
+
+      text = content
+      length = 0
+      do i = 1, len(content)
+         if (content(i:i) == carriage_return) cycle
+         length = length + 1
+         text(length:length) = content(i:i)
+      end do
+      text = text(:length)
+   end function without_returns
 
    !> Position of the next `=` outside strings from `first` on; last + 1: none.
    pure integer function next_equals(source, first, last) result(position)

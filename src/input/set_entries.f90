@@ -5,7 +5,7 @@ module set_entries
    use findings, only: findings_t
    use input_keys, only: key_rows
    use key_row, only: text_kind, word_kind, words_kind
-   use namelist_source, only: source_t, new_source
+   use namelist_source, only: source_t, new_source, without_returns
    use namelist_text, only: namelist_text_t, split_namelist
    use text, only: to_lower
    implicit none (type, external)
@@ -93,12 +93,13 @@ contains
    end function is_one_value
 
    !> `content` with `entries` (n): in the place of the same key, else behind the name of their
-   !> group, else in a group at the end. No line of `content` gets another number.
+   !> group, else in a group at the end. No line gets another number; lines end with LF.
    subroutine put_entries(content, entries)
       character(:), allocatable, intent(inout) :: content
       type(set_entry_t), intent(in) :: entries(:)
       integer :: i
 
+      if (size(entries) > 0) content = without_returns(content)
       do i = 1, size(entries)
          call put_entry(content, entries(i))
       end do
