@@ -24,7 +24,6 @@ BASE = (ROOT / "input" / "minimal.nml").read_text(encoding="utf-8")
 
 
 def call(script, *arguments, folder, program, **options):
-    """Runs batch/SCRIPT in `folder`."""
     environment = {**os.environ, "ASPERITY": str(program), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "agg"}
     command = [sys.executable, "-W", "error", str(BATCH / script), *map(str, arguments)]
     return subprocess.run(
@@ -33,7 +32,6 @@ def call(script, *arguments, folder, program, **options):
 
 
 def write_sweep(folder, text=SMALL, base=BASE, name="small.toml"):
-    """A sweep file and its base case base.nml."""
     (folder / "base.nml").write_text(base, encoding="utf-8")
     (folder / name).write_text(text, encoding="utf-8")
     return folder / name

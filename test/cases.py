@@ -1,5 +1,6 @@
 """Small namelists for end-to-end tests, and helpers to read results."""
 
+import os
 import resource
 
 import h5py
@@ -7,6 +8,12 @@ import numpy as np
 
 # Nothing takes so long [s of wall time], however busy the machine is: limits are processor time, wall time guards against hanging.
 HANGING = 900
+
+
+def members(by_day, by_night):
+    """How many random members a test has: more with NIGHTLY=1, by .ci/nightly."""
+    return by_night if os.environ.get("NIGHTLY") else by_day
+
 
 STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
 &bodies radius_1 = 0.01, radius_2 = 2.0, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
@@ -43,20 +50,17 @@ def processor(seconds):
 
 
 def write(folder, name, text):
-    """Writes a namelist and returns its path."""
     path = folder / name
     path.write_bytes(text.encode("utf-8"))
     return path
 
 
 def ended(done, status=0):
-    """A run, which ended with this status."""
     assert done.returncode == status, done.stderr
     return done
 
 
 def text(value):
-    """An HDF5 string as str."""
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)
 
 

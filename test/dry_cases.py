@@ -22,7 +22,6 @@ HARD = ", hardness = 4e9"
 
 
 def profile(name, harmonics=None):
-    """A surface of the reference profiles."""
     more = f", harmonics = {harmonics}" if harmonics else ""
     return f"shape = 'file', file = '{INPUT}/profiles_ABCD.csv', positions = 'x_m', dataset = 'z{name}_m'{more}"
 
@@ -42,7 +41,6 @@ def case_text(surface, loads, bodies=HARD, more="", problem="dry_line", loading=
 
 
 def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_line", **options):
-    """Runs a case and returns its open result."""
     write(folder, "case.nml", case_text(surface, loads, bodies, more, problem, **options))
     done = asperity("case.nml", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
@@ -50,7 +48,6 @@ def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_l
 
 
 def rows(name):
-    """Rows of a reference table."""
     with (DATA / name).open(encoding="utf-8") as file:
         return list(csv.DictReader(file))
 

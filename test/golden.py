@@ -73,7 +73,6 @@ def summary(value):
 
 
 def same(path, old, new):
-    """Whether two stored values are equal to the tolerance."""
     if not (isinstance(old, list) and isinstance(new, list)):
         return old == new
     if len(old) != len(new) or old[0] != new[0]:
@@ -101,7 +100,6 @@ def stop(program, folder, name):
 
 
 def run(program, folder, command):
-    """Status and texts of one step."""
     if command.startswith("stop "):
         return stop(program, folder, command.removeprefix("stop "))
     words = [program, *shlex.split(command)[1:]]
@@ -148,7 +146,6 @@ def flat(name, tree):
 
 
 def differences(old, new):
-    """Lines that say what differs between a stored case and a new one."""
     return [
         f"{path}: {old.get(path, 'not there')} -> {new.get(path, 'not there')}"
         for path in sorted(old.keys() | new.keys())
@@ -181,7 +178,6 @@ def write(cases):
 
 
 def instructions(program, name):
-    """Instructions that a case takes."""
     with tempfile.TemporaryDirectory() as place:
         path = pathlib.Path(place) / f"{name}.nml"
         path.write_text(ONE[name], encoding="utf-8")
@@ -191,7 +187,6 @@ def instructions(program, name):
 
 
 def count(program, store):
-    """Compares, or stores, the instructions of some cases."""
     stored = json.loads(COUNTS.read_text(encoding="utf-8")) if COUNTS.exists() else {}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         found = dict(zip(COUNTED, pool.map(lambda name: instructions(program, name), COUNTED), strict=True))

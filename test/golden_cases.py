@@ -30,12 +30,10 @@ STEEL = """&case title = 'dry', problem = '{problem}' /
 
 
 def feature(surface, amplitude=2e-7, position=-1.6, more=""):
-    """A ridge or dent on a surface."""
     return f"&surface_{surface} shape = 'feature', amplitude = {amplitude}, wavelength = 1e-4, position = {position}{more} /\n"
 
 
 def wave(surface, amplitude=3e-8, wavelength=6e-5, position=0.1, more=""):
-    """A waviness on a surface."""
     return (
         f"&surface_{surface} shape = 'sinusoid', amplitude = {amplitude}, wavelength = {wavelength},"
         f" position = {position}{more} /\n"
@@ -49,7 +47,6 @@ def time(end, step, more=""):
 
 
 def dry(problem, load, domain, surface, more="", bodies=""):
-    """A dry contact."""
     return (
         STEEL.format(problem=problem, more=bodies) + f"&load {load} /\n&domain {domain} /\n&surface_1 shape = {surface} /\n" + more
     )

@@ -90,7 +90,6 @@ def wait_for(path, running, times=0, size=0, seconds=HANGING):
 
 
 def start(program, folder, *options, name="case.nml"):
-    """A run of case.nml in `folder`."""
     return subprocess.Popen([program, name, "--quiet", *options], cwd=folder, stderr=subprocess.PIPE, text=True)
 
 
@@ -155,7 +154,6 @@ def new_parser(description):
 
 
 def main():
-    """Kill as often as asked for."""
     parser = new_parser(__doc__)
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)

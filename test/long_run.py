@@ -75,7 +75,6 @@ def finish(program, folder):
 
 
 def main():
-    """The long form."""
     parser = new_parser(__doc__)
     parser.add_argument("--steps", type=int, default=100000)
     parser.add_argument("--intervals", type=int, default=1024)

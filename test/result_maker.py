@@ -98,7 +98,6 @@ def write_result(
 
 
 def write_summary(file: h5py.File, fields: dict[str, np.ndarray], scales: dict[str, tuple[str, float]]) -> None:
-    """The scalars of /summary, in SI."""
     film, pressure = fields["film_thickness"], fields["pressure"]
     central = film[..., np.argmin(np.abs(fields["x"]))]
     for name, value, like in (

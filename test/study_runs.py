@@ -17,6 +17,5 @@ def run_quick(name, program, folder):
 
 
 def rows(path):
-    """A CSV file as list of dictionaries."""
     with path.open(encoding="utf-8") as file:
         return list(csv.DictReader(file))

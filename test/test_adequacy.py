@@ -123,8 +123,8 @@ def test_time_step_of_other_runs(solved_case, words):
         assert "h_min" in file["adequacy/roughness"]
 
 
-def test_what_is_not_known_says_why(asperity, tmp_path):
-    """A dent that overtakes a ridge: the smooth steady contact tells the friction of some oils alone; no number is a NaN."""
+def test_what_is_not_known_says_why(asperity, tmp_path, run_case):
+    # A dent that overtakes a ridge: the smooth steady contact tells the friction of some oils alone; no number is a NaN.
     assert asperity(ROOT / "input" / "overtaking.nml", "--output", tmp_path, "--quiet").returncode == 0
     found = contents(tmp_path / "overtaking.h5")
     names = {name.split("/")[1].split("@")[0] for name in found if name.startswith("adequacy/")} - {"validity"}
@@ -138,9 +138,6 @@ def test_what_is_not_known_says_why(asperity, tmp_path):
         assert (why != "") == bool(untold or group[f"adequacy/{name}@verdict"] == b"not known")
         partly += 0 < len(untold) < 4
     assert partly >= 1
-
-
-def test_no_solution_has_no_adequacy(run_case, tmp_path):
     run_case(STEADY + "&solver max_cycles = 1 /\n", status=2)
     with h5py.File(tmp_path / "case.h5") as file:
         assert "adequacy" not in file

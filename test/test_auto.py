@@ -17,7 +17,6 @@ def without_numbers(text):
 
 
 def auto(text):
-    """The same case with the model left to the program."""
     return text.replace("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'")
 
 
@@ -81,7 +80,7 @@ def test_high_ridge_is_solved_as_by_the_full_model(told_case):
     assert [name for name in solved if not same_bits(lean[name], full[name])] == []
 
 
-def test_roughness_at_rest_is_solved_as_a_steady_contact(told_case):
+def test_what_is_solved_steadily_or_kept(told_case):
     lean, _ = told_case(auto(RESTING), name="lean")
     full, _ = told_case(RESTING, name="full")
     assert lean["adequacy/decision@solved"] == b"the steady contact with its roughness, in place of the passage"
@@ -91,9 +90,6 @@ def test_roughness_at_rest_is_solved_as_a_steady_contact(told_case):
     early = RESTING.replace("end_time = 8.0", "end_time = 8.0, statistics_from = 1.0")
     _, log = told_case(auto(early), name="early")
     assert "kept: the start counts" in log
-
-
-def test_steady_contact_keeps_everything(told_case):
     lean, log = told_case(auto(without_numbers(STEADY)), name="auto")
     full, _ = told_case(without_numbers(STEADY), name="full")
     # what is measured afterwards stands in the table
@@ -102,6 +98,15 @@ def test_steady_contact_keeps_everything(told_case):
     assert "%" in line
     solved = [name for name in full if not name.startswith("input") and "seconds" not in name]
     assert [name for name in solved if not same_bits(lean[name], full[name])] == []
+    smooth = RESTING[: RESTING.index("&surface_2")] + RESTING[RESTING.index("&time") :]
+    found, log = told_case(auto(smooth), name="lean")
+    assert rows_of(log)["squeeze"] == "left out: at rest"
+    assert "time_step" not in rows_of(log)
+    assert found["adequacy/decision/squeeze@decision"] == b"left out"
+    assert not any(name.startswith("transient") for name in found)
+    lean, log = told_case(auto(LOW) + "&output film_thresholds = 1e-7 /\n", name="case")
+    assert "kept: passage is wanted" in log
+    assert "transient/time" in lean
 
 
 def rows_of(log):
@@ -132,21 +137,6 @@ def test_table_shows_what_was_chosen_of_the_numbers(told_case):
     assert "time_step" not in rows
     found, _ = told_case(auto(PASSAGE.replace(inlet, "")), name="open")
     assert found["adequacy/decision/domain@decision"] == b"chosen"
-
-
-def test_smooth_passage_tells_that_squeeze_was_left_out(told_case):
-    smooth = RESTING[: RESTING.index("&surface_2")] + RESTING[RESTING.index("&time") :]
-    found, log = told_case(auto(smooth), name="lean")
-    assert rows_of(log)["squeeze"] == "left out: at rest"
-    assert "time_step" not in rows_of(log)
-    assert found["adequacy/decision/squeeze@decision"] == b"left out"
-    assert not any(name.startswith("transient") for name in found)
-
-
-def test_statistics_over_time_keep_the_passage(told_case):
-    lean, log = told_case(auto(LOW) + "&output film_thresholds = 1e-7 /\n", name="case")
-    assert "kept: passage is wanted" in log
-    assert "transient/time" in lean
 
 
 def test_later_run_finds_its_lean_result_complete(run_case, asperity, tmp_path):

@@ -48,7 +48,6 @@ KINDS = {
 
 @pytest.fixture(scope="module", name="results")
 def _results(solve_all):
-    """The result of each kind."""
     return solve_all({name: text for name, (text, _) in KINDS.items()})
 
 
@@ -130,16 +129,13 @@ def test_a_pressure_in_si_means_one_thing(results, kind):
         assert set(missing) <= set(file["si/solution"])
 
 
-def test_units_are_those_of_the_stored_numbers(results):
+def test_units_and_axes_by_the_library_of_hdf5(results):
     with h5py.File(results / "steady.h5") as file:
         assert file["solution/pressure"].attrs["units"] == b"1"
         assert file["solution/pressure"].attrs["si_units"] == b"Pa"
         assert file["summary/h_min"].attrs["units"] == b"m"
         assert file.attrs["layout"] == 3
-
-
-def test_axes_are_dimension_scales_by_the_library_of_hdf5(results):
-    """Both ends of each link, as HDF5 itself follows them."""
+    # Both ends of each link, as HDF5 itself follows them.
     with h5py.File(results / "momentum.h5") as file:
         field = file["momentum/u"]
         assert [dim.label for dim in field.dims] == ["", ""]

@@ -35,7 +35,6 @@ def findings_of(asperity, folder, content):
 
 
 def changed(lines, change):
-    """`lines` after one change of a table."""
     mark, number, text = re.fullmatch(r"([|+-]?)(\d*) ?(.*)", change).groups()
     place = int(number) - 1 if number else len(lines)
     return lines[:place] + ([] if mark == "-" else [text]) + lines[place + (mark != "+") :]
@@ -97,12 +96,20 @@ def test_a_grid_that_is_too_fine_for_its_method_is_found_by_check(asperity, tmp_
     assert "which the program chooses, expected at most 8192 with method = 'newton_dense'" in found
 
 
-def test_missing_file(asperity, tmp_path):
+def test_what_is_no_namelist(asperity, tmp_path, program):
     assert run(asperity, tmp_path / "none.nml") == [f"{tmp_path}/none.nml: no such file"]
-
-
-def test_folder_as_file(asperity, tmp_path):
     assert run(asperity, tmp_path) == [f"{tmp_path}: found a folder, expected a file"]
+    os.mkfifo(tmp_path / "pipe.nml")
+    assert run(asperity, "pipe.nml") == ["pipe.nml: found a pipe, a device or a socket, expected a file"]
+    (tmp_path / "large.nml").write_bytes(b"! comment\n" * 2_000_000)
+    assert "expected a namelist of at most 16 MB" in run(asperity, tmp_path / "large.nml")[0]
+    lines = run(asperity, program)
+    assert len(lines) == 1
+    garbage = random.Random(1).randbytes(100_000)
+    lines = findings_of(asperity, tmp_path, garbage)
+    assert len(lines) == 1
+    assert "found the byte 0x" in lines[0]
+    assert "expected a text file in UTF-8" in lines[0]
 
 
 def test_unreadable_file(asperity, tmp_path):
@@ -117,29 +124,6 @@ def test_unreadable_file(asperity, tmp_path):
 @pytest.mark.parametrize("path", ["/dev/zero", "/dev/null"])
 def test_device(asperity, path):
     assert run(asperity, path) == [f"{path}: found a pipe, a device or a socket, expected a file"]
-
-
-def test_pipe(asperity, tmp_path):
-    os.mkfifo(tmp_path / "pipe.nml")
-    assert run(asperity, "pipe.nml") == ["pipe.nml: found a pipe, a device or a socket, expected a file"]
-
-
-def test_file_too_large(asperity, tmp_path):
-    (tmp_path / "large.nml").write_bytes(b"! comment\n" * 2_000_000)
-    assert "expected a namelist of at most 16 MB" in run(asperity, tmp_path / "large.nml")[0]
-
-
-def test_program_as_input(asperity, program):
-    lines = run(asperity, program)
-    assert len(lines) == 1
-
-
-def test_binary_garbage(asperity, tmp_path):
-    garbage = random.Random(1).randbytes(100_000)
-    lines = findings_of(asperity, tmp_path, garbage)
-    assert len(lines) == 1
-    assert "found the byte 0x" in lines[0]
-    assert "expected a text file in UTF-8" in lines[0]
 
 
 NO_TEXT, LONG = ", expected a text file in UTF-8", "x" * 1_000_000

@@ -47,20 +47,22 @@ def labels(figure):
     return [text.get_text() for text in figure.legends[0].get_texts()] if figure.legends else []
 
 
-def test_a_series_shows_its_values_with_their_error_bars():
+def test_series_and_medians():
     figure, axes = style.new_figure(3, 60)
     bars = draw_series(axes, np.array([2.0, 1.0]), np.array([5.0, 4.0]), np.array([0.5, np.nan]), "film", style.SERIES[0], False)
     np.testing.assert_array_equal(bars[0].get_xydata(), [[1, 4], [2, 5]])
     segments = bars[2][0].get_segments()
     np.testing.assert_array_equal(segments, [[[1, 4], [1, 4]], [[2, 4.5], [2, 5.5]]])  # not known: no bar
     style.plt.close(figure)
-
-
-def test_several_cases_at_one_place_are_drawn_as_their_median():
     figure, axes = style.new_figure(3, 60)
     line = draw_series(axes, np.repeat([1.0, 2.0], 5), np.arange(10.0), None, "film", style.SERIES[0], False)
     np.testing.assert_array_equal(line.get_xydata(), [[1, 2], [2, 7]])
     style.plt.close(figure)
+    x, y = np.array([1.0, 2, 1, 2]), np.array([5.0, 5, 6, 6])
+    columns, rows, values = on_grid(x, y, np.array([1.0, 2, 3, 4]))
+    assert (list(columns), list(rows), values.tolist()) == ([1, 2], [5, 6], [[1, 2], [3, 4]])
+    assert on_grid(x, np.array([5.0, 6, 7, 8]), x) is None
+    assert on_grid(np.array([1.0, 1, 2, 2]), np.array([5.0, 5, 6, 6]), x) is None
 
 
 def test_failed_cases_are_marked_and_counted(table):
@@ -139,14 +141,6 @@ def test_long_names_stand_below_each_other_along_an_axis(table):
     style.plt.close(figure)
 
 
-def test_grids_are_recognised():
-    x, y = np.array([1.0, 2, 1, 2]), np.array([5.0, 5, 6, 6])
-    columns, rows, values = on_grid(x, y, np.array([1.0, 2, 3, 4]))
-    assert (list(columns), list(rows), values.tolist()) == ([1, 2], [5, 6], [[1, 2], [3, 4]])
-    assert on_grid(x, np.array([5.0, 6, 7, 8]), x) is None
-    assert on_grid(np.array([1.0, 1, 2, 2]), np.array([5.0, 5, 6, 6]), x) is None
-
-
 def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(table):
     nothing = dict.fromkeys(("x", "y", "colour", "facet", "log", "points", "kind", "regimes"))
     found = read_gathered(table)
@@ -213,6 +207,13 @@ def test_files_that_are_no_tables(tmp_path, program):
     for name, words in (("none.h5", "is not there"), ("text.h5", "is no gathered table"), ("pipe.h5", "found a folder, pipe")):
         done = call("plot.py", name, "--x", "u", "--y", "h_min", folder=tmp_path, program=program)
         assert (done.returncode, words in done.stderr) == (1, True)
+    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
+    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8").replace("../", "")
+    (tmp_path / "film.toml").write_text(text, encoding="utf-8")
+    assert call("sweep.py", "film.toml", folder=tmp_path, program=program).returncode == 0
+    assert call("gather.py", "film", folder=tmp_path, program=program).returncode == 0
+    done = call("plot.py", "film", folder=tmp_path, program=program)
+    assert (done.returncode, "found no column h_min" in done.stderr) == (1, True)
 
 
 def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
@@ -231,13 +232,3 @@ def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
         power = np.diff(np.log(film[speed < 1])) / np.diff(np.log(speed[speed < 1]))
     assert power.min() > 2 / 3
     assert power.max() < 3 / 4
-
-
-def test_nothing_is_done_yet(tmp_path, program):
-    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8").replace("../", "")
-    (tmp_path / "film.toml").write_text(text, encoding="utf-8")
-    assert call("sweep.py", "film.toml", folder=tmp_path, program=program).returncode == 0
-    assert call("gather.py", "film", folder=tmp_path, program=program).returncode == 0
-    done = call("plot.py", "film", folder=tmp_path, program=program)
-    assert (done.returncode, "found no column h_min" in done.stderr) == (1, True)

@@ -40,7 +40,6 @@ def _places(sweeps, tmp_path):
 
 
 def content(folder):
-    """Every file but the results."""
     files = (path for path in folder.rglob("*") if path.is_file() and path.suffix != ".h5")
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 

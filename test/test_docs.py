@@ -39,7 +39,6 @@ def blocks(page):
 
 
 def prose(page):
-    """A page without its fenced blocks."""
     return BLOCK.sub("", page_text(page))
 
 
@@ -193,7 +192,6 @@ VERDICTS = {
 
 
 def test_every_scene_has_its_verdicts():
-    """Ten scenes."""
     assert sorted(VERDICTS) == [path.stem for path in SCENES]
     assert len(SCENES) == 10
 
@@ -245,7 +243,6 @@ def test_notebook(path, program, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_cells_are_short(path):
-    """No task needs a script of more than ten lines."""
     cells = [cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
     assert len(cells) >= 5
     assert max(source.count("\n") + 1 for source in cells) <= 10

@@ -55,9 +55,6 @@ def test_chosen_outlet_lies_behind_rupture(asperity, tmp_path):
     assert note is None
     assert outlet == pytest.approx(3.448, abs=1e-3)
     assert figures["h_min"][1] < 1e-3 * figures["h_min"][0]
-
-
-def test_chosen_outlet_moves_out_where_a_ridge_at_rest_carries_the_film_farther(asperity, tmp_path):
     # the pressure reaches to X = 1.56 over the ridge, where smooth surfaces would have an outlet at 1.52
     ridge = "&surface_1 shape = 'feature', amplitude = 0.21e-6, wavelength = 4.2e-5, position = 1.57 /\n"
     case = AT_REST + ridge
@@ -67,6 +64,8 @@ def test_chosen_outlet_moves_out_where_a_ridge_at_rest_carries_the_film_farther(
     assert outlet > 2.0
     with h5py.File(tmp_path / "case.h5") as file:
         assert file["solution/pressure"][-2] == 0.0
+    lines = asperity("--template", "ehl_line").stdout.splitlines()
+    assert not [line for line in lines if line.startswith(("   x_inlet", "   x_outlet"))]
 
 
 def test_outlet_in_time_is_watched_at_every_step(asperity, tmp_path):
@@ -77,8 +76,3 @@ def test_outlet_in_time_is_watched_at_every_step(asperity, tmp_path):
     assert "outlet" not in no_note
     for name in FIGURES:
         assert abs(cut[name][0] - whole[name][0]) < cut[name][1]
-
-
-def test_template_leaves_the_ends_of_the_domain_to_the_program(asperity):
-    lines = asperity("--template", "ehl_line").stdout.splitlines()
-    assert not [line for line in lines if line.startswith(("   x_inlet", "   x_outlet"))]

@@ -287,7 +287,6 @@ def test_not_converged_is_said(run_case, tmp_path):
 
 
 def figures(*arguments):
-    """Runs the figure script."""
     command = [sys.executable, DATA.parent.parent / "postproc" / "dry.py", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 

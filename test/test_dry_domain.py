@@ -17,25 +17,28 @@ HALF_WIDTH = 4 * 0.01 * 1e9 / 230e9  # of 1 GPa
 
 
 def line(asperity, folder, *arguments, load="hertz_pressure = 1e9", more="", length=4 * HALF_WIDTH, periodic=""):
-    """Runs a parabola."""
     write(folder, "case.nml", LINE.format(load=load, more=more, length=length, periodic=periodic))
     return asperity("case.nml", *arguments)
 
 
-def test_a_parabola_is_open_unless_it_is_said(asperity, tmp_path):
+def test_open_and_periodic_unless_it_is_said(asperity, tmp_path, run_case):
     assert line(asperity, tmp_path, "--quiet").returncode == 0
     with h5py.File(tmp_path / "case.h5") as file:
         assert file["summary/p_max"][()] == pytest.approx(1e9, rel=1e-4)
         assert file["input/effective/domain"].attrs["periodic"].decode() == ".false."
         assert file["input/effective/domain"].attrs["kernel"].decode() == "element"
         assert "note" not in file["report"]
-
-
-def test_other_surfaces_are_periodic_unless_it_is_said(asperity, tmp_path):
     surface = "shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-4"
     with solve(asperity, tmp_path, surface, [1e7], "", "&domain length = 1e-4, intervals = 64 /") as file:
         assert file["input/effective/domain"].attrs["periodic"].decode() == ".true."
         assert file["solution/x"][0] == 0.0
+    write(tmp_path, "z.csv", "x,z\n" + "".join(f"{i}e-6,{1e-9 * (i % 2)}\n" for i in range(64)))
+    punch = (
+        "&case problem = 'dry_line' /\n&bodies reduced_modulus = 230e9 /\n&load mean_pressure = 1e9 /\n"
+        "&surface_1 shape = 'file', file = 'z.csv' /\n&domain periodic = .false. /\n"
+    )
+    told = run_case(punch, "--quiet", status=2).stderr
+    assert f"{BEYOND}, towards which the surface does not fall: no length is enough" in told
 
 
 @pytest.mark.parametrize("problem", ["dry_line", "dry_area"])
@@ -85,16 +88,6 @@ def test_contact_that_reaches_the_border_is_no_solution(asperity, tmp_path):
         wanted = float(reason.split("should be about ")[1].split(" m")[0])
         load = file["sweep/load"][1]
     assert line(asperity, tmp_path, "--quiet", load=f"load_per_length = {load}", more=rough, length=wanted).returncode == 0
-
-
-def test_a_flat_punch_has_no_length(run_case, tmp_path):
-    write(tmp_path, "z.csv", "x,z\n" + "".join(f"{i}e-6,{1e-9 * (i % 2)}\n" for i in range(64)))
-    punch = (
-        "&case problem = 'dry_line' /\n&bodies reduced_modulus = 230e9 /\n&load mean_pressure = 1e9 /\n"
-        "&surface_1 shape = 'file', file = 'z.csv' /\n&domain periodic = .false. /\n"
-    )
-    told = run_case(punch, "--quiet", status=2).stderr
-    assert f"{BEYOND}, towards which the surface does not fall: no length is enough" in told
 
 
 @pytest.mark.parametrize(("wave", "nodes"), [("", "2.0"), (", wavelength_short = 4e-6", "4.0"), (", wavelength_short = 8e-6", "")])

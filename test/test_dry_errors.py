@@ -28,9 +28,6 @@ def test_every_figure_has_an_estimate(asperity, tmp_path):
             assert file["summary"][name][()] == last[-1]
         phases = text(file["report/phase_seconds"].attrs["phases"]).split(", ")
         assert file["report/phase_seconds"][phases.index("error_bars")] > 0
-
-
-def test_off_is_off_and_changes_no_number(asperity, tmp_path):
     found = []
     for more in ("", OFF):
         with solve(asperity, tmp_path, profile("A"), [100e6], more=more) as file:
@@ -41,9 +38,6 @@ def test_off_is_off_and_changes_no_number(asperity, tmp_path):
                 assert text(file["summary/p_max"].attrs["no_estimate"]) == "no other grids are compared"
     for name, values in found[0].items():
         assert np.array_equal(values, found[1][name]), name
-
-
-def test_estimates_are_printed(asperity, tmp_path):
     write(tmp_path, "case.nml", case_text(profile("C"), [250e6], HARD))
     lines = asperity("case.nml").stdout.splitlines()
     with h5py.File(tmp_path / "case.h5") as file:
@@ -55,15 +49,12 @@ def test_estimates_are_printed(asperity, tmp_path):
     assert "+-" not in asperity("case.nml").stdout
 
 
-def test_no_estimate_without_a_solution(run_case, tmp_path):
+def test_no_estimate_without_a_solution(run_case, tmp_path, asperity):
     content = case_text(profile("C"), [100e6]).replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3")
     run_case(content, "--quiet", status=2)
     with h5py.File(tmp_path / "case.h5") as file:
         for name in SUMMARY:
             assert np.isnan(file["summary"][name].attrs["error_estimate"]), name
-
-
-def test_too_few_nodes_for_other_grids(asperity, tmp_path):
     surface = "shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3"
     for nodes, is_known in ((6, False), (9, True)):
         with solve(asperity, tmp_path, surface, [1e7], "", f"&domain length = 1e-3, intervals = {nodes} /") as file:

@@ -7,7 +7,6 @@ from dry_cases import case_text, solve
 
 
 def resampled(z, nodes):
-    """The Fourier series of z on other nodes."""
     spectrum = np.fft.rfft(z)
     n = len(z)
     if n % 2 == 0 and nodes > n:
@@ -17,12 +16,10 @@ def resampled(z, nodes):
 
 
 def heights(nodes, seed=1):
-    """Random heights [m]."""
     return np.random.default_rng(seed).standard_normal(nodes) * 1e-7
 
 
 def write_profile(path, z, spacing=1e-6):
-    """A CSV file of heights."""
     path.write_text("x,z\n" + "".join(f"{i * spacing!r},{float(h)!r}\n" for i, h in enumerate(z)), encoding="utf-8")
 
 
@@ -39,7 +36,7 @@ def test_profile_on_other_nodes(asperity, tmp_path, old, new):
         assert file["solution/x"][()][-1] == pytest.approx(old * 1e-6 * (new - 1) / new)
 
 
-def test_coarse_file_gives_the_fine_contact(asperity, tmp_path):
+def test_files_on_other_nodes(asperity, tmp_path):
     # A wave is measured completely with a few nodes: Westergaard's gap to the accuracy of the fine grid.
     height, length, share, modulus = 1e-6, 1e-3, 0.3, 230e9
     write_profile(tmp_path / "z.csv", height * np.cos(2 * np.pi * np.arange(12) / 12), length / 12)
@@ -48,9 +45,6 @@ def test_coarse_file_gives_the_fine_contact(asperity, tmp_path):
         gap = file["sweep/mean_separation"][0] / height
         assert file["sweep/contact_area_fraction"][0] == pytest.approx(2 * np.arcsin(np.sqrt(share)) / np.pi, abs=2 / 2000)
     assert gap == pytest.approx(1 - share * (1 - np.log(share)), rel=1e-4)
-
-
-def test_area_on_other_nodes(asperity, tmp_path):
     z = heights(24 * 20).reshape(20, 24)
     with h5py.File(tmp_path / "z.h5", "w") as file:
         file.create_dataset("z", data=z).attrs["spacing"] = 1e-6
@@ -60,9 +54,6 @@ def test_area_on_other_nodes(asperity, tmp_path):
         rows = np.array([resampled(row, 36) for row in z])
         expected = np.array([resampled(column, 15) for column in rows.T]).T
         np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)
-
-
-def test_two_files_of_different_nodes(asperity, tmp_path):
     first, second = heights(64), heights(48, 2)
     write_profile(tmp_path / "z.csv", first, 3e-6)
     write_profile(tmp_path / "other.csv", second, 4e-6)

@@ -7,7 +7,6 @@ from dry_cases import HARD, case_text, close, profile, solve
 
 
 def separated(asperity, folder, surface, separations, **options):
-    """Runs a case of given separations and returns its open result."""
     return solve(asperity, folder, surface, separations, key="separation", **options)
 
 
@@ -93,15 +92,12 @@ def test_history_of_separations(run_case, asperity, tmp_path):
     assert not (tmp_path / "apart.h5").exists()
 
 
-def test_below_the_lowest_valley_all_is_plastic(asperity, tmp_path):
+def test_where_there_is_no_separation(asperity, tmp_path):
     with solve(asperity, tmp_path, profile("C"), [4e9]) as file:
         lowest = file["sweep/separation"][0]
     with separated(asperity, tmp_path, profile("C"), [lowest - 1e-7], bodies=HARD) as file:
         assert file["sweep/mean_pressure"][0] == pytest.approx(4e9, rel=1e-14)
         assert file["solution/plastic_deformation"][:].min() == pytest.approx(1e-7, rel=1e-9, abs=0)
-
-
-def test_open_line_has_no_separation(asperity, tmp_path):
     domain = "&domain length = 1e-3, intervals = 64, periodic = .false. /"
     surface = "shape = 'sinusoid', amplitude = 1e-6, wavelength = 1e-3"
     with solve(asperity, tmp_path, surface, [1e6], bodies="", more=domain) as file:

@@ -6,10 +6,10 @@ from study_runs import rows, run_quick
 
 
 def verdicts(path):
-    """Statement: verdict."""
     return {row["claim"]: row["verdict"] for row in rows(path)}
 
 
+@pytest.mark.nightly
 def test_chapter_3_quick_form(program, tmp_path):
     run_quick("chapter3.py", program, tmp_path)
     assert set(verdicts(tmp_path / "statements.csv").values()) == {"agrees", "partly"}

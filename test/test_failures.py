@@ -57,7 +57,6 @@ def low_stress(stress: float, solver: dict) -> str:
 
 
 def collect():
-    """All cases by name: the namelist of one method on one of the cases."""
     cases = {}
     for name, solver in METHODS.items():
         cases[f"far_start-{name}"] = heavy(1000, 1024, solver, start="hertz")

@@ -26,7 +26,6 @@ CASES = {
 
 
 def rows():
-    """Rows of the table: name, film, deviation, film, deviation."""
     page = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
     table = page.split("## What film formulas give\n")[1].split("\nSo the gap")[0]
     return {cells[1]: cells[2:6] for cells in (re.split(r" *\| *", line) for line in table.splitlines()[6:] if line)}

@@ -133,18 +133,12 @@ def test_commented_keys_of_the_template_are_good_alternatives(asperity, tmp_path
         check(asperity, tmp_path, text)
 
 
-def test_manual_page_is_up_to_date(asperity):
+def test_manual_keys_and_help(asperity):
     page = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
     assert asperity("--keys-markdown").stdout == page, "make the page again: asperity --keys-markdown > docs/input.md"
-
-
-def test_keys_fit_a_terminal(asperity):
     lines = asperity("--keys").stdout.splitlines()
     assert len(lines) > 100
     assert max(map(len, lines)) <= 100
-
-
-def test_help_has_examples_and_every_option(asperity):
     done = ended(asperity("--help"))
     words = [
         *("Examples", "--output", "--threads", "--check", "--resume"),

@@ -49,7 +49,6 @@ def read_back(asperity, folder, name, keys="", refused=None):
 
 
 def number(value, decimal, source):
-    """A number as text, with all its digits."""
     text = source.choice([repr(float(value)), f"{value:.17e}", f"{value:.17E}"])
     return text.replace(".", decimal)
 
@@ -118,7 +117,6 @@ def test_any_strict_table_is_read_to_the_last_digit(asperity, tmp_path, seed):
 
 
 def rows_of(z, separator=",", factors=(1e6, 1e6)):
-    """Rows of positions and heights."""
     return [f"{i * SPACING * factors[0]:.6f}{separator}{height * factors[1]:.6f}" for i, height in enumerate(z)]
 
 
@@ -239,10 +237,20 @@ def test_the_content_tells_the_kind_of_a_file(asperity, tmp_path, names, problem
             assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_file_and_key_contradict_each_other(asperity, tmp_path):
+def test_units_that_contradict(asperity, tmp_path):
     (tmp_path / "z.csv").write_text("x_mm,z_um\n0,0\n0.001,0.1\n0.002,0\n", encoding="utf-8")
     message = read_back(asperity, tmp_path, "z.csv", ", z_unit = 'nm'", refused=True)
     assert "found the unit um in the names 'x_mm,z_um', but z_unit = 'nm', expected the same of both" in message
+    with h5py.File(tmp_path / "z.h5", "w") as file:
+        data = file.create_dataset("z", data=heights(40) * 1e6)
+        data.attrs["spacing"] = SPACING
+        data.attrs["units"] = "um"
+    message = read_back(asperity, tmp_path, "z.h5", ", dataset = 'z', z_unit = 'nm'", refused=True)
+    assert "found the unit um in the attributes of z, but z_unit = 'nm'" in message
+    with h5py.File(tmp_path / "z.h5", "r+") as file:
+        file["z"].attrs["si_scale"] = 1e-9
+    message = read_back(asperity, tmp_path, "z.h5", ", dataset = 'z'", refused=True)
+    assert "found si_scale = 1.000E-09 [m] beside the unit um, expected the same of both" in message
 
 
 @pytest.mark.path
@@ -285,19 +293,6 @@ def test_units_of_hdf5(asperity, tmp_path, attribute, keys, variable):
     assert x[1] == pytest.approx(SPACING, rel=1e-12, abs=0)
 
 
-def test_units_of_hdf5_that_contradict(asperity, tmp_path):
-    with h5py.File(tmp_path / "z.h5", "w") as file:
-        data = file.create_dataset("z", data=heights(40) * 1e6)
-        data.attrs["spacing"] = SPACING
-        data.attrs["units"] = "um"
-    message = read_back(asperity, tmp_path, "z.h5", ", dataset = 'z', z_unit = 'nm'", refused=True)
-    assert "found the unit um in the attributes of z, but z_unit = 'nm'" in message
-    with h5py.File(tmp_path / "z.h5", "r+") as file:
-        file["z"].attrs["si_scale"] = 1e-9
-    message = read_back(asperity, tmp_path, "z.h5", ", dataset = 'z'", refused=True)
-    assert "found si_scale = 1.000E-09 [m] beside the unit um, expected the same of both" in message
-
-
 def oil(surface):
     return STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.0, speed_2 = 1.1") + f"&surface_1 {surface} /\n"
 
@@ -317,23 +312,17 @@ def test_heights_beside_the_film(run_case, asperity, tmp_path, amplitude, status
     assert words.count("times the film that is expected") == (2 if amplitude > 1e-6 else 0), words
 
 
-def test_steep_profile_is_noted(run_case, tmp_path):
+def test_notes_on_profiles(run_case, tmp_path):
     z = [1e-6 * (i % 2) for i in range(16)]
     (tmp_path / "z.csv").write_text("".join(f"{i * 0.8e-6:.7e},{h!r}\n" for i, h in enumerate(z)), encoding="utf-8")
     done = run_case(case_text(FILE.format("z.csv"), [1e6], ""))
     assert "have an rms slope of 1.25 (are the units right: x_unit, z_unit?)" in " ".join((done.stdout + done.stderr).split())
-
-
-def test_units_that_are_stated_are_believed(run_case, tmp_path):
-    """A profile steeper than any surface is refused, and only noted with both units stated."""
+    # A profile steeper than any surface is refused, and only noted with both units stated.
     z = [1e-4 * (i % 2) for i in range(16)]
     (tmp_path / "z.csv").write_text("".join(f"{i * 0.8e-6:.7e},{h!r}\n" for i, h in enumerate(z)), encoding="utf-8")
     for units, status in (("", 1), (", z_unit = 'm'", 1), (", x_unit = 'm', z_unit = 'm'", 0)):
         done = run_case(case_text(FILE.format("z.csv") + units, [1e6], ""), status=status)
         assert "rms slope of 125" in " ".join((done.stdout + done.stderr).split())
-
-
-def test_long_profile_is_noted(run_case, tmp_path):
     z = heights(64)
     (tmp_path / "z.csv").write_text("x,z\n" + "".join(f"{i},{h!r}\n" for i, h in enumerate(map(float, z))), encoding="utf-8")
     done = run_case(case_text(FILE.format("z.csv"), [1e-3], ""))

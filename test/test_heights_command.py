@@ -70,7 +70,6 @@ class Sample:
         getattr(self, kind.replace(" ", "_"))()
 
     def cell(self, number):
-        """A number in the dialect."""
         thousands = {".": ["", "'", "," * self.quoted], ",": ["", "."]}[self.decimal] if abs(self.z).max() > 1000 else [""]
         text = f"{number:,.{self.digits}f}".replace(",", "t").replace(".", self.decimal)
         self.thousands = getattr(self, "thousands", None) or [self.chance.choice(thousands)]
@@ -155,7 +154,6 @@ class Sample:
         return self.first + self.step * np.arange(count or self.z.size)
 
     def lines(self):
-        """The file as rows of cells."""
         if not self.columns:
             return self.header + [[self.cell(z) for z in row] for row in self.matrix]
         formats = {name: (lambda v: str(int(v))) if name in ("No", "Time") else self.cell for name in self.columns}
@@ -166,7 +164,6 @@ class Sample:
         return self.names() + rows
 
     def data(self):
-        """The file as bytes."""
         buffer = io.StringIO()
         if self.separator.strip(" ") in ("", ",") and self.quoted == 0:
             buffer.write("\n".join(self.separator.join(row) for row in self.lines()) + "\n")
@@ -419,7 +416,6 @@ def test_without_the_library_it_is_said(tmp_path):
 
 @pytest.fixture
 def library():
-    """The module SurfaceTopography."""
     if importlib.util.find_spec("SurfaceTopography") is None:
         pytest.skip("not applicable: SurfaceTopography is not installed (.venv/bin/python -m pip install SurfaceTopography)")
     with warnings.catch_warnings():

@@ -37,8 +37,6 @@ sys.exit(os.waitstatus_to_exitcode(status))
 
 
 def call(program, folder, text, kinds=(), limit=0.0, **env):
-    """Runs a case under limits [MB]."""
-
     def restrict():
         for kind in kinds:
             resource.setrlimit(kind, (int(limit * MEGABYTE),) * 2)

@@ -8,7 +8,7 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from cases import STOKES
+from cases import STOKES, members
 from kill_and_resume import different, kill_until_complete, start, undisturbed, wait_for
 
 
@@ -104,7 +104,6 @@ def test_a_newtonian_oil_rolls(told_case, radii):
 
 @pytest.mark.path
 def test_a_ridge_passes_where_a_newtonian_oil_rolls(told_case):
-    """The march begins there too."""
     passage = PASSAGE.replace("end_time = 1.4", "end_time = 0.1").replace("0.2e-6", "0.02e-6")
     found, _ = told_case(ROLLING + passage)
     assert found["@converged"] == 1
@@ -113,7 +112,6 @@ def test_a_ridge_passes_where_a_newtonian_oil_rolls(told_case):
 
 
 def test_ridge_at_rest(told_case):
-    """A ridge on a surface at rest adds to the difference, as steeper films do."""
     still = STOKES.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.0, speed_2 = 1.2")
     ridge = still + "&surface_1 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = 0.0 /"
     smooth, _ = told_case(still)
@@ -125,7 +123,7 @@ def test_ridge_at_rest(told_case):
 def test_random_contacts_are_solved(told_case):
     """Contacts at random with T_max below one half: each has a solution, near that of the Reynolds equation."""
     source = np.random.default_rng(20261123)
-    for _ in range(6):
+    for _ in range(members(3, 6)):
         stress, load, slip = 10 ** source.uniform(6, 7), 10 ** source.uniform(4.5, 5.3), source.uniform(-0.5, 0.5)
         text = STOKES.replace("3.3e6", f"{stress:.3e}").replace("1e5", f"{load:.3e}")
         text = text.replace("speed_1 = 0.1, speed_2 = 1.1", f"speed_1 = {0.6 - slip:.3f}, speed_2 = {0.6 + slip:.3f}")
@@ -139,7 +137,7 @@ def test_random_contacts_are_solved(told_case):
 def test_nearly_rolling_contacts_are_solved(told_case):
     """Sharp pressure spikes and slides of 2 % or none, at random: from the Reynolds film, or with slopes growing from it."""
     source = np.random.default_rng(20261124)
-    for _ in range(6):
+    for _ in range(members(2, 6)):
         stress, load, speed = 10 ** source.uniform(6.2, 6.9), 10 ** source.uniform(4.5, 5.0), 10 ** source.uniform(0.3, 1.3)
         half_slide = source.choice([0, 1]) * 10 ** source.uniform(-4, -2)
         speeds = f"speed_1 = {speed * (1 - half_slide):.6g}, speed_2 = {speed * (1 + half_slide):.6g}"
@@ -213,7 +211,7 @@ def test_three_newton_steps_do(told_case):
     """Case 2 (Case 3: above), and ridges at random of their steepness on sliding surfaces: no time step takes more."""
     source = np.random.default_rng(20261125)
     slow = PASSAGE.replace("end_time = 1.4, time_step = 0.02", "end_time = 12.0, time_step = 0.12")
-    rough = [ridge_at_random(source, (0.1, 0.5), 0.002, 1.0) for _ in range(6)]
+    rough = [ridge_at_random(source, (0.1, 0.5), 0.002, 1.0) for _ in range(members(2, 6))]
     for text in [STOKES + slow.replace("&surface_2", "&surface_1"), *rough]:
         found, printed = told_case(text)
         assert found["@converged"] == 1
@@ -224,11 +222,11 @@ def test_steep_ridges_are_followed(asperity, tmp_path):
     """Ridges at random up to three times as steep, rolling or sliding: every passage that Reynolds' equation has is solved."""
     source = np.random.default_rng(20261126)
     endings = []
-    for _ in range(10):
+    for _ in range(members(4, 10)):
         done = asperity(cases.write(tmp_path, "case.nml", ridge_at_random(source, (0.0, 0.5), 0.006, 2.0)), "--output", tmp_path)
         assert done.returncode == 0 or "film breakdown" in done.stderr, done.stderr
         endings.append(done.returncode)
-    assert endings.count(0) >= 7
+    assert endings.count(0) >= 0.7 * len(endings)
 
 
 # Short steps on a coarse grid, of which some have profiles.
@@ -238,12 +236,10 @@ INTERRUPTED = STOKES.replace("intervals = 256", "intervals = 96") + PASSAGE.repl
 
 
 def with_checkpoints(interval):
-    """The passage with a checkpoint every `interval` seconds."""
     return INTERRUPTED.replace("profile_stride = 10", f"profile_stride = 3, checkpoint_interval = {interval}")
 
 
 def counters(path):
-    """What the march has cost, which goes on too."""
     with h5py.File(path) as file:
         note = " ".join(cases.text(file["report/note"][()]).split())
         return [int(file["momentum"].attrs[name]) for name in ("newton_steps", "factorisations", "linear_iterations")] + [note]

@@ -104,18 +104,9 @@ def test_missing_estimate_has_a_reason(asperity, tmp_path, extra, names, reason)
                 assert text(figure.attrs["no_estimate"]) == reason
 
 
-def test_title_is_utf_8(results):
+def test_steady_result_is_labelled_and_scaled(results):
     with h5py.File(results / "steady.h5") as file:
         assert text(file.attrs["title"]) == "Öl, smooth"
-
-
-def test_input_is_kept_byte_for_byte(results):
-    with h5py.File(results / "transient.h5") as file:
-        assert file["input/namelist"][()] == (results / "transient.nml").read_bytes()
-
-
-def test_effective_values_are_numbers(results):
-    with h5py.File(results / "steady.h5") as file:
         effective = file["input/effective"]
         domain, oil = effective["domain"].attrs, effective["lubricant"].attrs
         assert domain["intervals"] == 256
@@ -123,6 +114,57 @@ def test_effective_values_are_numbers(results):
         assert oil["viscosity"] == 0.14
         assert text(oil["viscosity_law"]) == "roelands"
         assert domain["x_inlet"] == -4
+        film, pressure, x = (file["solution"][name] for name in ("film_thickness", "pressure", "x"))
+        summary = file["summary"]
+        assert summary["h_min_node"][()] == film[()].min() * film.attrs["si_scale"]
+        assert summary["p_max"][()] == pressure[()].max() * pressure.attrs["si_scale"]
+        assert summary["h_min"].attrs["dimensionless"] <= film[()].min()
+        assert summary["h_central"].attrs["dimensionless"] == pytest.approx(np.interp(0, x[()], film[()]), rel=1e-14)
+        exit_node = x[()][pressure[()] > 0][-1]
+        assert summary["x_cavitation"].attrs["dimensionless"] == exit_node
+        between = summary["x_cavitation_extrapolated"].attrs["dimensionless"]
+        assert exit_node < between < exit_node + 2 * (x[1] - x[0])
+        # the exit of Case 1 on ever finer grids
+        assert between == pytest.approx(1.22074, abs=0.05 * (x[1] - x[0]))
+        assert [text(summary[name].attrs["units"]) for name in FIGURES] == ["m", "m", "m", "Pa", "m"]
+        scaling = file["scaling"].attrs
+        assert set(SCALES) <= set(scaling)
+        assert scaling["half_width"] ** 2 / scaling["reduced_radius"] == pytest.approx(scaling["film_thickness"], rel=1e-14, abs=0)
+        assert text(scaling["hertz_pressure_units"]) == "Pa"
+
+
+@pytest.mark.path
+def test_transient_result_has_every_step(results):
+    with h5py.File(results / "transient.h5") as file:
+        assert file["input/namelist"][()] == (results / "transient.nml").read_bytes()
+        series = file["transient"]
+        assert set(SERIES) <= set(series)
+        nt, nx = 21, 257
+        assert series["time"][()] == pytest.approx(np.linspace(0, 1, nt), abs=1e-14)
+        assert series["pressure"].shape == series["film_thickness"].shape == (nt, nx)
+        assert all(series[name].shape == (nt,) for name in ("rigid_displacement", "h_min", "p_max"))
+        assert same_bits(series["pressure"][-1], file["solution/pressure"][()])
+        assert same_bits(series["film_thickness"][-1], file["solution/film_thickness"][()])
+        series, summary = file["transient"], file["summary"]
+        step = int(np.argmin(series["h_min"]))
+        assert summary["h_min"].attrs["dimensionless"] == series["h_min"][step]
+        assert summary["h_min_time"].attrs["dimensionless"] == series["time"][step]
+        assert text(summary["h_min_time"].attrs["units"]) == "s"
+        assert summary["p_max"].attrs["dimensionless"] == series["pressure"][()].max()
+        assert summary["p_max_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series["p_max"]))]
+    # At every step sliding power is friction times load times speed difference; the largest are those of /summary, to the bit.
+    load, difference = 1e5, 1.1 - 0.1
+    with h5py.File(results / "transient.h5") as file:
+        series, si, summary = file["transient"], file["si/transient"], file["summary"]
+        for name in FRICTION:
+            assert series[name].shape == (21,)
+            assert np.ptp(series[name]) > 0
+            assert summary[name].attrs["dimensionless"] == series[name][()].max()
+            assert summary[f"{name}_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series[name]))]
+            assert text(si[name].attrs["units"]) == text(summary[name].attrs["units"])
+        power = si["friction_coefficient"][()] * load * difference
+        np.testing.assert_allclose(si["sliding_power"][()], power, rtol=1e-12)  # rounding
+        assert text(si["rolling_power"].attrs["units"]) == "W/m"
 
 
 @pytest.mark.path
@@ -138,71 +180,6 @@ def test_inlet_that_the_program_chooses(solved_cases):
     errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((tail, zero), films, strict=True)]
     # each within its own estimate of the truth
     assert abs(films[0] - films[1]) < (errors[0] + errors[1]) * films[1] < 0.02 * films[1]
-
-
-def test_summary_is_the_solution_in_si(results):
-    with h5py.File(results / "steady.h5") as file:
-        film, pressure, x = (file["solution"][name] for name in ("film_thickness", "pressure", "x"))
-        summary = file["summary"]
-        assert summary["h_min_node"][()] == film[()].min() * film.attrs["si_scale"]
-        assert summary["p_max"][()] == pressure[()].max() * pressure.attrs["si_scale"]
-        assert summary["h_min"].attrs["dimensionless"] <= film[()].min()
-        assert summary["h_central"].attrs["dimensionless"] == pytest.approx(np.interp(0, x[()], film[()]), rel=1e-14)
-        exit_node = x[()][pressure[()] > 0][-1]
-        assert summary["x_cavitation"].attrs["dimensionless"] == exit_node
-        between = summary["x_cavitation_extrapolated"].attrs["dimensionless"]
-        assert exit_node < between < exit_node + 2 * (x[1] - x[0])
-        # the exit of Case 1 on ever finer grids
-        assert between == pytest.approx(1.22074, abs=0.05 * (x[1] - x[0]))
-        assert [text(summary[name].attrs["units"]) for name in FIGURES] == ["m", "m", "m", "Pa", "m"]
-
-
-def test_scaling_is_complete(results):
-    with h5py.File(results / "steady.h5") as file:
-        scaling = file["scaling"].attrs
-        assert set(SCALES) <= set(scaling)
-        assert scaling["half_width"] ** 2 / scaling["reduced_radius"] == pytest.approx(scaling["film_thickness"], rel=1e-14, abs=0)
-        assert text(scaling["hertz_pressure_units"]) == "Pa"
-
-
-def test_transient_has_t_0_and_every_step(results):
-    with h5py.File(results / "transient.h5") as file:
-        series = file["transient"]
-        assert set(SERIES) <= set(series)
-        nt, nx = 21, 257
-        assert series["time"][()] == pytest.approx(np.linspace(0, 1, nt), abs=1e-14)
-        assert series["pressure"].shape == series["film_thickness"].shape == (nt, nx)
-        assert all(series[name].shape == (nt,) for name in ("rigid_displacement", "h_min", "p_max"))
-        assert same_bits(series["pressure"][-1], file["solution/pressure"][()])
-        assert same_bits(series["film_thickness"][-1], file["solution/film_thickness"][()])
-
-
-def test_summary_of_a_transient_is_extremes_with_their_times(results):
-    with h5py.File(results / "transient.h5") as file:
-        series, summary = file["transient"], file["summary"]
-        step = int(np.argmin(series["h_min"]))
-        assert summary["h_min"].attrs["dimensionless"] == series["h_min"][step]
-        assert summary["h_min_time"].attrs["dimensionless"] == series["time"][step]
-        assert text(summary["h_min_time"].attrs["units"]) == "s"
-        assert summary["p_max"].attrs["dimensionless"] == series["pressure"][()].max()
-        assert summary["p_max_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series["p_max"]))]
-
-
-@pytest.mark.path
-def test_friction_and_power_have_every_step(results):
-    """At every step sliding power is friction times load times speed difference; the largest are those of /summary, to the bit."""
-    load, difference = 1e5, 1.1 - 0.1
-    with h5py.File(results / "transient.h5") as file:
-        series, si, summary = file["transient"], file["si/transient"], file["summary"]
-        for name in FRICTION:
-            assert series[name].shape == (21,)
-            assert np.ptp(series[name]) > 0
-            assert summary[name].attrs["dimensionless"] == series[name][()].max()
-            assert summary[f"{name}_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series[name]))]
-            assert text(si[name].attrs["units"]) == text(summary[name].attrs["units"])
-        power = si["friction_coefficient"][()] * load * difference
-        np.testing.assert_allclose(si["sliding_power"][()], power, rtol=1e-12)  # rounding
-        assert text(si["rolling_power"].attrs["units"]) == "W/m"
 
 
 @pytest.mark.path

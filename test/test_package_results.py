@@ -36,16 +36,13 @@ def mean(result):
     return float(result.pressure.mean())
 
 
-def test_cases_without_a_file_have_results_of_their_own(tmp_path):
+def test_names_of_results(tmp_path):
     with ThreadPoolExecutor(4) as pool:
         results = list(pool.map(lambda pressure: asperity.run(loaded(pressure), folder=tmp_path), [1e7, 2e7, 3e7, 4e7]))
     results.append(asperity.run(loaded(5e7), folder="."))
     assert {result.path.name for result in results} == {"case.h5", *(f"case_{i}.h5" for i in range(2, 6))}
     assert [mean(result) for result in results] == pytest.approx([1e7, 2e7, 3e7, 4e7, 5e7])
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".h5"] * 5
-
-
-def test_the_name_that_a_case_gives_its_result(tmp_path):
     case = loaded(1e7) | {"case": {"problem": "dry_line", "OUTPUT": "sub/of mine.h5"}}
     kept, temporary = asperity.run(case, folder=tmp_path / "new"), asperity.run(case)
     assert kept.path == tmp_path / "new" / "of mine.h5"

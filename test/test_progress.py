@@ -50,31 +50,25 @@ def test_closing_table(asperity, tmp_path):
     assert lines[-1].split() == ["result", "a.h5"]
 
 
-def test_reason_is_in_the_closing_table(run_case):
+def test_reasons_are_told_once(run_case):
     done = run_case(STEADY + "&solver start = 'hertz', max_cycles = 1 /\n", status=2, name="a")
     for stream in (done.stderr, done.stdout):
         assert "a.nml: NOT CONVERGED: " in stream
         assert max(len(line) for line in stream.splitlines()) <= 80
-
-
-# Waves of many films on a surface at rest; the domain is the program's.
-STILL = "".join(line + "\n" for line in AT_REST.splitlines() if "&domain" not in line)
-WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
-
-
-def test_each_reason_is_told_once(run_case):
-    """Newton's method fails with three starts in the same way."""
+    # Newton's method fails with three starts in the same way.
     done = run_case(STILL.replace("1e5", "1e4") + WAVES, "--quiet", status=2)
     outcome = " ".join(done.stderr.split("NOT CONVERGED: ")[1].split())
     assert outcome.startswith("the surfaces rise to ")
     reasons = outcome.split("; ")
     assert len(reasons) == len(set(reasons)) > 1
-
-
-def test_no_figures_where_no_start_was_found(run_case):
     done = run_case(STILL + WAVES + "&solver smoother = 'hybrid' /\n", status=2, name="a")
     assert "h_min" not in done.stdout
     assert done.stdout.splitlines()[-1].split() == ["result", "a.h5"]
+
+
+# Waves of many films on a surface at rest; the domain is the program's.
+STILL = "".join(line + "\n" for line in AT_REST.splitlines() if "&domain" not in line)
+WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
 
 
 def test_terminal_shows_one_updating_line(program, tmp_path):

@@ -27,7 +27,6 @@ from kill_and_resume import (
 
 
 def flipped(content, place):
-    """`content` with one bit turned over."""
     place %= len(content)
     return content[:place] + bytes([content[place] ^ 4]) + content[place + 1 :]
 

@@ -186,7 +186,7 @@ def test_profile_is_interpolated_where_the_surface_is(asperity, tmp_path):
         assert not file["solution/roughness_1"][()].any()
 
 
-def test_roughness_enters_without_a_jump(asperity, tmp_path):
+def test_profiles_that_enter_and_pass(asperity, tmp_path):
     write_csv(tmp_path / "p.csv", wave(nodes=4000, waves=80))
     surface = "&surface_2 shape = 'file', file = 'p.csv', dataset = 'z' /\n"
     path, _ = run(asperity, tmp_path, passage(surface, end=4.0))
@@ -197,18 +197,12 @@ def test_roughness_enters_without_a_jump(asperity, tmp_path):
         steps = np.abs(np.diff(file["transient/h_min"][()]))
         assert steps[:20].max() < 1e-4
         assert np.ptp(file["transient/h_min"][150:]) > 0.01
-
-
-def test_profile_that_has_passed_leaves_a_smooth_contact(asperity, tmp_path):
     write_csv(tmp_path / "p.csv", wave())
     surface = "&surface_2 shape = 'file', file = 'p.csv', dataset = 'z' /\n"
     path, _ = run(asperity, tmp_path, passage(surface, end=9.0))
     with h5py.File(path) as file:
         assert np.ptp(file["transient/h_min"][()]) > 0.005
         assert not file["solution/roughness_2"][()].any()
-
-
-def test_entry_of_a_waviness(asperity, tmp_path):
     sinusoid = "&surface_1 shape = 'sinusoid', amplitude = 50e-9, wavelength = 1e-4, entry_length = 2.0 /\n"
     path, _ = run(asperity, tmp_path, passage(sinusoid))
     with h5py.File(path) as file:
@@ -229,9 +223,6 @@ def test_synthetic_surface_has_its_rms_height(asperity, tmp_path):
         assert file["input/effective/surface_1"].attrs["entry_length"] == 1.0
         # The program has placed them in front of the inlet, where they enter.
         assert all(file[f"input/effective/surface_{i}"].attrs["position"] < file["solution/x"][0] for i in (1, 2))
-
-
-def test_seed_decides(asperity, tmp_path):
     surface = "&surface_2 shape = 'synthetic', rms_height = 30e-9, wavelength_short = 8e-5, seed = {} /\n"
     first, _ = run(asperity, tmp_path, passage(surface.format(1)), "first")
     again, _ = run(asperity, tmp_path, passage(surface.format(1)), "again")

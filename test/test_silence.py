@@ -52,7 +52,6 @@ def pieces(reader):
 
 
 def channel(is_terminal):
-    """Two ends of standard error."""
     if not is_terminal:
         return os.pipe()
     try:

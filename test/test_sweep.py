@@ -24,8 +24,6 @@ HEAD = 'base = "base.nml"\n[vary]\n'
 
 @pytest.fixture
 def sweep(tmp_path, program):
-    """Calls sweep.py with the text of a sweep file."""
-
     def run(text, *options, base=BASE):
         write_sweep(tmp_path, text, base)
         return call("sweep.py", "small.toml", *options, folder=tmp_path, program=program)
@@ -217,7 +215,6 @@ def test_a_base_that_is_no_namelist(sweep):
 
 
 def sweep_of(folder, names):
-    """A sweep file with these parameters."""
     return write_sweep(folder, HEAD + "".join(f'"{name}" = [1, 2]\n' for name in names))
 
 

@@ -17,7 +17,6 @@ from study_runs import rows, run_quick
 
 @pytest.fixture
 def runner(program, tmp_path):
-    """Runs cases of the studies in an empty folder, two at once."""
     return Runner(tmp_path / "runs", 2, program)
 
 

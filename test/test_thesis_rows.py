@@ -36,7 +36,6 @@ def items(cell):
 
 
 def table_under(page, heading=HEADING):
-    """The rows of the tables of a section as lists of cells, headers too."""
     section = re.split(r"^## ", page.split(f"## {heading}\n")[1], flags=re.M)[0]
     lines = [line for line in section.splitlines() if line.startswith("| ")]
     return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in lines]

@@ -183,7 +183,7 @@ def stepped(end, step):
     return TRANSIENT.replace("end_time = 1.0", f"end_time = {end}").replace("time_step = 0.05", f"time_step = {step}") + FAST
 
 
-def test_steps_end_at_the_end_time(asperity, tmp_path):
+def test_steps_end_at_the_end_time(asperity, tmp_path, solved_case):
     for i, (end, step) in enumerate(STEPS):
         write(tmp_path, f"{i}.nml", stepped(end, step))
     assert asperity(*(f"{i}.nml" for i in range(len(STEPS))), "--quiet").returncode == 0
@@ -195,9 +195,6 @@ def test_steps_end_at_the_end_time(asperity, tmp_path):
         # the given step or shorter, by no more than the last step was too long
         assert taken <= step * (1 + 1e-3)
         assert len(times) - 1 == int(np.ceil(end / step - 1e-3))
-
-
-def test_a_step_that_fits_is_taken_as_it_is(solved_case):
     step = 5.37109375e-3
     with solved_case(stepped(20 * step, step)) as file:
         assert file["input/effective/time"].attrs["time_step"] == step

@@ -100,18 +100,12 @@ def test_unusual_values_stand_in_log_and_result(asperity, tmp_path):
     with h5py.File(tmp_path / "case.h5") as file:
         note = text(file["report/note"][()])
     assert note.startswith("&bodies reduced_radius: 12 m is unusual, typical is 1e-4 to 5 m; &lubricant viscosity: 30 Pa s is")
-
-
-def test_unusual_values_of_a_dry_case(asperity, tmp_path):
     content = (ROOT / "input" / "dry_sphere.nml").read_text().replace("hertz_pressure = 1e9", "hertz_pressure = 3e4")
     write(tmp_path, "case.nml", content.replace("reduced_radius = 0.005", "reduced_radius = 8"))
     done = asperity("case.nml")
     assert "&bodies reduced_radius: 8 m is unusual, typical is 1e-4 to 5 m; is it in mm?" in done.stderr
     with h5py.File(tmp_path / "case.h5") as file:
         assert "&load hertz_pressure: 30000 Pa is unusual" in text(file["report/note"][()])
-
-
-def test_an_array_by_a_decimal_comma_is_told(asperity, tmp_path):
     content = (ROOT / "input" / "dry_area.nml").read_text()
     changed = re.sub(r"mean_pressure = [^!\n]*", "mean_pressure = 1,5e8 ", content)
     assert changed != content

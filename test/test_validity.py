@@ -157,11 +157,17 @@ def test_heat_of_a_passage_is_the_largest_of_all_times(solved_cases):
 
 
 def test_what_is_solved_is_not_doubted(solved_case):
-    """With the full momentum equations no limit of Reynolds' equation is left."""
+    # With the full momentum equations no limit of Reynolds' equation is left.
     with solved_case(changed(STOKES, ("256", "128"))) as file:
         group = file["adequacy/validity"]
         assert not {"stokes_number", "surface_slope", "film_over_wave"} & set(group)
         assert "stokes_number: the full momentum equations are solved" in group.attrs["not_evaluated"].decode()
+    # Where the length is not given the result says below which one it would matter.
+    with solved_case(STEADY) as file:
+        words = file["adequacy/validity"].attrs["not_evaluated"].decode().split("side_flow: ")[1].split(";")[0]
+        width = 2 * file["scaling"].attrs["half_width"]
+    length, unit = words.split("shorter than ")[1].split(" would lose 1")[0].split()
+    assert float(length) * {"mm": 1e-3, "um": 1e-6}[unit] == pytest.approx(np.log(100) / 0.68 * width, rel=1e-3)
 
 
 def test_pure_rolling_has_no_sliding_for_reynolds_to_fail_by(asperity, tmp_path):
@@ -276,15 +282,6 @@ def test_every_limit_by_its_definition(solved_cases):
     assert found == pytest.approx(expected, rel=1e-9)
 
 
-def test_length_that_a_contact_needs(solved_case):
-    """Where the length is not given the result says below which one it would matter."""
-    with solved_case(STEADY) as file:
-        words = file["adequacy/validity"].attrs["not_evaluated"].decode().split("side_flow: ")[1].split(";")[0]
-        width = 2 * file["scaling"].attrs["half_width"]
-    length, unit = words.split("shorter than ")[1].split(" would lose 1")[0].split()
-    assert float(length) * {"mm": 1e-3, "um": 1e-6}[unit] == pytest.approx(np.log(100) / 0.68 * width, rel=1e-3)
-
-
 KINDS = {
     "reynolds": STEADY,
     "stokes": changed(STOKES, ("256", "128")),
@@ -318,18 +315,15 @@ def test_every_summary_says_how_far_reynolds_holds(solved_case, kind):
             ] == pytest.approx(item[()], rel=1e-12)
 
 
-def test_limits_without_units(solved_case):
-    """By Moes' numbers the slope is known in units of b/R, T_max where the speeds are."""
+def test_limits_in_words_and_columns(solved_case, asperity):
+    # By Moes' numbers the slope is known in units of b/R, T_max where the speeds are.
     with solved_case(MOES) as file:
         assert "stokes_number" not in file["summary"]
         film, pressure = file["solution/film_thickness"][()], file["solution/pressure"][()]
         slopes = np.abs(np.diff(film) / np.diff(file["solution/x"][()]))
         loaded = np.minimum(pressure[1:], pressure[:-1]) > 0.01 * pressure.max()
         assert file["summary/surface_slope"][()] == pytest.approx(slopes[loaded].max(), rel=1e-9)
-
-
-def test_limits_are_columns_of_the_table(solved_case, asperity):
-    """`asperity table` has both as CSV and JSON."""
+    # `asperity table` has both as CSV and JSON.
     with solved_case(STEADY, name="a") as file:
         expected = [float(file["summary"][name][()]) for name in ("stokes_number", "surface_slope")]
     done = asperity("table", "a.h5", "--format", "csv")

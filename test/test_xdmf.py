@@ -107,13 +107,10 @@ def test_takes_no_place_that_is_not_its_own(asperity, tmp_path):
     assert "found the namelist a.xdmf as its XDMF file" in asperity("b.nml", "a.xdmf", "--check").stderr
 
 
-def test_names_that_xml_would_take_for_its_own(run_case, tmp_path):
+def test_places_and_names_of_xdmf(run_case, tmp_path, asperity):
     run_case((STEADY + LEAN).replace("&case", "&case output = 'oil & <steel>.h5',"), "--quiet", name="a")
     items = list(ElementTree.parse(tmp_path / "oil & <steel>.xdmf").getroot().iter("DataItem"))
     assert any(item.text.strip() == "oil & <steel>.h5:/solution/pressure" for item in items)
-
-
-def test_a_place_that_cannot_be_written(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY + LEAN)
     (tmp_path / "a.xdmf").mkdir()
     assert "a.xdmf" in ended(asperity("a.nml", "--quiet"), 3).stderr

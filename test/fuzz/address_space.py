@@ -87,7 +87,6 @@ def oil(source: random.Random) -> str:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case under one limit or both."""
     draw = source.choice([lambda: dry(source, folder), lambda: oil(source), lambda: valid_cases.lubricated(source)])
     valid_cases.write_valid(program, folder, draw)
     kinds = source.choice([["address space"], ["address space"], ["data"], ["address space", "data"]])

@@ -43,7 +43,6 @@ def interrupted(program: Path) -> Path:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One damaged checkpoint, or one damaged file of time steps."""
     shutil.copytree(interrupted(program), folder, dirs_exist_ok=True)
     victim = folder / source.choice(["case.h5.ckpt", "case.h5.ckpt", "case.h5.ckpt", "case.h5.part"])
     victim.write_bytes(damaged(victim.read_bytes(), source))

@@ -57,7 +57,6 @@ ANSWERS: dict[tuple, np.ndarray] = {}
 
 
 def pressure(program: Path, folder: Path, text: str) -> np.ndarray:
-    """The pressure in a usual environment."""
     if (program, text) not in ANSWERS:
         (folder / "usual.nml").write_text(text, encoding="utf-8")
         call(program, folder, "usual.nml", "--quiet")
@@ -67,7 +66,6 @@ def pressure(program: Path, folder: Path, text: str) -> np.ndarray:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One to four odd variables, sometimes a small stack."""
     text = source.choice([CASE, OIL])
     usual = pressure(program, folder, text)
     env = dict(os.environ) | {

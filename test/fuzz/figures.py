@@ -14,7 +14,7 @@ from run import ROOT, call
 
 TITLE = "result files, damaged, given to the figure scripts"
 CASES = 300
-QUICK = 6
+QUICK = 3
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "dry")
 DRY = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = 4e9 /
@@ -27,7 +27,6 @@ CONTENT = {"steady": STEADY, "transient": TRANSIENT + "&output film_thresholds =
 
 @functools.cache
 def result(program: Path, kind: str) -> bytes:
-    """The bytes of a good result."""
     with tempfile.TemporaryDirectory() as name:
         write(Path(name), "case.nml", CONTENT[kind])
         run = call(program, Path(name), "case.nml", "--quiet")
@@ -36,7 +35,6 @@ def result(program: Path, kind: str) -> bytes:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One damaged result, one script."""
     script = source.choice(SCRIPTS)
     suited = {"dry": ("dry",), "transient": ("transient",), "film_statistics": ("transient",)}
     kind = source.choice(suited.get(script, ("steady", "transient")))

@@ -24,7 +24,6 @@ def write(path: Path, source: random.Random) -> None:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """Bytes flipped, zeroed, cut or swapped, most of them where the structure of the file is."""
     path = folder / "z.h5"
     write(path, source)
     content = bytearray(path.read_bytes())

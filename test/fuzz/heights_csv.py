@@ -20,12 +20,10 @@ GOOD_HEADERS = ["x,z", "", "# x,z", "x_m,z_m", "x [m], z [m]"]
 
 
 def rows_of(source: random.Random) -> list[list[str]]:
-    """Positions and heights of a small profile."""
     return [[repr(i * 1e-6), repr(source.gauss(0.0, 1e-7))] for i in range(32)]
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One thing wrong in one place, or nothing wrong in an unusual form."""
     rows, header, ends = rows_of(source), "x,z", "\n"
     kind = source.choice(["field", "field", "field", "header", "row", "position", "mark", "equal", "falls", "good", "good"])
     row = source.randrange(len(rows))

@@ -27,7 +27,6 @@ TYPES = ["S4", "O", "c16", "compound", "bool", "opaque", "reference"]
 
 
 def heights(source: random.Random, shape: tuple[int, ...]) -> np.ndarray:
-    """Random heights of a usual size."""
     return np.random.default_rng(source.randrange(2**32)).standard_normal(shape) * 1e-7
 
 
@@ -117,7 +116,6 @@ ATTACKS = [bad_attribute, bad_attribute, bad_values, bad_type, bad_shape, bad_st
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One file with one thing wrong, or with none, as a profile or an area, in a dry or a lubricated case."""
     kind = source.choice(["line", "area", "oil"])
     z = heights(source, (12, 16) if kind == "area" else (64,))
     chosen = source.choice(ATTACKS)

@@ -14,7 +14,6 @@ ODD = b"&/='\",!*()0123456789.eE+-\n\t \x00\xff"
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One namelist of input/, damaged in one to four places."""
     text = bytearray(source.choice(INPUTS).read_bytes())
     for _ in range(source.randint(1, 4)):
         place = source.randrange(len(text))

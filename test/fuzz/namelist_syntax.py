@@ -29,14 +29,12 @@ GROUPS = {
 
 
 def real(value: float, source: random.Random) -> str:
-    """One real number, exactly, in one of its forms."""
     text = source.choice([repr(value), f"{value:.17e}", f"{value:+.17E}"])
     text = text.replace("e", "d").replace("E", "D") if source.random() < 0.4 else text
     return text.replace("e+", "+").replace("E-", "-") if source.random() < 0.1 else text
 
 
 def word(value: object, source: random.Random) -> str:
-    """One value in one of its forms."""
     if isinstance(value, bool):
         letter = "t" if value else "f"
         return source.choice([letter, letter.upper(), f".{letter}", f".{letter}.", f".{value}.", str(value)])
@@ -77,7 +75,6 @@ def entry(key: str, value: object, source: random.Random) -> str:
 
 
 def namelist(source: random.Random) -> str:
-    """The case in unusual syntax: order, case of letters, comments, separators, ends of groups."""
     text = source.choice(["", "! a comment with / and & and '\n", "\n\n"])
     groups = list(GROUPS.items())
     source.shuffle(groups)
@@ -92,7 +89,6 @@ def namelist(source: random.Random) -> str:
 
 
 def plain() -> str:
-    """The same case as people write it."""
     source = random.Random(0)
     lines = []
     for name, entries in GROUPS.items():
@@ -103,14 +99,12 @@ def plain() -> str:
 
 
 def effective(path: Path) -> dict[str, object]:
-    """The values of the input that a result states."""
     with h5py.File(path) as file:
         groups = file["input/effective"]
         return {f"{name}/{key}": value.tolist() for name, group in groups.items() for key, value in group.attrs.items()}
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case in unusual syntax beside the same in plain syntax."""
     (folder / "odd.nml").write_text(namelist(source), encoding="utf-8", newline="")
     (folder / "plain.nml").write_text(plain(), encoding="utf-8")
     odd = call(program, folder, "odd.nml", "--quiet")

@@ -41,7 +41,6 @@ def plain_and_odd(source: random.Random) -> tuple[str, bytes, str]:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case in both forms."""
     plain, odd, encoding = plain_and_odd(source)
     runs = []
     for name, content in (("plain", plain.encode()), ("other", odd)):

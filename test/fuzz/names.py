@@ -22,7 +22,6 @@ ODD = ["", " ", "..", ".", "a" * 300, "a" * 5000, "~", "*", "$HOME", "z\tz", "\u
 
 
 def make(kind: str, path: Path) -> None:
-    """Something at `path` that is no file."""
     if kind == "pipe":
         os.mkfifo(path)
     elif kind == "folder":
@@ -43,7 +42,6 @@ def make(kind: str, path: Path) -> None:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """A namelist or a file of heights under such a name: status 1 and one message that names it."""
     kind = source.choice(["pipe", "folder", "socket", "circle", "nowhere", "device", "empty", "header", "special", "odd"])
     name = "z" + source.choice(ENDINGS)
     here = Path.cwd()

@@ -23,7 +23,6 @@ ENDINGS = ["", "", "", ".part", ".tmp", ".ckpt", ".ckpt.tmp"]
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """Two cases whose results are sent anywhere; every file that was there must be there afterwards."""
     (folder / "sub").mkdir()
     (folder / "loop").symlink_to(source.choice([".", "sub/.."]))
     (folder / "precious.txt").write_text("precious", encoding="utf-8")
@@ -84,7 +83,6 @@ def look_at(folder: Path, status: int, before: dict[Path, bytes], links: dict[Pa
 
 
 def is_result(path: Path) -> bool:
-    """Whether a file is a complete result."""
     try:
         with h5py.File(path) as file:
             return "converged" in file.attrs

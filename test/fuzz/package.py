@@ -42,13 +42,11 @@ LISTS = [list, tuple, np.array, deque, lambda x: [Decimal(repr(y)) for y in x], 
 
 
 def word(source: random.Random) -> str:
-    """A name of a folder or file, or a title."""
     return "x" + "".join(source.choices(LETTERS, k=source.randint(0, 6))) + "y"
 
 
 @functools.cache
 def expected(program: Path) -> np.ndarray:
-    """The pressure that the program alone computes."""
     with tempfile.TemporaryDirectory() as name:
         (Path(name) / "h.csv").write_text(HEIGHTS, encoding="utf-8")
         f90nml.Namelist(GROUPS).write(Path(name) / "case.nml")
@@ -77,8 +75,6 @@ def dictionary(groups: dict, source: random.Random) -> dict:
 
 
 def text(groups: dict, source: random.Random) -> str:
-    """The same as a namelist with any line ends."""
-
     def written(value: object) -> str:
         if isinstance(value, str):
             return "'" + value.replace("'", "''") + "'"
@@ -92,7 +88,6 @@ def text(groups: dict, source: random.Random) -> str:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case, in a folder of any name that is the current one, its result kept or not, alone or beside another."""
     before, own = Path.cwd(), os.environ.get("ASPERITY")
     here = folder / word(source)
     here.mkdir()

@@ -24,7 +24,7 @@ from result_row import RowReader
 
 TITLE = "damaged, foreign and changed results, `asperity.read` and `gather`"
 CASES = 1000
-QUICK = 40
+QUICK = 20
 KINDS = ["bytes", "bytes", "bytes", "foreign", "edited", "behind", "other", "whole"]
 VALUES = [
     *(1.0, b"text", np.zeros(0), np.arange(3), np.zeros((2, 3, 4))),
@@ -72,7 +72,6 @@ def put(path: Path, kind: str, source: random.Random) -> None:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One result; a foreign one that carries a seal may be read, but gives no other error than AsperityError."""
     name, kind = source.choice(["steady", "transient"]), source.choice(KINDS)
     for ending in (".nml", ".h5"):
         shutil.copy(complete(program) / (name + ending), folder)

@@ -20,7 +20,6 @@ QUICK = 8
 
 @functools.cache
 def complete(program: Path) -> Path:
-    """A folder with the results of small cases."""
     folder = Path(tempfile.mkdtemp(prefix="complete_"))
     for name, text in (("steady", STEADY), ("transient", TRANSIENT)):
         (folder / f"{name}.nml").write_text(text.replace("intervals = 256", "intervals = 64"), encoding="utf-8")
@@ -31,7 +30,6 @@ def complete(program: Path) -> Path:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One damaged result."""
     name = source.choice(["steady", "transient"])
     reference = complete(program) / f"{name}.h5"
     shutil.copy(complete(program) / f"{name}.nml", folder)

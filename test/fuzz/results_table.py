@@ -15,7 +15,6 @@ CASES = 400
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One damaged result beside the whole one."""
     reference = complete(program) / f"{source.choice(['steady', 'transient'])}.h5"
     (folder / "whole.h5").write_bytes(reference.read_bytes())
     (folder / "damaged.h5").write_bytes(damaged(reference.read_bytes(), source))

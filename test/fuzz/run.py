@@ -88,7 +88,6 @@ def kinds() -> dict[str, object]:
 
 
 def attack(name: str, module: object, program: Path, seed: int, number: int, keep: bool = False) -> str | None:
-    """One case; what broke, with the words that repeat it."""
     folder = Path(tempfile.mkdtemp(prefix=f"{name}_{number}_"))
     try:
         broken = module.attack(program, random.Random(f"{name} {seed} {number}"), folder)
@@ -101,20 +100,17 @@ def attack(name: str, module: object, program: Path, seed: int, number: int, kee
 
 
 def table(rows: list[tuple[str, int, int]], seed: int) -> str:
-    """The table of the page."""
     lines = [f"Seed {seed}:", "", "| attacked | tried | broke |", "|---|---|---|"]
     return "\n".join(lines + [f"| {title} | {tried} | {broke} |" for title, tried, broke in rows]) + "\n"
 
 
 def write_page(text: str) -> None:
-    """Puts the table into docs/testing.md."""
     page = PAGE.read_text(encoding="utf-8")
     before, after = page.split(BEGIN)[0], page.split(END)[1]
     PAGE.write_text(f"{before}{BEGIN}\n{text}{END}{after}", encoding="utf-8")
 
 
 def main() -> int:
-    """Command line; status 1 where something broke."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="KIND", help="default: all")
     parser.add_argument("--seed", type=int, default=1)

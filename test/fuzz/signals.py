@@ -36,7 +36,6 @@ SECONDS, LATEST, RESPONSE = 900, 8.0, 1.0
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """Two cases in one call, one signal."""
     chosen = [source.choice(list(PROBLEMS)) for _ in range(2)]
     for number, name in enumerate(chosen):
         (folder / f"case{number}.nml").write_text(PROBLEMS[name], encoding="utf-8")
@@ -83,7 +82,6 @@ def is_over(pid: int) -> bool:
 
 
 def look_at(folder: Path, chosen: list[str], number: int, status: int, message: str | None) -> str | None:
-    """What the run left."""
     names = sorted(path.name for path in folder.iterdir() if path.suffix not in {".nml", ".csv"})
     if status == 0:
         return None if names == ["case0.h5", "case1.h5"] else f"{chosen}: status 0 with {names}"

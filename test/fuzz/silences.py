@@ -19,7 +19,6 @@ SILENCE, LIMIT = 5.0, 40
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case of one kind."""
     kind = source.choice(list(KINDS))
     (folder / "case.nml").write_text(KINDS[kind](source, folder), encoding="utf-8")
     threads = source.choice(["1", "2"])

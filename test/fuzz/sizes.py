@@ -34,7 +34,6 @@ FIELDS = 6 * 8  # bytes a node of the fields of the result alone
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case; sizes that run are kept small, others are only checked."""
     kind = source.choice(["area", "oil", "spacing", "threads", "memory"])
     if kind == "spacing":
         spacing = source.choice([1e-320, 1e-300, 1e-200, 1e200, 1e308, np.inf, 1e-16, 1e7])

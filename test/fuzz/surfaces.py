@@ -26,7 +26,6 @@ CASES = {"line": LINE, "area": AREA, "oil": OIL}
 
 
 def solved(program: Path, folder: Path, kind: str, file: str, more: str = "", **options) -> Run:
-    """Runs the case of a kind with a file of heights."""
     (folder / "case.nml").write_text(CASES[kind].format(file=file, more=more), encoding="utf-8")
     return call(program, folder, "case.nml", "--quiet", **options)
 

@@ -21,7 +21,7 @@ from run import Run, call
 
 TITLE = "sweeps: TOML, names, bases by encoding, indices, pipes for results, tables of figures, `--replace` ended at any moment"
 CASES = 300
-QUICK = 14
+QUICK = 7
 HEAD = 'base = "base.nml"\n[vary]\n'
 SWEEP = 'title = "T"\nbase = "base.nml"\ntogether = ["case.title", "u"]\n[vary]\ncase.title = ["1_0", "b"]\n'
 SWEEP += 'u = { values = [1, 2.5], unit = "m" }\nload.hertz_pressure = { from = 4e8, to = 5e8, count = 2, spacing = "log" }\n'
@@ -75,7 +75,6 @@ sys.exit(sweep.main(sys.argv[4:]))
 
 
 def script(program: Path, folder: Path, name: str, *arguments: str) -> Run:
-    """Runs a script of batch/."""
     environment = {**os.environ, "ASPERITY": str(program), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "agg"}
     return call(Path(sys.executable), folder, str(BATCH / name), *arguments, env=environment)
 
@@ -206,7 +205,6 @@ def tables(program: Path, source: random.Random, folder: Path) -> str | None:
 
 
 def state(small: Path) -> dict[str, bytes]:
-    """Index, sweep file and namelists."""
     return {
         str(path.relative_to(small)): path.read_bytes() for path in small.rglob("*") if path.suffix in {".csv", ".toml", ".nml"}
     }
@@ -259,7 +257,6 @@ def what_is_left(small: Path, states: dict[str, dict[str, bytes]]) -> str | None
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One of these."""
     return source.choice([sweep_files, sweep_files, own_names, bases, places, tables, replacements, replacements])(
         program, source, folder
     )

@@ -18,7 +18,7 @@ import namelists
 
 TITLE = "random valid cases, lubricated and dry (`ASPERITY=build/bin/asperity-debug`: with traps)"
 CASES = 650
-QUICK = 10
+QUICK = 5
 # Draws of a case until a valid one is found, at most.
 MOST_DRAWS = 100
 # Processor time that a case may take [s]; the checked build is five times slower.
@@ -26,7 +26,6 @@ LIMIT = 120
 
 
 def logarithmic(source: random.Random, low: float, high: float) -> float:
-    """A number whose logarithm is uniform."""
     return low * (high / low) ** source.random()
 
 
@@ -62,7 +61,6 @@ def lubricated(source: random.Random) -> str:
 
 
 def dry(source: random.Random) -> str:
-    """A rough line or area, elastic or plastic, one to three loads."""
     kind = source.choice(["dry_line", "dry_area"])
     nodes = source.choice([32, 64, 128] if kind == "dry_area" else [64, 256, 1000])
     length = logarithmic(source, 1e-5, 1e-2)
@@ -105,7 +103,6 @@ def trouble(run: Run, folder: Path) -> str | None:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case."""
     kind = source.choice([lubricated, lubricated, dry])
     write_valid(program, folder, lambda: kind(source))
     run = call(program, folder, "case.nml", limits={resource.RLIMIT_CPU: LIMIT})
