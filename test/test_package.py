@@ -177,7 +177,13 @@ def wheel(program, tmp_path_factory):
 def test_the_wheel_carries_program_and_scripts(wheel):
     assert re.fullmatch(r"asperity-[\d.]+-py3-none-manylinux_2_\d+_\w+(\.manylinux\w+)*\.whl", wheel.name)
     names = zipfile.ZipFile(wheel).namelist()
-    assert {"asperity/bin/asperity", "asperity/postproc/profile.py", "asperity/batch/sweep.py", "asperity/py.typed", "asperity/input/minimal.nml"} <= set(names)
+    assert {
+        "asperity/bin/asperity",
+        "asperity/postproc/profile.py",
+        "asperity/batch/sweep.py",
+        "asperity/py.typed",
+        "asperity/input/minimal.nml",
+    } <= set(names)
     assert any(re.match(r"asperity\.libs/libgomp-.*\.so", name) for name in names)  # of others what is not in the program
 
 

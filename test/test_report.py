@@ -11,6 +11,7 @@ from cases import STEADY, TRANSIENT
 from conftest import ROOT
 from dry_cases import case_text, profile
 
+
 class Page(HTMLParser):
     """The cells of a page, row by row, and its pictures."""
 
