@@ -95,9 +95,8 @@ contains
    end subroutine solve_grid
 
    !> Most nodes that a grid for the target may have.
-   function max_nodes(dry) result(most)
+   integer function max_nodes(dry) result(most)
       type(dry_case_t), intent(in) :: dry
-      integer :: most
       real(wp), parameter :: smaller = 0.9_wp
 
       most = max_chosen(merge(1, 2, dry%grid%ny == 1))

@@ -156,10 +156,9 @@ contains
 
    !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names
    !> their files.
-   function has_same_heights(reader, case) result(is_same)
+   logical function has_same_heights(reader, case) result(is_same)
       type(hdf5_input_t), intent(inout) :: reader
       type(case_t), intent(in) :: case
-      logical :: is_same
       character(:), allocatable :: path
       real(wp) :: found
       integer :: i

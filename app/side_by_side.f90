@@ -29,10 +29,9 @@ contains
 
    !> Whether the coarse runs that a transient wants get a second thread: two are allowed, and there
    !> are processors and memory for them.
-   function has_second_thread(case, listener)
+   logical function has_second_thread(case, listener)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(in) :: listener
-      logical :: has_second_thread
 
       has_second_thread = listener%has_coarse_runs .and. case%time%is_transient &
          .and. min(listener%threads, processors()) > 1

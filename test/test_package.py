@@ -36,7 +36,7 @@ def test_a_path_a_text_and_a_mapping_are_the_same_case(minimal):
 
 def test_examples_come_with_the_package():
     assert asperity.example("minimal.nml") == MINIMAL
-    with pytest.raises(asperity.AsperityError, match="case1.nml"):
+    with pytest.raises(asperity.AsperityError, match=r"case1\.nml"):
         asperity.example("none.nml")
 
 

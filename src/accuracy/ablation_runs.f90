@@ -180,9 +180,8 @@ contains
    end subroutine set_change
 
    !> The largest known change of a film.
-   pure function largest_change(change) result(largest)
+   pure real(wp) function largest_change(change) result(largest)
       real(wp), intent(in) :: change(:)
-      real(wp) :: largest
 
       largest = max(0.0_wp, maxval(abs(pack(change, ieee_is_finite(change) &
          .and. quantity_rows%field == 'film_thickness'))))

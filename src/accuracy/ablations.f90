@@ -84,9 +84,8 @@ contains
    end function features_of
 
    !> Whether a surface has features or a profile.
-   pure function has_roughness(surface)
+   pure logical function has_roughness(surface)
       type(rough_surface_t), intent(in) :: surface
-      logical :: has_roughness
 
       has_roughness = allocated(surface%profile)
       if (allocated(surface%features)) has_roughness = has_roughness .or. size(surface%features) > 0
@@ -94,9 +93,8 @@ contains
 
    !> Whether an ingredient belongs to the surfaces or their motion: a smooth contact says nothing
    !> about it.
-   pure elemental function is_of_surfaces(ingredient)
+   pure elemental logical function is_of_surfaces(ingredient)
       type(ingredient_t), intent(in) :: ingredient
-      logical :: is_of_surfaces
 
       is_of_surfaces = any(ingredient%kind == [squeeze, roughness, one_surface, one_feature])
    end function is_of_surfaces

@@ -66,19 +66,17 @@ contains
 
    !> Whether row `i` of the quantities is compared: those of the closing table, where the largest
    !> pressure also stands for the central one.
-   pure elemental function compared(i)
+   pure elemental logical function compared(i)
       integer, intent(in) :: i
-      logical :: compared
 
       compared = len_trim(quantity_rows(i)%short) > 0 .and. i /= p_central
    end function compared
 
    !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of
    !> h_min in `summary` if that is larger.
-   pure function accuracy_for(target, summary) result(accuracy)
+   pure real(wp) function accuracy_for(target, summary) result(accuracy)
       real(wp), intent(in) :: target
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: accuracy
 
       accuracy = usual_accuracy
       associate (film => summary%of(h_min))
@@ -146,10 +144,9 @@ contains
    end function numerical
 
    !> The verdict on a row by the quantities with known changes.
-   pure function verdict_on(row, accuracy) result(verdict)
+   pure integer function verdict_on(row, accuracy) result(verdict)
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy
-      integer :: verdict
       logical :: is_known(quantity_count)
       integer :: i
 
@@ -210,9 +207,8 @@ contains
    contains
 
       !> The verdict on the contact at rest.
-      pure function verdict_of_rest(row) result(verdict)
+      pure integer function verdict_of_rest(row) result(verdict)
          type(influence_t), intent(in) :: row
-         integer :: verdict
          type(influence_t) :: at_rest
 
          at_rest = row
@@ -223,10 +219,9 @@ contains
    end subroutine tell_at_rest
 
    !> Whether a change of the smooth steady contact is too large to be small in a transient.
-   pure function is_plainly_needed(row, accuracy) result(is_needed)
+   pure logical function is_plainly_needed(row, accuracy) result(is_needed)
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy
-      logical :: is_needed
       real(wp) :: sure
       integer :: i
 

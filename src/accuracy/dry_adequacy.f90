@@ -244,10 +244,9 @@ contains
    end function compared_of
 
    !> Relative standard deviation of the contact area of a `row` with this many edges.
-   pure function edge_deviation(edges, row) result(deviation)
+   pure real(wp) function edge_deviation(edges, row) result(deviation)
       integer, intent(in) :: edges
       type(dry_row_t), intent(in) :: row
-      real(wp) :: deviation
 
       deviation = quotient(sqrt(edges*uniform_variance), row%values(contact_area)*row%nodes)
    end function edge_deviation
@@ -299,10 +298,9 @@ contains
    !> left out under the `heaviest` load within the budget; the other grid has twice the spacing.
    !> The result has been solved with all of them. A grid finer than the result only if error bars
    !> use one.
-   pure function affordable_ratio(record, heaviest, parts) result(ratio)
+   pure real(wp) function affordable_ratio(record, heaviest, parts) result(ratio)
       type(dry_record_t), intent(in) :: record
       integer, intent(in) :: heaviest, parts
-      real(wp) :: ratio
       real(wp) :: allowed, nodes, one, share
       integer :: directions
 

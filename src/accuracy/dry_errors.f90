@@ -120,10 +120,9 @@ contains
    !> Whether a surface with heights `z` (nx, ny) is compared with finer grids: if it has few nodes,
    !> or if coarser grids would lose its shortest waves. Over twice as many spacings, squared second
    !> differences are 16 times as large on a smooth surface and less with short waves.
-   pure function goes_finer(grid, z)
+   pure logical function goes_finer(grid, z)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: z(grid%nx, grid%ny)
-      logical :: goes_finer
 
       goes_finer = has_few_nodes(grid)
       if (goes_finer .or. real(grid%nx, wp)*grid%ny > max_nodes_to_refine) return
@@ -132,9 +131,8 @@ contains
    contains
 
       !> Sum of the squared second differences over this many spacings.
-      pure function bending(s)
+      pure real(wp) function bending(s)
          integer, intent(in) :: s
-         real(wp) :: bending
 
          associate (nx => grid%nx, ny => grid%ny)
             bending = sum((z(1 + 2*s:, :) + z(:nx - 2*s, :) - 2.0_wp*z(1 + s:nx - s, :))**2)

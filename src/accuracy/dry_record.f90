@@ -117,10 +117,9 @@ contains
    end subroutine run
 
    !> Whether a run is one load of the result that no earlier load has deformed.
-   pure function is_result(self, setting)
+   pure logical function is_result(self, setting)
       class(dry_record_t), intent(in) :: self
       type(dry_setting_t), intent(in) :: setting
-      logical :: is_result
 
       is_result = setting%load > 0 .and. setting%without == without_nothing &
          .and. .not. abs(setting%ratio - 1.0_wp) > 0.0_wp &
@@ -128,9 +127,8 @@ contains
    end function is_result
 
    !> Whether two runs are the same.
-   pure function is_same(a, b)
+   pure logical function is_same(a, b)
       type(dry_setting_t), intent(in) :: a, b
-      logical :: is_same
 
       is_same = all([a%without, a%number, a%load] == [b%without, b%number, b%load]) &
          .and. (a%is_rough .eqv. b%is_rough) &
@@ -212,18 +210,16 @@ contains
    end subroutine prepare
 
    !> Whether `grid` is compared with finer ones.
-   pure function has_few_nodes(grid)
+   pure logical function has_few_nodes(grid)
       type(dry_grid_t), intent(in) :: grid
-      logical :: has_few_nodes
 
       has_few_nodes = real(grid%nx, wp)*grid%ny <= max_nodes_for_finer(merge(1, 2, &
          grid%ny == 1))
    end function has_few_nodes
 
    !> Nodes of the shorter side.
-   pure function shorter_side(grid) result(nodes)
+   pure integer function shorter_side(grid) result(nodes)
       type(dry_grid_t), intent(in) :: grid
-      integer :: nodes
 
       nodes = merge(grid%nx, min(grid%nx, grid%ny), grid%ny == 1)
    end function shorter_side
@@ -269,10 +265,9 @@ contains
    !> About `nodes`/`ratio` (1 for a single node): odd if `nodes` is, which decides whether a node
    !> lies in the middle; else even and 64 to 128 times a power of two, which allows good first
    !> guesses and fast transforms.
-   pure function other_count(nodes, ratio) result(count)
+   pure integer function other_count(nodes, ratio) result(count)
       integer, intent(in) :: nodes
       real(wp), intent(in) :: ratio
-      integer :: count
       integer :: unit
 
       count = 1

@@ -35,9 +35,8 @@ module dry_resolution
 contains
 
    !> Largest relative error of the contact area over all loads of an `outcome`.
-   pure function area_doubt(outcome) result(doubt)
+   pure real(wp) function area_doubt(outcome) result(doubt)
       type(dry_outcome_t), intent(in) :: outcome
-      real(wp) :: doubt
 
       doubt = unknown_doubt
       if (.not. allocated(outcome%errors)) return

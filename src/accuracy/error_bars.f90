@@ -81,9 +81,8 @@ contains
    end subroutine apply_error_bars
 
    !> Whether the surfaces have waves that coarse runs do not resolve; a prediction resolves them.
-   pure function has_unseen_waves(bars)
+   pure logical function has_unseen_waves(bars)
       type(error_bars_t), intent(in) :: bars
-      logical :: has_unseen_waves
 
       has_unseen_waves = .false.
       if (allocated(bars%unseen)) has_unseen_waves = len(bars%unseen) > 0 &
@@ -92,9 +91,8 @@ contains
 
    !> Largest relative error by the outlet among the quantities of the closing table: 0 if it cuts
    !> off nothing, NaN if not known.
-   pure function outlet_error(bars) result(error)
+   pure real(wp) function outlet_error(bars) result(error)
       type(error_bars_t), intent(in) :: bars
-      real(wp) :: error
       integer :: i
 
       error = 0.0_wp
@@ -112,10 +110,9 @@ contains
 
    !> Error of row `i` by the outlet, from its values on n/2 intervals with this and with a longer
    !> outlet; NaN if these are not known.
-   pure function cut_error(bars, i) result(error)
+   pure real(wp) function cut_error(bars, i) result(error)
       type(error_bars_t), intent(in) :: bars
       integer, intent(in) :: i
-      real(wp) :: error
 
       error = 0.0_wp
       if (.not. bars%is_cut) return

@@ -40,11 +40,10 @@ contains
    !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
    !> heat of the mean shear `stress` [p_h b/R] in the `film` [b^2/R] on nodes at distance `dx` [b],
    !> each (nx).
-   pure function largest_rise(heating, dx, stress, film) result(rise)
+   pure real(wp) function largest_rise(heating, dx, stress, film) result(rise)
       type(heating_t), intent(in) :: heating
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: stress(:), film(:)
-      real(wp) :: rise
       real(wp) :: heat(size(stress))
 
       rise = 0.0_wp

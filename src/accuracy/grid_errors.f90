@@ -58,17 +58,15 @@ contains
    end function error_on_grids
 
    !> safety |q1 - q2|/(2^order - 1).
-   pure elemental function error_from_levels(q1, q2, order) result(error)
+   pure elemental real(wp) function error_from_levels(q1, q2, order) result(error)
       real(wp), intent(in) :: q1, q2, order
-      real(wp) :: error
 
       error = safety*abs(q1 - q2)/(2.0_wp**order - 1.0_wp)
    end function error_from_levels
 
    !> log2 of the ratio of the differences, within the bounds (lowest, highest).
-   pure function observed_order(q1, q2, q4, bounds) result(order)
+   pure real(wp) function observed_order(q1, q2, q4, bounds) result(order)
       real(wp), intent(in) :: q1, q2, q4, bounds(2)
-      real(wp) :: order
 
       order = bounds(1)
       if (.not. ieee_is_finite(q4) .or. abs(q2 - q4) <= tiny(1.0_wp)) return

@@ -49,10 +49,9 @@ contains
    end subroutine take_coarser
 
    !> Estimated relative error of h_min on its grid; huge without coarse runs.
-   pure function estimated_error(values, summary) result(error)
+   pure real(wp) function estimated_error(values, summary) result(error)
       class(coarse_values_t), intent(in) :: values
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: error
       type(quantity_t) :: smallest
 
       smallest = summary%of(h_min)
@@ -173,10 +172,9 @@ contains
    !> Error of a value interpolated between two nodes from that of the value between nodes and its
    !> limit (`between`; NaN: not known): the interpolation error has a sign and depends on the
    !> position of the nodes.
-   pure function error_of_line(quantity, between) result(error)
+   pure real(wp) function error_of_line(quantity, between) result(error)
       type(quantity_t), intent(in) :: quantity
       real(wp), intent(in) :: between(2)
-      real(wp) :: error
 
       error = between(1) + abs(quantity%value - quantity%between)
       if (ieee_is_finite(between(2))) error = max(between(1)/(2*safety), between(1) &

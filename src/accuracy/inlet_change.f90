@@ -44,9 +44,8 @@ contains
    end function change_by_inlet
 
    !> Share of the central film lost by starvation; 0 if the inlet thickens it.
-   pure function film_loss(self) result(loss)
+   pure real(wp) function film_loss(self) result(loss)
       type(inlet_change_t), intent(in) :: self
-      real(wp) :: loss
 
       loss = max(1 - quotient(value_between(self%near, h_central), value_between(self%far, &
          h_central)), 0.0_wp)
@@ -75,11 +74,10 @@ contains
 
    !> The compared value of row `i` of a `summary`: that between nodes; of crests the one next to a
    !> spike, if both have one.
-   pure function compared_value(self, summary, i) result(value)
+   pure real(wp) function compared_value(self, summary, i) result(value)
       type(inlet_change_t), intent(in) :: self
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
-      real(wp) :: value
 
       value = value_between(summary, i)
       if (quantity_rows(i)%rule /= rule_crest) return

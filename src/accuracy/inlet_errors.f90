@@ -25,9 +25,8 @@ contains
 
    !> Bound on the relative error of a film by the length of the domain, from the `inlet_error` of
    !> its inlet.
-   pure function domain_error(inlet_error) result(error)
+   pure real(wp) function domain_error(inlet_error) result(error)
       real(wp), intent(in) :: inlet_error
-      real(wp) :: error
 
       error = film_safety*inlet_error
    end function domain_error

@@ -94,9 +94,8 @@ contains
    end subroutine measure_adequacy
 
    !> Largest cost of a full measurement of a transient, over that of the transient.
-   pure function full_cost(contact) result(cost)
+   pure real(wp) function full_cost(contact) result(cost)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: cost
       type(ingredient_t), allocatable :: list(:)
 
       list = ingredients_of(contact, is_transient=.true.)

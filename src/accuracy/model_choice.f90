@@ -97,9 +97,8 @@ contains
    end subroutine choose_model
 
    !> Whether the quantities of a transient count only once its start is forgotten.
-   pure function counts_late(experiment)
+   pure logical function counts_late(experiment)
       type(experiment_t), intent(in) :: experiment
-      logical :: counts_late
 
       associate (times => new_passage_times(experiment%contact, experiment%time))
          counts_late = times%counts_from >= times%settled_from .and. times%end_time &
@@ -137,9 +136,8 @@ contains
    end subroutine look_at_roughness
 
    !> The largest |change| + error of a row; unknown values (NaN) are skipped.
-   pure function largest_influence(row) result(largest)
+   pure real(wp) function largest_influence(row) result(largest)
       type(influence_t), intent(in) :: row
-      real(wp) :: largest
       integer :: i
 
       largest = 0.0_wp
@@ -184,9 +182,8 @@ contains
 
    !> How many times fewer intervals the finer of two grids within the budget has: 2, 4 ...; 0: none
    !> that resolves all waves.
-   pure function coarsening(experiment) result(factor)
+   pure integer function coarsening(experiment) result(factor)
       type(experiment_t), intent(in) :: experiment
-      integer :: factor
       real(wp) :: cost
 
       associate (time => experiment%time, n => experiment%contact%domain%intervals)
@@ -200,17 +197,15 @@ contains
    end function coarsening
 
    !> Largest height of both surfaces together [b^2/R], as far as known.
-   pure function height_of(contact) result(height)
+   pure real(wp) function height_of(contact) result(height)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: height
 
       height = height_on(contact%surface_1) + height_on(contact%surface_2)
    end function height_of
 
    !> Largest height of one surface.
-   pure function height_on(surface) result(height)
+   pure real(wp) function height_on(surface) result(height)
       type(rough_surface_t), intent(in) :: surface
-      real(wp) :: height
 
       height = 0.0_wp
       if (allocated(surface%features)) height = sum(abs(surface%features%amplitude))
@@ -220,9 +215,8 @@ contains
    end function height_on
 
    !> Whether a surface is rough and moves.
-   pure function moves(surface)
+   pure logical function moves(surface)
       type(rough_surface_t), intent(in) :: surface
-      logical :: moves
 
       moves = has_roughness(surface) .and. is_moving(surface)
    end function moves

@@ -97,9 +97,8 @@ contains
    end subroutine run_pair
 
    !> Whether the grid of an experiment carries the film and resolves every wave.
-   pure function sees_all(experiment)
+   pure logical function sees_all(experiment)
       type(experiment_t), intent(in) :: experiment
-      logical :: sees_all
 
       ! divided: without waves the finest one is the largest number
       associate (domain => experiment%contact%domain)
@@ -260,9 +259,8 @@ contains
    end subroutine follow_waves
 
    !> Speed dX/dT of the only rough surface; 0 if both are rough.
-   pure function wave_speed(contact) result(speed)
+   pure real(wp) function wave_speed(contact) result(speed)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: speed
 
       speed = 0.0_wp
       if (.not. has_roughness(contact%surface_1)) speed = contact%surface_2%speed

@@ -173,9 +173,8 @@ contains
 
    !> What to refine next: the direction never or long not refined, else the one with the larger
    !> uncertainty at the end of the prediction.
-   pure function next_direction(pilots) result(direction)
+   pure integer function next_direction(pilots) result(direction)
       type(pilots_t), intent(in) :: pilots
-      integer :: direction
       real(wp) :: reach(2), doubts(2)
 
       if (.not. allocated(pilots%films)) then
@@ -194,9 +193,8 @@ contains
    end function next_direction
 
    !> Whether the time step is understood: its order is observed, or waves pass in many steps.
-   pure function sees_passages(pilots)
+   pure logical function sees_passages(pilots)
       type(pilots_t), intent(in) :: pilots
-      logical :: sees_passages
 
       sees_passages = ieee_is_finite(pilots%changes(h_min, 2, time_step)) &
          .or. pilots%last%steps >= believed_steps*pilots%passages
@@ -226,9 +224,8 @@ contains
    end function reach_of
 
    !> Whether predictions are possible: both directions have been refined.
-   pure function has_forecast(pilots)
+   pure logical function has_forecast(pilots)
       type(pilots_t), intent(in) :: pilots
-      logical :: has_forecast
 
       has_forecast = all(pilots%age >= 0)
    end function has_forecast
@@ -285,10 +282,9 @@ contains
    end function cheapest_resolution
 
    !> Whether this many intervals resolve the waves, are allowed and can be predicted.
-   pure function is_within_reach(pilots, intervals)
+   pure logical function is_within_reach(pilots, intervals)
       type(pilots_t), intent(in) :: pilots
       integer, intent(in) :: intervals
-      logical :: is_within_reach
       real(wp) :: reach(2)
 
       reach = reach_of(pilots)
@@ -298,12 +294,11 @@ contains
    end function is_within_reach
 
    !> The fewest steps on this grid whose predicted error is at most `bound`; 0: none.
-   pure function steps_needed(pilots, error, intervals, bound) result(steps)
+   pure integer function steps_needed(pilots, error, intervals, bound) result(steps)
       type(pilots_t), intent(in) :: pilots
       type(split_error_t), intent(in) :: error
       integer, intent(in) :: intervals
       real(wp), intent(in) :: bound
-      integer :: steps
       real(wp) :: reach(2), dx_ratio, dt_ratio, max_ratio
       integer :: i
 

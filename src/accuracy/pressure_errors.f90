@@ -29,9 +29,8 @@ contains
 
    !> The maximum of P that is compared between grids: the largest one next to a spike that is
    !> lower, else the largest.
-   pure function top_of(crests) result(top)
+   pure real(wp) function top_of(crests) result(top)
       type(crests_t), intent(in) :: crests
-      real(wp) :: top
 
       top = crests%highest
       if (.not. (ieee_is_finite(crests%spike) .and. ieee_is_finite(crests%other))) return

@@ -145,9 +145,8 @@ contains
    end subroutine check_first
 
    !> Whether the chosen methods solve the kappa scheme.
-   pure function allows_kappa(settings)
+   pure logical function allows_kappa(settings)
       type(solver_settings_t), intent(in) :: settings
-      logical :: allows_kappa
 
       allows_kappa = settings%smoother == 'auto' .and. index(settings%method, 'block_jacobi') == 0
    end function allows_kappa
@@ -220,17 +219,15 @@ contains
    end subroutine run_other_scheme
 
    !> Whether a trial run of twice the intervals is not allowed.
-   pure function is_finest(pilots)
+   pure logical function is_finest(pilots)
       type(pilots_t), intent(in) :: pilots
-      logical :: is_finest
 
       is_finest = 2*pilots%last%intervals > pilots%max_intervals
    end function is_finest
 
    !> Whether a trial run of twice the resolution would cost too much.
-   pure function is_dear(search)
+   pure logical function is_dear(search)
       type(search_t), intent(in) :: search
-      logical :: is_dear
 
       associate (last => search%pilots%last)
          is_dear = 2.0_wp*last%intervals*last%steps > search%work_limit

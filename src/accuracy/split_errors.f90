@@ -256,19 +256,17 @@ contains
    end function doubts_at
 
    !> Lower bound of the uncertainty by grid.
-   pure function least_doubt_at(self, dx_ratio) result(doubt)
+   pure real(wp) function least_doubt_at(self, dx_ratio) result(doubt)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio
-      real(wp) :: doubt
 
       doubt = self%least_doubt*dx_ratio**space_orders(2)
    end function least_doubt_at
 
    !> Correction from the value there to the limit.
-   pure function shift_at(self, dx_ratio, dt_ratio) result(shift)
+   pure real(wp) function shift_at(self, dx_ratio, dt_ratio) result(shift)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio, dt_ratio
-      real(wp) :: shift
 
       shift = self%space*dx_ratio**self%space_order + self%time*dt_ratio**self%time_order
    end function shift_at

@@ -186,11 +186,10 @@ contains
    end subroutine double_grid
 
    !> Whether the estimated errors on a `level` are small enough.
-   function is_reached(goal, bars, level)
+   logical function is_reached(goal, bars, level)
       type(goal_t), intent(in) :: goal
       type(error_bars_t), intent(in) :: bars
       type(line_level_t), intent(in) :: level
-      logical :: is_reached
       type(line_summary_t) :: summary
 
       summary = level_summary(level)

@@ -29,9 +29,8 @@ contains
    !> Error of Q1 by the second-order scheme from Q1, Q2, Q4 (`values`; NaN: not known, then none):
    !> twice the larger of |Q1 - Q2| and |Q2 - Q4|/4; half of that if both changes have the same
    !> sign.
-   pure function error_in_time(values) result(error)
+   pure real(wp) function error_in_time(values) result(error)
       real(wp), intent(in) :: values(3)
-      real(wp) :: error
       real(wp) :: change, older
 
       change = values(1) - values(2)
@@ -44,17 +43,15 @@ contains
 
    !> Error of a `value` by the first-order scheme: its distance from the `limit` of the
    !> second-order scheme, plus a share of the `error` of that.
-   pure function error_by_reference(value, limit, error) result(whole)
+   pure real(wp) function error_by_reference(value, limit, error) result(whole)
       real(wp), intent(in) :: value, limit, error
-      real(wp) :: whole
 
       whole = abs(value - limit) + limit_share*error
    end function error_by_reference
 
    !> Richardson's second-order limit of Q1, Q2, Q4.
-   pure function limit_in_time(values) result(limit)
+   pure real(wp) function limit_in_time(values) result(limit)
       real(wp), intent(in) :: values(3)
-      real(wp) :: limit
 
       limit = values(1) + (values(1) - values(2))/3.0_wp
    end function limit_in_time

@@ -241,18 +241,16 @@ contains
 
    !> Composite rms height [b^2/R] of roughness over the full length of both surfaces: sinusoids and
    !> profiles (the part that is loaded); 0: none.
-   pure function composite_rms(contact) result(rms)
+   pure real(wp) function composite_rms(contact) result(rms)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: rms
 
       rms = sqrt(mean_square(contact%surface_1) + mean_square(contact%surface_2))
 
    contains
 
       !> Of one surface.
-      pure function mean_square(surface)
+      pure real(wp) function mean_square(surface)
          type(rough_surface_t), intent(in) :: surface
-         real(wp) :: mean_square
 
          mean_square = 0.0_wp
          if (allocated(surface%features)) mean_square = 0.5_wp*sum(surface%features%amplitude**2, &

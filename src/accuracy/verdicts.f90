@@ -54,10 +54,9 @@ contains
    !> The verdict on relative changes with their errors: needed if one surely exceeds `accuracy`;
    !> not known if one may, or is unknown; else irrelevant if all are below a tenth of it, with
    !> `unseen` (default 0) added to each but not their errors.
-   pure function verdict_of(change, error, accuracy, unseen) result(verdict)
+   pure integer function verdict_of(change, error, accuracy, unseen) result(verdict)
       real(wp), intent(in) :: change(:), error(:), accuracy
       real(wp), intent(in), optional :: unseen(:)
-      integer :: verdict
       logical :: is_known(size(change))
       real(wp), allocatable :: known(:), doubt(:)
 

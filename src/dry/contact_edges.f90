@@ -53,9 +53,8 @@ contains
    end subroutine find_edges
 
    !> Number of nodes in contact beyond the edges, on a periodic line of this `pressure`.
-   pure function line_excess(pressure) result(nodes)
+   pure real(wp) function line_excess(pressure) result(nodes)
       real(wp), intent(in) :: pressure(0:)
-      real(wp) :: nodes
       real(wp) :: r
       integer :: i, inner, n, side
 

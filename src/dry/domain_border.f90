@@ -57,10 +57,9 @@ contains
 
    !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best by least squares; 0 if
    !> they do not fall towards the border, or are hardly a parabola.
-   pure function fitted_radius(grid, length, z) result(radius)
+   pure real(wp) function fitted_radius(grid, length, z) result(radius)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: length, z(:)
-      real(wp) :: radius
       real(wp) :: covariance, spread_of_squares, squares(size(z)), variance, x(grid%nx), y(grid%ny)
       integer :: i, j
 

@@ -144,11 +144,10 @@ contains
    end subroutine begin
 
    !> Whether the updates of v have collected too many rounding errors, or the solution seems found.
-   pure function must_refresh(work, problem, settings)
+   pure logical function must_refresh(work, problem, settings)
       type(work_t), intent(in) :: work
       type(dry_problem_t), intent(in) :: problem
       type(dry_settings_t), intent(in) :: settings
-      logical :: must_refresh
       real(wp) :: noise
 
       noise = single_noise*work%path/max(problem%height_scale, tiny(1.0_wp))
@@ -210,9 +209,8 @@ contains
    end subroutine step
 
    !> Whether F is the list of the last change.
-   pure function is_old_list(work)
+   pure logical function is_old_list(work)
       type(work_t), intent(in) :: work
-      logical :: is_old_list
 
       associate (n => work%set%count)
          is_old_list = n == work%old_count

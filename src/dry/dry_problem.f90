@@ -109,9 +109,8 @@ contains
    end subroutine find_v
 
    !> Whether the pressure has an upper bound.
-   pure function is_capped(self)
+   pure logical function is_capped(self)
       class(dry_problem_t), intent(in) :: self
-      logical :: is_capped
 
       is_capped = self%hardness < no_hardness
    end function is_capped

@@ -143,9 +143,8 @@ contains
    end function compared_values
 
    !> Whether any node yields under a load.
-   pure function yields(row)
+   pure logical function yields(row)
       type(dry_row_t), intent(in) :: row
-      logical :: yields
 
       yields = row%values(plastic_area) > 0.0_wp
    end function yields

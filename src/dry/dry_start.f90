@@ -63,9 +63,8 @@ contains
    end subroutine nested_start
 
    !> Whether both sides are even and large enough.
-   pure function can_be_halved(grid)
+   pure logical function can_be_halved(grid)
       type(dry_grid_t), intent(in) :: grid
-      logical :: can_be_halved
 
       can_be_halved = mod(grid%nx, 2) == 0 .and. grid%nx >= 2*coarsest
       if (grid%ny > 1) can_be_halved = can_be_halved .and. mod(grid%ny, 2) == 0 &

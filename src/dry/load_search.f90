@@ -87,11 +87,10 @@ contains
 
    !> Load of the neighbouring solution; without one that of a bed of springs as stiff as the
    !> longest wave.
-   pure function first_load(problem, datum, solution) result(load)
+   pure real(wp) function first_load(problem, datum, solution) result(load)
       type(dry_problem_t), intent(in) :: problem
       real(wp), intent(in) :: datum
       type(dry_solution_t), intent(in) :: solution
-      real(wp) :: load
 
       load = problem%load
       if (solution%contacts == 0) load = 2.0_wp*pi*sum(max(problem%height + datum, 0.0_wp))

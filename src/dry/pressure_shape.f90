@@ -14,10 +14,9 @@ contains
 
    !> Highest vertex of the parabolas in x and y through those nodes of the `pressure` (nx*ny) that
    !> are not lower than their neighbours.
-   pure function crest_of(grid, pressure) result(crest)
+   pure real(wp) function crest_of(grid, pressure) result(crest)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: pressure(:)
-      real(wp) :: crest
       real(wp) :: least, x(3), y(3)
       integer :: i, j, row
 
@@ -36,9 +35,8 @@ contains
    end function crest_of
 
    !> Height of the vertex of the parabola through three values above the middle one, the largest.
-   pure function vertex_above(values) result(height)
+   pure real(wp) function vertex_above(values) result(height)
       real(wp), intent(in) :: values(3)
-      real(wp) :: height
       real(wp) :: bend
 
       height = 0.0_wp

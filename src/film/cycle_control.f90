@@ -49,10 +49,9 @@ module cycle_control
 contains
 
    !> max(tolerance, 5 x round-off floor).
-   pure function effective_tolerance(tolerance, residual) result(bound)
+   pure real(wp) function effective_tolerance(tolerance, residual) result(bound)
       real(wp), intent(in) :: tolerance
       type(residual_t), intent(in) :: residual
-      real(wp) :: bound
 
       bound = max(tolerance, floor_factor*residual%floor)
    end function effective_tolerance

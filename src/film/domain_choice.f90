@@ -133,9 +133,8 @@ contains
    contains
 
       !> Distance of an `inlet` of this kind from X = 0.
-      pure function distance(inlet)
+      pure real(wp) function distance(inlet)
          character(*), intent(in) :: inlet
-         real(wp) :: distance
 
          distance = 1 + width*inlet_reach(contact, inlet, &
             merge(min(tolerance, default_tail_error), tolerance, inlet == 'tail'))
@@ -221,10 +220,9 @@ contains
    end function inlet_pressure_error
 
    !> Smallest 2^k with dX <= factor sqrt(H_c) on the contact's domain.
-   pure function intervals_for(contact, factor) result(intervals)
+   pure integer function intervals_for(contact, factor) result(intervals)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor
-      integer :: intervals
       real(wp) :: wanted
 
       wanted = (contact%domain%x_outlet - contact%domain%x_inlet) &
@@ -239,9 +237,8 @@ contains
    !> max(M, 1)^0.4)), which is less for M (sum velocity) above 800. Measured with Newton's method
    !> over M 1-2000, L 2.5-40 on 2^4 to 2^12 intervals: from this number on all Newtonian contacts
    !> have a solution, below half of it hardly any with M >= 30.
-   pure function intervals_for_film(contact) result(intervals)
+   pure integer function intervals_for_film(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
-      integer :: intervals
 
       intervals = intervals_for(contact, &
          min(coarsest_spacing, 1/sqrt(0.85_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)))

@@ -39,9 +39,8 @@ contains
    end function zone_of
 
    !> Whether a surface is rough along its full length, however far it moves.
-   pure function has_waves(surface)
+   pure logical function has_waves(surface)
       type(rough_surface_t), intent(in) :: surface
-      logical :: has_waves
 
       has_waves = .false.
       if (allocated(surface%features)) has_waves = any(is_wave(surface%features))
@@ -50,10 +49,9 @@ contains
 
    !> Whether a ridge or a profile reaches into the contact at T = 0. A profile at rest is meant
    !> to be inside.
-   pure function has_something_inside(surface, zone) result(is_inside)
+   pure logical function has_something_inside(surface, zone) result(is_inside)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
-      logical :: is_inside
 
       is_inside = .false.
       if (allocated(surface%features)) is_inside = any(is_ridge(surface%features) .and. &
@@ -66,36 +64,32 @@ contains
    end function has_something_inside
 
    !> Whether a feature is a sinusoid of non-zero amplitude.
-   pure elemental function is_wave(feature)
+   pure elemental logical function is_wave(feature)
       type(feature_t), intent(in) :: feature
-      logical :: is_wave
 
       is_wave = feature%kind == feature_sinusoid .and. abs(feature%amplitude) > 0.0_wp
    end function is_wave
 
    !> Whether a feature is a ridge or dent of non-zero amplitude and known position.
-   pure elemental function is_ridge(feature)
+   pure elemental logical function is_ridge(feature)
       type(feature_t), intent(in) :: feature
-      logical :: is_ridge
 
       is_ridge = feature%kind == feature_ridge .and. abs(feature%amplitude) > 0.0_wp &
          .and. feature%is_placed
    end function is_ridge
 
    !> Whether a surface moves.
-   pure function is_moving(surface)
+   pure logical function is_moving(surface)
       type(rough_surface_t), intent(in) :: surface
-      logical :: is_moving
 
       is_moving = abs(surface%speed) > slow
    end function is_moving
 
    !> Time at which the first roughness of a surface reaches the contact; 0: inside at T = 0; huge:
    !> never.
-   pure function arrival_of(surface, zone) result(time)
+   pure real(wp) function arrival_of(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
-      real(wp) :: time
 
       time = first_passage(surface, zone)
       if (has_waves(surface)) time = 0.0_wp
@@ -104,10 +98,9 @@ contains
 
    !> Time at which the front of a smooth entry of a moving surface reaches the contact; 0 without
    !> one.
-   pure function front_arrival(surface, zone) result(time)
+   pure real(wp) function front_arrival(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
-      real(wp) :: time
 
       time = 0.0_wp
       if (surface%entry_length > 0.0_wp .and. is_moving(surface)) time = &
@@ -115,10 +108,9 @@ contains
    end function front_arrival
 
    !> The same for ridges, dents and a profile of finite length, without a smooth entry.
-   pure function first_passage(surface, zone) result(time)
+   pure real(wp) function first_passage(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
-      real(wp) :: time
 
       time = huge(time)
       if (allocated(surface%features)) then
@@ -151,9 +143,8 @@ contains
    end function first_passage
 
    !> Time at which the last ridge of a moving surface leaves the contact at its end, |X| = 1.
-   pure function last_passage(surface) result(time)
+   pure real(wp) function last_passage(surface) result(time)
       type(rough_surface_t), intent(in) :: surface
-      real(wp) :: time
 
       time = 0.0_wp
       if (.not. (allocated(surface%features) .and. is_moving(surface))) return

@@ -13,27 +13,24 @@ module expected_film
 contains
 
    !> Central film H_c [b^2/R] of the smooth contact by the Moes fit, reduced by shear thinning.
-   pure function film_estimate(contact) result(film)
+   pure real(wp) function film_estimate(contact) result(film)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: film
 
       film = thinned_central_film(contact%fluid, contact%lambda, newtonian_film(contact))
    end function film_estimate
 
    !> The same for a Newtonian lubricant.
-   pure function newtonian_film(contact) result(film)
+   pure real(wp) function newtonian_film(contact) result(film)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: film
 
       film = central_film(contact%moes_m_sum, contact%moes_l_sum, contact%elasticity)
    end function newtonian_film
 
    !> Central film of a contact with `factor` > 0 times its viscosity, relative to that at its full
    !> viscosity: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
-   pure function share_with_viscosity(contact, factor) result(share)
+   pure real(wp) function share_with_viscosity(contact, factor) result(share)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor
-      real(wp) :: share
       type(line_contact_t) :: other
 
       other%elasticity = contact%elasticity

@@ -49,17 +49,15 @@ contains
    end subroutine update_film
 
    !> Load carried by the pressure, dX sum P.
-   pure function carried_load(level) result(load)
+   pure real(wp) function carried_load(level) result(load)
       type(line_level_t), intent(in) :: level
-      real(wp) :: load
 
       load = level%dx*sum(level%state%pressure)
    end function carried_load
 
    !> Missing load, rhs_load - dX sum P.
-   pure function load_defect(level) result(defect)
+   pure real(wp) function load_defect(level) result(defect)
       type(line_level_t), intent(in) :: level
-      real(wp) :: defect
 
       defect = level%rhs_load - carried_load(level)
    end function load_defect

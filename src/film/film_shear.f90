@@ -143,9 +143,8 @@ contains
    end function exit_by_flux
 
    !> lambda/6 (u2 - u1)/(u1 + u2).
-   pure function couette_of(level) result(couette)
+   pure real(wp) function couette_of(level) result(couette)
       type(line_level_t), intent(in) :: level
-      real(wp) :: couette
 
       couette = level%lambda*level%slide_to_roll/12
    end function couette_of

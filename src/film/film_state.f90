@@ -23,9 +23,8 @@ module film_state
 contains
 
    !> Whether pressure, film and rigid displacement are finite.
-   pure function is_finite(state)
+   pure logical function is_finite(state)
       type(film_state_t), intent(in) :: state
-      logical :: is_finite
 
       is_finite = all(ieee_is_finite(state%pressure)) .and. all(ieee_is_finite(state%film)) &
          .and. ieee_is_finite(state%rigid_displacement)

@@ -104,9 +104,8 @@ contains
    end subroutine add_to_bin
 
    !> Composite rms height in the unit of H.
-   pure function rms_height(self)
+   pure real(wp) function rms_height(self)
       class(film_statistics_t), intent(in) :: self
-      real(wp) :: rms_height
 
       rms_height = 0.0_wp
       if (self%times > 0.0_wp) rms_height = sqrt(max(self%square_sum/self%times &
@@ -114,9 +113,8 @@ contains
    end function rms_height
 
    !> Smooth film over rms height.
-   pure function lambda_ratio(self)
+   pure real(wp) function lambda_ratio(self)
       class(film_statistics_t), intent(in) :: self
-      real(wp) :: lambda_ratio
 
       lambda_ratio = 0.0_wp
       if (self%rms_height() > 0.0_wp) lambda_ratio = self%smooth_film/self%rms_height()

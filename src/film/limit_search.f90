@@ -42,11 +42,10 @@ contains
    !> Largest d tau/dp of the nodes. It grows with viscosity, its slope and 1/H, so that the
    !> extremes of p and H in a block of nodes bound it there, and few blocks need evaluation. (This
    !> is done in every time step.)
-   pure function largest_rise(fluid, couette, p, h) result(largest)
+   pure real(wp) function largest_rise(fluid, couette, p, h) result(largest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette
       real(wp), intent(in), contiguous :: p(:), h(:)
-      real(wp) :: largest
       real(wp), dimension((size(p) - 1)/block_size + 1) :: lowest, highest, thinnest, ln_mu, &
          slope, other_slope, bound
       integer :: b, first, last
@@ -72,11 +71,10 @@ contains
    end function largest_rise
 
    !> The same in one block.
-   pure function rise_of(fluid, couette, p, h) result(largest)
+   pure real(wp) function rise_of(fluid, couette, p, h) result(largest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette
       real(wp), intent(in), contiguous :: p(:), h(:)
-      real(wp) :: largest
       real(wp), dimension(size(p)) :: ln_mu, slope, rise
 
       call fluid_viscosity(fluid, p, ln_mu, slope)

@@ -45,18 +45,16 @@ contains
 
    !> Intervals from which the three grids n, n/2 and n/4 resolve every wave of the surfaces; 1 if
    !> they are smooth. The domain must be complete.
-   pure function intervals_for_waves(contact) result(intervals)
+   pure integer function intervals_for_waves(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
-      integer :: intervals
 
       intervals = ceiling(min(min_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet) &
          /max(finest_wave(contact), 1.0e-9_wp), 1.0e9_wp))
    end function intervals_for_waves
 
    !> Shortest wavelength of both surfaces [b]; huge if they are smooth.
-   pure function finest_wave(contact) result(wave)
+   pure real(wp) function finest_wave(contact) result(wave)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: wave
 
       wave = min(wave_of(contact%surface_1), wave_of(contact%surface_2))
    end function finest_wave
@@ -64,18 +62,16 @@ contains
    !> Slope by which the features of both surfaces close the film as they pass: for each surface the
    !> steepest one, 2 pi A/wavelength, times its speed relative to the flow, |1 - dX/dT|; profiles,
    !> whose slopes differ, are left out.
-   pure function closing_slope(contact) result(slope)
+   pure real(wp) function closing_slope(contact) result(slope)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: slope
 
       slope = slope_of(contact%surface_1) + slope_of(contact%surface_2)
 
    contains
 
       !> The same of one surface.
-      pure function slope_of(surface) result(slope)
+      pure real(wp) function slope_of(surface) result(slope)
          type(rough_surface_t), intent(in) :: surface
-         real(wp) :: slope
 
          slope = 0.0_wp
          if (.not. allocated(surface%features)) return
@@ -87,18 +83,16 @@ contains
    end function closing_slope
 
    !> Time T in which the finest wave of a moving surface passes a point; above 1e9: none.
-   pure function shortest_passage(contact) result(time)
+   pure real(wp) function shortest_passage(contact) result(time)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: time
 
       time = min(passage_of(contact%surface_1), passage_of(contact%surface_2))
 
    contains
 
       !> The same of one surface.
-      pure function passage_of(surface) result(time)
+      pure real(wp) function passage_of(surface) result(time)
          type(rough_surface_t), intent(in) :: surface
-         real(wp) :: time
 
          time = min(wave_of(surface), longest)/max(abs(surface%speed), slow)
       end function passage_of
@@ -106,9 +100,8 @@ contains
    end function shortest_passage
 
    !> Shortest wavelength of a surface [b]; huge if it is smooth.
-   pure function wave_of(surface) result(wave)
+   pure real(wp) function wave_of(surface) result(wave)
       type(rough_surface_t), intent(in) :: surface
-      real(wp) :: wave
 
       wave = huge(1.0_wp)
       if (allocated(surface%features)) wave = minval([wave, surface%features%wavelength])

@@ -105,10 +105,9 @@ contains
    !> Intervals of the coarsest grid that carries a film with a margin of 2 (semiseparable rule): dX
    !> <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least `fewest` or 32; M with
    !> the sum velocity.
-   pure function coarsest_for_film(contact, fewest) result(intervals)
+   pure integer function coarsest_for_film(contact, fewest) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer, intent(in), optional :: fewest
-      integer :: intervals
       real(wp) :: film, largest_dx
 
       film = film_estimate(contact)
@@ -213,17 +212,15 @@ contains
    end subroutine new_grid
 
    !> Intervals of the coarsest grid of the cycles if the nested start begins with `first`.
-   pure function cycle_coarsest(first, n) result(coarsest)
+   pure integer function cycle_coarsest(first, n) result(coarsest)
       integer, intent(in) :: first, n
-      integer :: coarsest
 
       coarsest = halved(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
    end function cycle_coarsest
 
    !> Halves n while it is even and the half is at least `least`; n itself if it is less.
-   pure function halved(n, least) result(coarse)
+   pure integer function halved(n, least) result(coarse)
       integer, intent(in) :: n, least
-      integer :: coarse
 
       coarse = n
       do while (modulo(coarse, 2) == 0 .and. coarse/2 >= least)
@@ -232,9 +229,8 @@ contains
    end function halved
 
    !> Number of doublings from `coarse` to `fine`.
-   pure function doublings(coarse, fine) result(times)
+   pure integer function doublings(coarse, fine) result(times)
       integer, intent(in) :: coarse, fine
-      integer :: times
 
       times = nint(log(real(fine, wp)/coarse)/log(2.0_wp))
    end function doublings
@@ -287,9 +283,8 @@ contains
 
    !> Whether the method is Newton's on the finest level, after which the film is that of pressure
    !> and H0.
-   pure function is_newton(relaxation)
+   pure logical function is_newton(relaxation)
       type(relaxation_t), intent(in) :: relaxation
-      logical :: is_newton
 
       is_newton = any(relaxation%method == [method_newton_krylov, method_newton_dense])
    end function is_newton

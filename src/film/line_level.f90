@@ -157,9 +157,8 @@ contains
    end subroutine set_plain_problem
 
    !> Whether the finest grid has P = 0 before the next node of this one, where P is still 0.
-   pure function has_close_exit(level) result(is_close)
+   pure logical function has_close_exit(level) result(is_close)
       type(line_level_t), intent(in) :: level
-      logical :: is_close
 
       is_close = level%posed%exit_conductance > 0.0_wp
       if (is_close) is_close = level%state%pressure(level%posed%exit_node + 1) <= 0.0_wp

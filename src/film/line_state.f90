@@ -43,9 +43,8 @@ module line_state
 contains
 
    !> Whether pressure, film and rigid displacement are present and finite.
-   pure function all_finite(state)
+   pure logical function all_finite(state)
       type(line_state_t), intent(in) :: state
-      logical :: all_finite
 
       all_finite = allocated(state%pressure) .and. allocated(state%film_thickness)
       if (.not. all_finite) return

@@ -194,10 +194,9 @@ contains
 
    !> Value of row `i` that does not depend on the position of the nodes, and is compared between
    !> grids.
-   pure function value_between(summary, i) result(value)
+   pure real(wp) function value_between(summary, i) result(value)
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
-      real(wp) :: value
 
       select case (quantity_rows(i)%rule)
       case (rule_value)

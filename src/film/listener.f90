@@ -121,19 +121,17 @@ contains
    end subroutine start
 
    !> Whether the listener, if any, asks to stop.
-   function is_stopped(listener)
+   logical function is_stopped(listener)
       class(listener_t), intent(inout), optional :: listener
-      logical :: is_stopped
 
       is_stopped = .false.
       if (present(listener)) is_stopped = listener%wants_stop()
    end function is_stopped
 
    !> Whether `step` is 0 or a multiple of `stress_stride`.
-   pure function wants_stresses(self, step) result(answer)
+   pure logical function wants_stresses(self, step) result(answer)
       class(listener_t), intent(in) :: self
       integer, intent(in) :: step
-      logical :: answer
 
       answer = self%stress_stride > 0
       if (answer) answer = mod(step, self%stress_stride) == 0
@@ -167,9 +165,8 @@ contains
    end subroutine ignore_stage
 
    !> Whether `is_stopping` is set.
-   function wants_stop(self)
+   logical function wants_stop(self)
       class(listener_t), intent(inout) :: self
-      logical :: wants_stop
 
       wants_stop = self%is_stopping
    end function wants_stop
@@ -186,9 +183,8 @@ contains
    end subroutine forward_stage
 
    !> Asks the parent run's listener.
-   recursive function ask_parent(self) result(wants_stop)
+   recursive logical function ask_parent(self) result(wants_stop)
       class(relay_t), intent(inout) :: self
-      logical :: wants_stop
 
       wants_stop = self%parent%wants_stop()
       self%is_stopping = wants_stop

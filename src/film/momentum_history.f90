@@ -78,11 +78,10 @@ contains
 
    !> Number of films that would best have predicted the present `excess` after a step of this
    !> length: pressures and velocities count alike.
-   function next_count(past, excess, length) result(best)
+   integer function next_count(past, excess, length) result(best)
       type(momentum_history_t), intent(in) :: past
       type(excess_t), intent(in) :: excess
       real(wp), intent(in) :: length
-      integer :: best
       real(wp) :: miss, smallest, weights(max_excesses)
       real(wp), allocatable :: p(:, :), u(:, :)
       integer :: count, k

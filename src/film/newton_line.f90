@@ -105,10 +105,9 @@ contains
 
    !> Bound on the |r| left by the linear solution if Newton's method must reach `goal` of
    !> |r|/lambda.
-   pure function linear_goal(residual, lambda, goal) result(bound)
+   pure real(wp) function linear_goal(residual, lambda, goal) result(bound)
       real(wp), intent(in) :: residual, lambda
       real(wp), intent(in), optional :: goal
-      real(wp) :: bound
 
       bound = huge(1.0_wp)
       if (.not. present(goal)) return
@@ -208,10 +207,9 @@ contains
 
    !> Largest change of Sigma in a full step: the slip factor grows as exp(|Sigma|), and a Newton
    !> step must not run ahead of it.
-   pure function slip_step(newton, level) result(largest)
+   pure real(wp) function slip_step(newton, level) result(largest)
       type(newton_t), intent(in) :: newton
       type(line_level_t), intent(in) :: level
-      real(wp) :: largest
       integer :: i
 
       largest = 0.0_wp

@@ -70,19 +70,17 @@ module passage_times
 contains
 
    !> Whether the quantities at `time` count.
-   pure elemental function counts(self, time)
+   pure elemental logical function counts(self, time)
       class(passage_times_t), intent(in) :: self
       real(wp), intent(in) :: time
-      logical :: counts
 
       counts = time >= self%counts_from - rounding*self%end_time
    end function counts
 
    !> Time from which statistics of the film count: not while the contact is still smooth, unless
    !> the user gave it.
-   pure function statistics_from(self) result(from)
+   pure real(wp) function statistics_from(self) result(from)
       class(passage_times_t), intent(in) :: self
-      real(wp) :: from
 
       from = self%counts_from
       if (.not. self%is_given) from = max(from, self%arrival)
@@ -90,10 +88,9 @@ contains
    end function statistics_from
 
    !> Whether the quantities at `time` belong to the comparison.
-   pure elemental function is_earlier(self, time)
+   pure elemental logical function is_earlier(self, time)
       class(passage_times_t), intent(in) :: self
       real(wp), intent(in) :: time
-      logical :: is_earlier
 
       is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from - rounding*self%end_time &
          .and. time <= self%counts_from + rounding*self%end_time
@@ -101,9 +98,8 @@ contains
 
    !> Whether the start is forgotten when the times that count begin; true if the user gave that
    !> time.
-   pure function is_settled(self)
+   pure logical function is_settled(self)
       class(passage_times_t), intent(in) :: self
-      logical :: is_settled
 
       is_settled = self%is_given .or. .not. self%is_artificial &
          .or. self%end_time >= self%needed_end*(1 - rounding)
@@ -171,10 +167,9 @@ contains
 
    !> Delay until the film comes from a complete wave, which rises behind a front or with time,
    !> against a wave that is present at T = 0.
-   pure function entering_time(surface, zone) result(time)
+   pure real(wp) function entering_time(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
-      real(wp) :: time
 
       time = surface%entry_length
       if (.not. is_moving(surface)) return
@@ -189,9 +184,8 @@ contains
    end function entering_time
 
    !> Whether a surface is at rest, or only waves of it move.
-   pure function is_repeating(surface)
+   pure logical function is_repeating(surface)
       type(rough_surface_t), intent(in) :: surface
-      logical :: is_repeating
 
       is_repeating = .true.
       if (.not. is_moving(surface)) return
@@ -212,9 +206,8 @@ contains
    end function periods_of
 
    !> Shortest time after which all waves nearly repeat themselves; 0 without waves.
-   pure function common_period(periods) result(period)
+   pure real(wp) function common_period(periods) result(period)
       real(wp), intent(in) :: periods(:)
-      real(wp) :: period
       integer :: i
 
       period = 0.0_wp
@@ -314,9 +307,8 @@ contains
    contains
 
       !> Time at which the first feature of a surface reaches the contact; huge if it is at rest.
-      pure function own_passage(surface) result(time)
+      pure real(wp) function own_passage(surface) result(time)
          type(rough_surface_t), intent(in) :: surface
-         real(wp) :: time
 
          time = huge(time)
          if (is_moving(surface)) time = max(first_passage(surface, zone_of(contact)), &

@@ -83,9 +83,8 @@ contains
 
    !> Whether the order of a quantity in the kappa scheme is random: its change on a finer grid then
    !> says little.
-   pure function is_chance(row)
+   pure logical function is_chance(row)
       type(quantity_row_t), intent(in) :: row
-      logical :: is_chance
 
       is_chance = row%kappa_orders(2) <= row%kappa_orders(1)
    end function is_chance
@@ -145,18 +144,16 @@ contains
    end function parabola_minimum
 
    !> Smallest nodal value; NaN if a value is not finite. h (nx).
-   pure function node_minimum(h) result(smallest)
+   pure real(wp) function node_minimum(h) result(smallest)
       real(wp), intent(in) :: h(:)
-      real(wp) :: smallest
 
       smallest = not_known()
       if (size(h) > 0 .and. all(ieee_is_finite(h))) smallest = minval(h)
    end function node_minimum
 
    !> Largest nodal value; NaN if a value is not finite. p (nx).
-   pure function peak_value(p) result(highest)
+   pure real(wp) function peak_value(p) result(highest)
       real(wp), intent(in) :: p(:)
-      real(wp) :: highest
 
       highest = not_known()
       if (size(p) > 0 .and. all(ieee_is_finite(p))) highest = maxval(p)
@@ -164,9 +161,8 @@ contains
 
    !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it.
    !> x, h (nx).
-   pure function central_value(x, h) result(film)
+   pure real(wp) function central_value(x, h) result(film)
       real(wp), intent(in) :: x(:), h(:)
-      real(wp) :: film
       integer :: i
 
       film = not_known()
@@ -197,9 +193,8 @@ contains
    end function central_by_cubic
 
    !> X of the last node with P > 0; NaN if there is none or a value is not finite. x, p (nx).
-   pure function exit_position(x, p) result(position)
+   pure real(wp) function exit_position(x, p) result(position)
       real(wp), intent(in) :: x(:), p(:)
-      real(wp) :: position
       integer :: i
 
       position = not_known()

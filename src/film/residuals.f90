@@ -60,9 +60,8 @@ contains
    !> Round-off of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), by P and H in their
    !> differences; with the compensation of P, 1e-15 ( max(H) + max|K P|/pi )/dX, by the mass flux:
    !> by e, H and the terms of H.
-   pure function round_off(level) result(floor)
+   pure real(wp) function round_off(level) result(floor)
       type(line_level_t), intent(in) :: level
-      real(wp) :: floor
 
       if (allocated(level%state%compensation)) then
          floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%elastic%deflection))) &

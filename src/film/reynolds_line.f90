@@ -64,17 +64,15 @@ contains
    !> size: a zigzag of the pressure in front of the spike, and several solutions. (The remainder of
    !> the flux from upstream alone falls downstream, by 3 a node.) 1 - theta is of fourth order in
    !> dX.
-   pure elemental function third_order_share(curvature) result(share)
+   pure elemental real(wp) function third_order_share(curvature) result(share)
       real(wp), intent(in) :: curvature
-      real(wp) :: share
 
       share = 1/(1 + (curvature/strong_curvature)**2)
    end function third_order_share
 
    !> d theta/dc.
-   pure elemental function third_order_slope(curvature) result(slope)
+   pure elemental real(wp) function third_order_slope(curvature) result(slope)
       real(wp), intent(in) :: curvature
-      real(wp) :: slope
 
       slope = -2*curvature/strong_curvature**2*third_order_share(curvature)**2
    end function third_order_slope
@@ -136,10 +134,9 @@ contains
    end subroutine add_third_order
 
    !> The kappa scheme's addition to the mass flux rH at the face behind node i, 1 <= i < n.
-   pure elemental function third_order_flux(level, i) result(flux)
+   pure elemental real(wp) function third_order_flux(level, i) result(flux)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
-      real(wp) :: flux
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
          flux = third_order_share(level%fluid%alpha_bar*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &

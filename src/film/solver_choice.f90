@@ -145,9 +145,8 @@ contains
    end function time_step_attempts
 
    !> Whether neither method nor smoother is given.
-   pure function is_automatic(settings) result(automatic)
+   pure logical function is_automatic(settings) result(automatic)
       type(solver_settings_t), intent(in) :: settings
-      logical :: automatic
 
       automatic = settings%method == 'auto' .and. settings%smoother == 'auto'
    end function is_automatic

@@ -97,18 +97,16 @@ module solver_settings
 contains
 
    !> Most intervals of a method, whether the user or the program chooses them; huge: no limit.
-   pure function max_intervals_of(method) result(most)
+   pure integer function max_intervals_of(method) result(most)
       character(*), intent(in) :: method
-      integer :: most
 
       most = huge(most)
       if (method == 'newton_dense' .or. method == 'block_jacobi') most = max_small_intervals
    end function max_intervals_of
 
    !> Most intervals that the program chooses, refines to, or tries.
-   pure function max_chosen(settings) result(most)
+   pure integer function max_chosen(settings) result(most)
       type(solver_settings_t), intent(in) :: settings
-      integer :: most
 
       most = min(max_refined_intervals, max_intervals_of(settings%method), settings%max_intervals)
    end function max_chosen

@@ -35,9 +35,8 @@ module wave_resolution
 contains
 
    !> Nodes of a complete domain in the finest wave of the surfaces; huge if they are smooth.
-   pure function nodes_in_wave(contact) result(nodes)
+   pure real(wp) function nodes_in_wave(contact) result(nodes)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: nodes
 
       nodes = huge(1.0_wp)
       if (finest_wave(contact) < nodes) nodes = finest_wave(contact)/node_spacing(contact)
@@ -45,10 +44,9 @@ contains
 
    !> Time steps in which the finest moving wave passes a point; huge without one, or if no step is
    !> known yet.
-   pure function steps_in_wave(contact, time) result(steps)
+   pure real(wp) function steps_in_wave(contact, time) result(steps)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
-      real(wp) :: steps
 
       steps = huge(1.0_wp)
       if (.not. time%is_transient .or. shortest_passage(contact) >= max_steps*time%time_step) return
@@ -89,10 +87,9 @@ contains
    end function long_steps
 
    !> Whether longer steps miss waves that these resolve.
-   pure function has_long_steps(contact, time) result(are_long)
+   pure logical function has_long_steps(contact, time) result(are_long)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
-      logical :: are_long
 
       are_long = steps_in_wave(contact, time) < seen_steps .and. time%time_step &
          > long_step*node_spacing(contact)
@@ -142,9 +139,8 @@ contains
    end function intervals_at_least
 
    !> dX of a complete domain.
-   pure function node_spacing(contact) result(spacing)
+   pure real(wp) function node_spacing(contact) result(spacing)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: spacing
 
       spacing = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
    end function node_spacing

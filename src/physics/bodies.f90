@@ -24,9 +24,8 @@ contains
    !>
    !> `radius_1`, `radius_2` [m]: positive for convex bodies; a negative one (conformal) must be the
    !> larger in size.
-   pure elemental function reduced_radius(radius_1, radius_2) result(radius)
+   pure elemental real(wp) function reduced_radius(radius_1, radius_2) result(radius)
       real(wp), intent(in) :: radius_1, radius_2
-      real(wp) :: radius
 
       radius = radius_1*radius_2/(radius_1 + radius_2)
    end function reduced_radius
@@ -36,10 +35,9 @@ contains
    !>
    !> `modulus_1`, `modulus_2` [Pa] > 0; `poisson_1`, `poisson_2` [-] in -1 ... 0.5. Not Hertz'
    !> E* = E'/2.
-   pure elemental function reduced_modulus(modulus_1, poisson_1, modulus_2, &
+   pure elemental real(wp) function reduced_modulus(modulus_1, poisson_1, modulus_2, &
       poisson_2) result(modulus)
       real(wp), intent(in) :: modulus_1, poisson_1, modulus_2, poisson_2
-      real(wp) :: modulus
 
       modulus = 2.0_wp/((1.0_wp - poisson_1**2)/modulus_1 + (1.0_wp - poisson_2**2)/modulus_2)
    end function reduced_modulus

@@ -45,56 +45,50 @@ contains
    end function new_dry_scaling
 
    !> A height or gap in m.
-   pure elemental function height_in_si(self, height) result(metres)
+   pure elemental real(wp) function height_in_si(self, height) result(metres)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: height
-      real(wp) :: metres
 
       metres = self%height*height
    end function height_in_si
 
    !> A pressure in Pa.
-   pure elemental function pressure_in_si(self, pressure) result(pascal)
+   pure elemental real(wp) function pressure_in_si(self, pressure) result(pascal)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: pressure
-      real(wp) :: pascal
 
       pascal = self%pressure*pressure
    end function pressure_in_si
 
    !> Work of pressure on height, over an `area` [m^2] in J, over a length [m] in J/m.
-   pure elemental function energy_in_si(self, area, work) result(energy)
+   pure elemental real(wp) function energy_in_si(self, area, work) result(energy)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: area, work
-      real(wp) :: energy
 
       energy = area*self%pressure*self%height*work
    end function energy_in_si
 
    !> A height of this many `metres`, dimensionless.
-   pure elemental function scaled_height(self, metres) result(height)
+   pure elemental real(wp) function scaled_height(self, metres) result(height)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: metres
-      real(wp) :: height
 
       height = metres/self%height
    end function scaled_height
 
    !> A pressure of this many `pascal`, dimensionless.
-   pure elemental function scaled_pressure(self, pascal) result(pressure)
+   pure elemental real(wp) function scaled_pressure(self, pascal) result(pressure)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: pascal
-      real(wp) :: pressure
 
       pressure = pascal/self%pressure
    end function scaled_pressure
 
    !> Area of the domain [m^2] with Ly/Lx = `aspect`, length of a line [m].
-   pure function domain_area(self, aspect, is_line) result(area)
+   pure real(wp) function domain_area(self, aspect, is_line) result(area)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: aspect
       logical, intent(in) :: is_line
-      real(wp) :: area
 
       area = self%length
       if (.not. is_line) area = area*self%length*aspect
@@ -103,9 +97,8 @@ contains
    !> `pressure` [Pa] over the mean pressure w/L [Pa] of a load, above 0. For E' s/(4 L) this is E'
    !> s/(4 w), the only number of an elastic contact in (3.19) of the thesis; for the hardness it is
    !> H_s L/w.
-   pure elemental function load_number(pressure, mean_pressure) result(number)
+   pure elemental real(wp) function load_number(pressure, mean_pressure) result(number)
       real(wp), intent(in) :: pressure, mean_pressure
-      real(wp) :: number
 
       number = pressure/mean_pressure
    end function load_number

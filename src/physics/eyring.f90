@@ -122,10 +122,9 @@ contains
    end subroutine evaluate_stress
 
    !> d tau/dp of sliding.
-   pure elemental function stress_rise(self, newtonian, slope) result(rise)
+   pure elemental real(wp) function stress_rise(self, newtonian, slope) result(rise)
       class(eyring_t), intent(in) :: self
       real(wp), intent(in) :: newtonian, slope
-      real(wp) :: rise
 
       rise = pressure_derivative_of_stress(newtonian, 0.5_wp/self%sigma_scale, slope)
    end function stress_rise
@@ -137,10 +136,9 @@ contains
    !> u1|/(tau_0 h), it is tau_0 B/sqrt(1 + B^2) d ln mu/dp; `eyring`: tau_0 [Pa] > 0, or <= 0 for a
    !> Newtonian oil, for which it is the Newtonian stress times the slope. S. Bair, M. Khonsari and
    !> W. O. Winer, Tribol. Int. 31, 1998, 573.
-   pure elemental function pressure_derivative_of_stress(newtonian, eyring, &
+   pure elemental real(wp) function pressure_derivative_of_stress(newtonian, eyring, &
       slope) result(derivative)
       real(wp), intent(in) :: newtonian, eyring, slope
-      real(wp) :: derivative
 
       derivative = newtonian*slope
       if (eyring > 0.0_wp) derivative = eyring*slope*(newtonian/hypot(newtonian, eyring))
@@ -388,9 +386,8 @@ contains
    end subroutine flow_shapes
 
    !> a_0 + a_1 y + ... + a_8 y^8.
-   pure function polynomial(a, y) result(value)
+   pure real(wp) function polynomial(a, y) result(value)
       real(wp), intent(in) :: a(0:8), y
-      real(wp) :: value
 
       value = a(0) &
          + y*(a(1) + y*(a(2) + y*(a(3) + y*(a(4) + y*(a(5) + y*(a(6) + y*(a(7) + y*a(8))))))))

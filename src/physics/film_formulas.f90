@@ -53,19 +53,17 @@ contains
 
    !> Whether the formulas are meant for a contact of Moes' numbers `m_mean` and `l_mean` (mean
    !> speed), and their bias is known: 3 <= M <= 500, 5 <= L <= 30.
-   pure function formulas_hold(m_mean, l_mean) result(hold)
+   pure logical function formulas_hold(m_mean, l_mean) result(hold)
       real(wp), intent(in) :: m_mean, l_mean
-      logical :: hold
 
       hold = m_mean >= m_range(1) .and. m_mean <= m_range(2) .and. l_mean >= l_range(1) &
          .and. l_mean <= l_range(2)
    end function formulas_hold
 
    !> Film in b^2/R [-] by row `i` of the formulas; M and L > 0 with the mean speed.
-   pure function film_by_formula(i, m_mean, l_mean) result(film)
+   pure real(wp) function film_by_formula(i, m_mean, l_mean) result(film)
       integer, intent(in) :: i
       real(wp), intent(in) :: m_mean, l_mean
-      real(wp) :: film
 
       select case (i)
       case (dowson_higginson)

@@ -69,12 +69,11 @@ module flow_law
          real(wp), intent(out), contiguous :: stress(:)
       end subroutine stress_interface
 
-      pure elemental function stress_rise_interface(self, newtonian, slope) result(rise)
+      pure elemental real(wp) function stress_rise_interface(self, newtonian, slope) result(rise)
          import :: flow_law_t, wp
          implicit none (type, external)
          class(flow_law_t), intent(in) :: self
          real(wp), intent(in) :: newtonian, slope
-         real(wp) :: rise
       end function stress_rise_interface
 
       pure elemental subroutine shapes_interface(self, drive, y, sliding, driven)

@@ -89,9 +89,8 @@ contains
 
    !> Share of the image at `waves` waves per element in one direction: sinc times a window that
    !> falls smoothly from 1 to 0 past the last image, as narrow in space as in wavenumber.
-   pure elemental function image_share(waves)
+   pure elemental real(wp) function image_share(waves)
       real(wp), intent(in) :: waves
-      real(wp) :: image_share
 
       image_share = 0.5_wp*erfc(steepness*(2.0_wp*abs(waves/(images + 1)) - 1.0_wp))
       if (abs(waves) > 0.0_wp) image_share = image_share*(sin(pi*waves)/(pi*waves))
@@ -147,9 +146,8 @@ contains
 
    !> Integral of 1/r over the rectangle between the origin and (x, y): x asinh(y/|x|) + y
    !> asinh(x/|y|).
-   pure elemental function corner(x, y)
+   pure elemental real(wp) function corner(x, y)
       real(wp), intent(in) :: x, y
-      real(wp) :: corner
 
       corner = 0.0_wp
       if (abs(x) > 0.0_wp) corner = corner + x*asinh(y/abs(x))

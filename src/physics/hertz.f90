@@ -14,39 +14,35 @@ contains
    !> Half-width b [m] of the contact, (2.52):  b = sqrt(8 w R/(pi E')).
    !>
    !> `load_per_length` w [N/m] >= 0; `reduced_radius` R [m] > 0; `reduced_modulus` E' [Pa] > 0.
-   pure elemental function line_half_width(load_per_length, reduced_radius, &
+   pure elemental real(wp) function line_half_width(load_per_length, reduced_radius, &
       reduced_modulus) result(half_width)
       real(wp), intent(in) :: load_per_length, reduced_radius, reduced_modulus
-      real(wp) :: half_width
 
       half_width = sqrt(8.0_wp*load_per_length*reduced_radius/(pi*reduced_modulus))
    end function line_half_width
 
    !> Largest pressure p_h [Pa], (2.52):  p_h = sqrt(w E'/(2 pi R)) = 2 w/(pi b). Arguments as in
    !> `line_half_width`.
-   pure elemental function line_peak_pressure(load_per_length, reduced_radius, &
+   pure elemental real(wp) function line_peak_pressure(load_per_length, reduced_radius, &
       reduced_modulus) result(pressure)
       real(wp), intent(in) :: load_per_length, reduced_radius, reduced_modulus
-      real(wp) :: pressure
 
       pressure = sqrt(load_per_length*reduced_modulus/(2.0_wp*pi*reduced_radius))
    end function line_peak_pressure
 
    !> Load per length w [N/m] that gives the peak pressure `hertz_pressure` [Pa] >= 0: (2.52)
    !> solved, w = 2 pi R p_h^2/E'.
-   pure elemental function line_load_from_pressure(hertz_pressure, reduced_radius, &
+   pure elemental real(wp) function line_load_from_pressure(hertz_pressure, reduced_radius, &
       reduced_modulus) result(load_per_length)
       real(wp), intent(in) :: hertz_pressure, reduced_radius, reduced_modulus
-      real(wp) :: load_per_length
 
       load_per_length = 2.0_wp*pi*reduced_radius*hertz_pressure**2/reduced_modulus
    end function line_load_from_pressure
 
    !> Pressure p/p_h [-] at `x` = position over half-width [-], any value: sqrt(1 - x^2) inside the
    !> contact, 0 outside.
-   pure elemental function line_pressure(x) result(pressure)
+   pure elemental real(wp) function line_pressure(x) result(pressure)
       real(wp), intent(in) :: x
-      real(wp) :: pressure
 
       pressure = sqrt(max((1.0_wp - x)*(1.0_wp + x), 0.0_wp))
    end function line_pressure
@@ -54,10 +50,9 @@ contains
    !> Load P [N] of a point contact of bodies of revolution that gives the peak pressure
    !> `hertz_pressure` p_0 [Pa] >= 0: P = (2/3) pi a^2 p_0 with a = pi p_0 R/E'; R [m] of
    !> 1/R = 1/R_1 + 1/R_2.
-   pure elemental function point_load_from_pressure(hertz_pressure, reduced_radius, &
+   pure elemental real(wp) function point_load_from_pressure(hertz_pressure, reduced_radius, &
       reduced_modulus) result(load)
       real(wp), intent(in) :: hertz_pressure, reduced_radius, reduced_modulus
-      real(wp) :: load
 
       load = 2.0_wp/3.0_wp*pi*(pi*hertz_pressure*reduced_radius/reduced_modulus)**2*hertz_pressure
    end function point_load_from_pressure

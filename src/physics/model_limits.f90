@@ -49,9 +49,8 @@ contains
 
    !> Temperature rise [K] of the middle of a film above its walls, if the `heat` [W/m^2] is
    !> released evenly across the `film` [m]: q h/(8 k), `conductivity` k [W/(m K)] of the oil.
-   pure elemental function film_temperatures(heat, film, conductivity) result(rise)
+   pure elemental real(wp) function film_temperatures(heat, film, conductivity) result(rise)
       real(wp), intent(in) :: heat, film, conductivity
-      real(wp) :: rise
 
       rise = heat*film/(8.0_wp*conductivity)
    end function film_temperatures
@@ -65,9 +64,8 @@ contains
    !>
    !> `loading` L >= 0, u the mean speed, beta = -d ln mu/dT; `slide_to_roll` S = |u2 - u1|/u >= 0;
    !> `strain` p_h/E' >= 0. At most 1.
-   pure elemental function inlet_heating_loss(loading, slide_to_roll, strain) result(loss)
+   pure elemental real(wp) function inlet_heating_loss(loading, slide_to_roll, strain) result(loss)
       real(wp), intent(in) :: loading, slide_to_roll, strain
-      real(wp) :: loss
 
       loss = 1.0_wp - max(1.0_wp - 13.2_wp*strain*loading**0.42_wp, 0.0_wp) &
          /(1.0_wp + 0.213_wp*(1.0_wp + 2.23_wp*slide_to_roll**0.83_wp)*loading**0.64_wp)
@@ -77,17 +75,15 @@ contains
    !>
    !> exp(-0.68 k) of elliptical contacts with the axes' ratio k (B. J. Hamrock and D. Dowson, J.
    !> Lubr. Technol. 99, 1977, 264), taken for `length`/`width`, both [m] > 0.
-   pure elemental function side_flow_loss(length, width) result(loss)
+   pure elemental real(wp) function side_flow_loss(length, width) result(loss)
       real(wp), intent(in) :: length, width
-      real(wp) :: loss
 
       loss = exp(-end_decay*length/width)
    end function side_flow_loss
 
    !> Length [m] at which a contact loses the share `loss` > 0 to its sides.
-   pure elemental function shortest_length(loss, width) result(length)
+   pure elemental real(wp) function shortest_length(loss, width) result(length)
       real(wp), intent(in) :: loss, width
-      real(wp) :: length
 
       length = -log(loss)*width/end_decay
    end function shortest_length

@@ -22,33 +22,29 @@ module moes
 contains
 
    !> M in the mean-speed convention of (2.53) from that of the sum of speeds [-].
-   pure elemental function moes_m_mean_from_sum(m_sum) result(m_mean)
+   pure elemental real(wp) function moes_m_mean_from_sum(m_sum) result(m_mean)
       real(wp), intent(in) :: m_sum
-      real(wp) :: m_mean
 
       m_mean = m_sum*sqrt(2.0_wp)
    end function moes_m_mean_from_sum
 
    !> L in the mean-speed convention of (2.54) from that of the sum of speeds [-].
-   pure elemental function moes_l_mean_from_sum(l_sum) result(l_mean)
+   pure elemental real(wp) function moes_l_mean_from_sum(l_sum) result(l_mean)
       real(wp), intent(in) :: l_sum
-      real(wp) :: l_mean
 
       l_mean = l_sum/sqrt(sqrt(2.0_wp))
    end function moes_l_mean_from_sum
 
    !> M of the sum of speeds from M of (2.53), mean speed [-].
-   pure elemental function moes_m_sum_from_mean(m_mean) result(m_sum)
+   pure elemental real(wp) function moes_m_sum_from_mean(m_mean) result(m_sum)
       real(wp), intent(in) :: m_mean
-      real(wp) :: m_sum
 
       m_sum = m_mean/sqrt(2.0_wp)
    end function moes_m_sum_from_mean
 
    !> L of the sum of speeds from L of (2.54), mean speed [-].
-   pure elemental function moes_l_sum_from_mean(l_mean) result(l_sum)
+   pure elemental real(wp) function moes_l_sum_from_mean(l_mean) result(l_sum)
       real(wp), intent(in) :: l_mean
-      real(wp) :: l_sum
 
       l_sum = l_mean*sqrt(sqrt(2.0_wp))
    end function moes_l_sum_from_mean
@@ -58,44 +54,39 @@ contains
    !>
    !> From (2.53) and (2.55), whose right-hand form lacks the factor 1/8 in print: lambda = 3 pi^2
    !> mu_0 u_s R E'/(8 w^2).
-   pure elemental function lambda_from_moes_sum(m_sum) result(lambda)
+   pure elemental real(wp) function lambda_from_moes_sum(m_sum) result(lambda)
       real(wp), intent(in) :: m_sum
-      real(wp) :: lambda
 
       lambda = 3.0_wp*pi**2/(8.0_wp*m_sum**2)
    end function lambda_from_moes_sum
 
    !> M_sum [-] from the speed parameter `lambda` > 0 [-], the inverse of `lambda_from_moes_sum`.
-   pure elemental function moes_m_sum_from_lambda(lambda) result(m_sum)
+   pure elemental real(wp) function moes_m_sum_from_lambda(lambda) result(m_sum)
       real(wp), intent(in) :: lambda
-      real(wp) :: m_sum
 
       m_sum = pi*sqrt(3.0_wp/(8.0_wp*lambda))
    end function moes_m_sum_from_lambda
 
    !> alpha p_h [-] from M > 0 and L >= 0, both in either convention: L sqrt(M/(2 pi)), from (2.53,
    !> 2.54, 2.56).
-   pure elemental function alpha_bar_from_moes(m, l) result(alpha_bar)
+   pure elemental real(wp) function alpha_bar_from_moes(m, l) result(alpha_bar)
       real(wp), intent(in) :: m, l
-      real(wp) :: alpha_bar
 
       alpha_bar = l*sqrt(m/(2.0_wp*pi))
    end function alpha_bar_from_moes
 
    !> L [-] from alpha p_h >= 0 and M > 0 [-], in the convention of the given M; inverse of
    !> `alpha_bar_from_moes`.
-   pure elemental function moes_l_from_alpha_bar(alpha_bar, m) result(l)
+   pure elemental real(wp) function moes_l_from_alpha_bar(alpha_bar, m) result(l)
       real(wp), intent(in) :: alpha_bar, m
-      real(wp) :: l
 
       l = alpha_bar*sqrt(2.0_wp*pi/m)
    end function moes_l_from_alpha_bar
 
    !> Film thickness in b^2/R [-] from Moes units, (h/R) sqrt(E' R/(mu_0 u_s)) with the sum of
    !> speeds:  pi/(8 M_sum).
-   pure elemental function film_from_moes_units(film_moes, m_sum) result(film)
+   pure elemental real(wp) function film_from_moes_units(film_moes, m_sum) result(film)
       real(wp), intent(in) :: film_moes, m_sum
-      real(wp) :: film
 
       film = film_moes*pi/(8.0_wp*m_sum)
    end function film_from_moes_units
@@ -107,10 +98,9 @@ contains
    !> M >= 5; about 20 % high near M = 1, L = 10. `m_sum` > 0; `l_sum` >= 0 (0 = isoviscous).
    !> `elasticity` (0 to 1): for bodies stiffer by its inverse, in the b^2/R of the given ones; M
    !> falls with the root of E', L rises with its power 3/4.
-   pure elemental function central_film(m_sum, l_sum, elasticity) result(film)
+   pure elemental real(wp) function central_film(m_sum, l_sum, elasticity) result(film)
       real(wp), intent(in) :: m_sum, l_sum
       real(wp), intent(in), optional :: elasticity
-      real(wp) :: film
       real(wp) :: rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, power, isoviscous, lower, &
          piezoviscous
 
@@ -134,9 +124,8 @@ contains
 
    !> Film thickness in b^2/R [-] of rigid bodies and constant viscosity: 2.4475/M_sum in Moes units
    !> (`martin_film`).
-   pure elemental function rigid_film(m_sum) result(film)
+   pure elemental real(wp) function rigid_film(m_sum) result(film)
       real(wp), intent(in) :: m_sum
-      real(wp) :: film
 
       film = film_from_moes_units(martin_film/m_sum, m_sum)
    end function rigid_film

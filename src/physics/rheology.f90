@@ -13,19 +13,17 @@ module rheology
 contains
 
    !> Whether the fluid is shear-thinning: else S = 1 and the drive does not matter.
-   pure elemental function thins(fluid)
+   pure elemental logical function thins(fluid)
       type(fluid_t), intent(in) :: fluid
-      logical :: thins
 
       thins = allocated(fluid%rheology)
    end function thins
 
    !> Shear stress at the walls, h/2 |dp/dx|, over the stress scale of the fluid [-], with the sign
    !> of the `drive` H dP/dX: Sigma of module eyring; 0 for a Newtonian fluid.
-   pure elemental function wall_stress(fluid, drive) result(stress)
+   pure elemental real(wp) function wall_stress(fluid, drive) result(stress)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: drive
-      real(wp) :: stress
 
       stress = 0.0_wp
       if (allocated(fluid%rheology)) stress = fluid%rheology%sigma_scale*drive
@@ -100,9 +98,8 @@ contains
    end function eased_fluid
 
    !> B H/(mu/mu_0) of sliding [-]; 0 for a Newtonian fluid.
-   pure function sliding_number(fluid) result(number)
+   pure real(wp) function sliding_number(fluid) result(number)
       type(fluid_t), intent(in) :: fluid
-      real(wp) :: number
 
       number = 0.0_wp
       if (allocated(fluid%rheology)) number = exp(fluid%rheology%ln_b_scale)
@@ -110,10 +107,9 @@ contains
 
    !> Slide-to-roll ratio |u2 - u1|/((u1 + u2)/2) of a contact with the speed parameter `lambda` and
    !> a shear-thinning fluid: 6 B H/(lambda mu Sigma/(H dP/dX)).
-   pure function slide_to_roll(fluid, lambda) result(ratio)
+   pure real(wp) function slide_to_roll(fluid, lambda) result(ratio)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda
-      real(wp) :: ratio
 
       ratio = 6*sliding_number(fluid)/(lambda*fluid%rheology%sigma_scale)
    end function slide_to_roll

@@ -21,9 +21,8 @@ contains
    !> Pressure-viscosity coefficient alpha [1/Pa] from (2.27): alpha = z (ln mu_0 + 9.67)/P0.
    !>
    !> `mu_0` [Pa s] > 6.4e-5; `p0` [Pa] > 0; `z` [-] > 0.
-   pure elemental function roelands_alpha(mu_0, p0, z) result(alpha)
+   pure elemental real(wp) function roelands_alpha(mu_0, p0, z) result(alpha)
       real(wp), intent(in) :: mu_0, p0, z
-      real(wp) :: alpha
 
       alpha = z*(log(mu_0) + roelands_log_shift)/p0
    end function roelands_alpha
@@ -32,9 +31,8 @@ contains
    !>
    !> (2.62) is the same equation in dimensionless form. `mu_0` [Pa s] > 6.4e-5; `alpha` [1/Pa] > 0;
    !> `z` [-] > 0.
-   pure elemental function roelands_p0(mu_0, alpha, z) result(p0)
+   pure elemental real(wp) function roelands_p0(mu_0, alpha, z) result(p0)
       real(wp), intent(in) :: mu_0, alpha, z
-      real(wp) :: p0
 
       p0 = z*(log(mu_0) + roelands_log_shift)/alpha
    end function roelands_p0
@@ -42,9 +40,8 @@ contains
    !> Roelands' index z [-] from (2.27): z = alpha P0/(ln mu_0 + 9.67).
    !>
    !> `mu_0` [Pa s] > 6.4e-5; `alpha` [1/Pa] > 0; `p0` [Pa] > 0.
-   pure elemental function roelands_z(mu_0, alpha, p0) result(z)
+   pure elemental real(wp) function roelands_z(mu_0, alpha, p0) result(z)
       real(wp), intent(in) :: mu_0, alpha, p0
-      real(wp) :: z
 
       z = alpha*p0/(log(mu_0) + roelands_log_shift)
    end function roelands_z

@@ -123,10 +123,9 @@ contains
 
    !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] over its pressure.
    !> Dimensional scaling only.
-   pure function inertia_number(scaling, density) result(number)
+   pure real(wp) function inertia_number(scaling, density) result(number)
       type(scaling_t), intent(in) :: scaling
       real(wp), intent(in) :: density
-      real(wp) :: number
 
       number = density*scaling%speed_sum**2/scaling%hertz_pressure
    end function inertia_number

@@ -37,10 +37,9 @@ contains
    !> The stress of the flow itself cannot serve: oil turns with a curved film, by delta^2 W_X, and
    !> while U does not yet turn with it, as in a first approximation, a stiff oil has stresses from
    !> that which are in no solution (T of thousands in pure rolling).
-   pure function stress_rise(problem, terms) result(largest)
+   pure real(wp) function stress_rise(problem, terms) result(largest)
       type(momentum_problem_t), intent(in) :: problem
       type(momentum_terms_t), intent(in) :: terms
-      real(wp) :: largest
       real(wp), dimension(0:problem%layers) :: rate, eta, by_ln_mu, by_shear2
       real(wp) :: columns
       integer :: f

@@ -117,17 +117,15 @@ contains
    end subroutine pack_rows
 
    !> Number of unknowns of a column.
-   pure function column_size(problem)
+   pure integer function column_size(problem)
       type(momentum_problem_t), intent(in) :: problem
-      integer :: column_size
 
       column_size = 3*problem%layers - 1
    end function column_size
 
    !> Number of all unknowns: the last column has no U.
-   pure function order_of(problem) result(order)
+   pure integer function order_of(problem) result(order)
       type(momentum_problem_t), intent(in) :: problem
-      integer :: order
 
       order = (problem%n + 1)*column_size(problem) - problem%layers
    end function order_of

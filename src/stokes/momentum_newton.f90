@@ -161,10 +161,9 @@ contains
    end subroutine solve_momentum_contact
 
    !> Whether no step is needed after the last full one.
-   pure function is_small(newton, previous, tolerance)
+   pure logical function is_small(newton, previous, tolerance)
       type(momentum_newton_t), intent(in) :: newton
       real(wp), intent(in) :: previous, tolerance
-      logical :: is_small
 
       is_small = newton%last_step < tolerance .or. (newton%last_step < settled &
          .and. newton%last_step > slow_share*previous) &
@@ -173,9 +172,8 @@ contains
 
    !> Predicted remainder after a step, if further ones fall as it has fallen from the previous one;
    !> huge without a previous full step.
-   pure function rest(step, previous)
+   pure real(wp) function rest(step, previous)
       real(wp), intent(in) :: step, previous
-      real(wp) :: rest
 
       rest = huge(1.0_wp)
       if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) rest = step**2/(previous - step)

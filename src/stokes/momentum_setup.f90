@@ -85,10 +85,9 @@ contains
 
    !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, the only other one of the momentum equations; 0 for a
    !> Newtonian oil.
-   pure function eyring_scale(fluid, lambda) result(scale)
+   pure real(wp) function eyring_scale(fluid, lambda) result(scale)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda
-      real(wp) :: scale
 
       scale = 0.0_wp
       if (.not. allocated(fluid%rheology)) return

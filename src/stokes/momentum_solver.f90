@@ -104,9 +104,8 @@ contains
    contains
 
       !> Relative difference of a quantity.
-      pure function relative(quantity)
+      pure real(wp) function relative(quantity)
          integer, intent(in) :: quantity
-         real(wp) :: relative
 
          relative = after%of(quantity)%value/before%of(quantity)%value - 1
       end function relative

@@ -150,10 +150,9 @@ contains
    end function wedge_change
 
    !> Second difference around the node upstream of face f.
-   pure function second(values, f)
+   pure real(wp) function second(values, f)
       real(wp), intent(in) :: values(0:)
       integer, intent(in) :: f
-      real(wp) :: second
 
       second = values(f - 2) - 2*values(f - 1) + values(f)
    end function second

@@ -67,10 +67,9 @@ contains
 
    !> `distance`, on a periodic domain to the nearest image, -L/2 ... L/2; a direction without
    !> `length` has no images.
-   pure elemental function nearest_image(distance, length, is_periodic)
+   pure elemental real(wp) function nearest_image(distance, length, is_periodic)
       real(wp), intent(in) :: distance, length
       logical, intent(in) :: is_periodic
-      real(wp) :: nearest_image
 
       nearest_image = distance
       if (is_periodic .and. length > 0.0_wp) nearest_image = modulo(distance + 0.5_wp*length, &

@@ -72,10 +72,9 @@ contains
 
    !> Share to which a surface that enters has risen: 0 before the front, 1 from `entry_length`
    !> behind it on.
-   pure elemental function entered_share(surface, x, time) result(share)
+   pure elemental real(wp) function entered_share(surface, x, time) result(share)
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x, time
-      real(wp) :: share
 
       if (surface%speed > 0.0_wp) then
          share = smooth_ramp((surface%entry_position + surface%speed*time - x)/surface%entry_length)

@@ -51,9 +51,8 @@ contains
    end subroutine resample_heights
 
    !> Share of the old harmonic `k` that goes to the new one.
-   pure function share_of(k, old, new) result(share)
+   pure real(wp) function share_of(k, old, new) result(share)
       integer, intent(in) :: k, old, new
-      real(wp) :: share
 
       share = 0.0_wp
       if (old == new .or. 2*abs(k) < min(old, new)) then
@@ -64,9 +63,8 @@ contains
    end function share_of
 
    !> Harmonic, negative in the second half, at position `l` in a spectrum of `n`.
-   pure function signed(l, n) result(k)
+   pure integer function signed(l, n) result(k)
       integer, intent(in) :: l, n
-      integer :: k
 
       k = merge(l, l - n, 2*l <= n)
    end function signed

@@ -93,9 +93,8 @@ contains
    end subroutine convolve
 
    !> Transmission of a wave; `ratio` is the cut-off over its length.
-   pure elemental function transmission(ratio) result(share)
+   pure elemental real(wp) function transmission(ratio) result(share)
       real(wp), intent(in) :: ratio
-      real(wp) :: share
       real(wp), parameter :: largest_ratio = 30.0_wp
 
       share = 0.0_wp

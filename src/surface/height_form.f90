@@ -132,9 +132,8 @@ contains
    end subroutine add_row
 
    !> Position of node `i` (from 0) of `n`, from -1 to 1; 0 for a single node.
-   pure elemental function coordinate(i, n) result(s)
+   pure elemental real(wp) function coordinate(i, n) result(s)
       integer(int64), intent(in) :: i, n
-      real(wp) :: s
 
       s = real(2*i - (n - 1), wp)/real(max(n - 1, 1_int64), wp)
    end function coordinate
@@ -275,9 +274,8 @@ contains
 
    !> Whether the heights close on themselves, so that they can be repeated: the step from the end
    !> to the beginning is like those between neighbours.
-   pure function closes(sums)
+   pure logical function closes(sums)
       type(height_sums_t), intent(in) :: sums
-      logical :: closes
       real(wp) :: jump(2)
 
       jump = sqrt(sums%squared_jumps/real(sums%grid(2:1:-1), wp))

@@ -116,10 +116,9 @@ contains
    end subroutine load_window
 
    !> Whether the window has the `needed` heights from number `from` on.
-   pure function holds(profile, from, needed)
+   pure logical function holds(profile, from, needed)
       type(profile_t), intent(in) :: profile
       integer(int64), intent(in) :: from, needed
-      logical :: holds
       integer(int64) :: place
 
       holds = .false.
@@ -166,9 +165,8 @@ contains
    end function node_count
 
    !> Distance of the last height from the first.
-   pure function profile_length(profile) result(length)
+   pure real(wp) function profile_length(profile) result(length)
       type(profile_t), intent(in) :: profile
-      real(wp) :: length
 
       length = (node_count(profile) - 1)*profile%spacing
    end function profile_length

@@ -73,9 +73,8 @@ contains
    end function normal_numbers
 
    !> A number in (0, 1) from the upper 52 bits of two words.
-   pure function uniform(first, second)
+   pure real(wp) function uniform(first, second)
       integer(int64), intent(in) :: first, second
-      real(wp) :: uniform
 
       uniform = (real(ior(shiftl(first, 20), shiftr(second, 12)), wp) + 0.5_wp)*2.0_wp**(-52)
    end function uniform

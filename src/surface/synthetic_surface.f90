@@ -99,10 +99,9 @@ contains
 
    !> Amplitude, the root of the spectrum, at `waves` [1/m] in d = `dimensions`; 0 outside the
    !> cut-offs.
-   pure function amplitude_at(wanted, waves, dimensions) result(amplitude)
+   pure real(wp) function amplitude_at(wanted, waves, dimensions) result(amplitude)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: waves, dimensions
-      real(wp) :: amplitude
       real(wp), parameter :: slack = 1.0_wp + 1.0e-9_wp
 
       amplitude = 0.0_wp
@@ -156,18 +155,16 @@ contains
    end subroutine find_bend
 
    !> Value of the function at a height.
-   pure elemental function bent(z, bend) result(y)
+   pure elemental real(wp) function bent(z, bend) result(y)
       real(wp), intent(in) :: z
       type(bend_t), intent(in) :: bend
-      real(wp) :: y
 
       y = (tukey(z, bend%g, bend%h) - bend%mean)/bend%rms
    end function bent
 
    !> (exp(g z) - 1)/g exp(h z^2/2): g > 0 lengthens the upper tail, h > 0 both.
-   pure elemental function tukey(z, g, h) result(y)
+   pure elemental real(wp) function tukey(z, g, h) result(y)
       real(wp), intent(in) :: z, g, h
-      real(wp) :: y
 
       y = z*(1.0_wp + 0.5_wp*g*z)
       if (abs(g*z) > 1.0e-5_wp) y = (exp(g*z) - 1.0_wp)/g
