@@ -81,16 +81,16 @@ contains
       real(wp) :: predicted
 
       if (.not. (case%solver%target > 0.0_wp .and. case%time%is_transient)) return
-      words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
+      words = 'no error of h_min is predicted: trial runs on coarser grids found no solution'
       associate (forecast => listener%writer%bars%forecast)
          if (forecast%is_known) then
-            predicted = forecast%error(h_min)/forecast%pilot(h_min)
+            predicted = forecast%error(h_min)/forecast%trial(h_min)
             if (.not. case%domain%has_inlet) predicted = predicted &
                + domain_error(inlet_error(case%contact))
             if (predicted <= (1.0_wp + rounding)*case%solver%target) return
-            words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative '// &
+            words = 'the wanted accuracy is beyond the finest trial run: of h_min a relative '// &
                'error of '//to_text(predicted, 2)// &
-               ' is foretold, '//to_text(case%solver%target, 2)//' was wanted'
+               ' is predicted, '//to_text(case%solver%target, 2)//' was wanted'
          end if
       end associate
       call add_note(case, listener, words, note)

@@ -1,5 +1,5 @@
 !> What a solved case is compared with: itself on coarser grids; coarse runs that measure whether a
-!> grid that pilot runs chose is as good as foretold; a farther inlet, the thesis's scheme, and a
+!> grid that trial runs chose is as good as predicted; a farther inlet, the thesis's scheme, and a
 !> farther outlet where the outlet cuts the film off.
 module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -56,7 +56,7 @@ contains
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
-   !> Whether a solution is as good as wanted: by coarse runs where pilots chose its grid and
+   !> Whether a solution is as good as wanted: by coarse runs where trials chose its grid and
    !> time step.
    subroutine check_forecast(case, listener, state, report, seconds, error)
       type(case_t), intent(in) :: case

@@ -12,14 +12,14 @@ module line_model
    use line_summary, only: summary_of
    use measured_adequacy, only: full_cost, measure_adequacy, solved_t
    use model_choice, only: choose_model
-   use model_decision, only: take_model
+   use model_decision, only: apply_model
    use run_observer, only: run_observer_t
    use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: choose_lean_model, measure_model, tell_full_cost
+   public :: choose_lean_model, measure_model, print_full_cost
 
 contains
 
@@ -36,7 +36,7 @@ contains
             case%solver%target, allocated(case%time%resume_from) &
             .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
-         call take_model(choice, case%contact, case%time)
+         call apply_model(choice, case%contact, case%time)
          call choose_anew(case%contact, case%solver%target)
          call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate
@@ -44,14 +44,14 @@ contains
    end subroutine choose_lean_model
 
    !> Says what a full measurement of a passage costs at most.
-   subroutine tell_full_cost(case, listener)
+   subroutine print_full_cost(case, listener)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
 
       if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
          listener%log%say(case%file//": adequacy = 'full' takes up to " &
          //to_text(full_cost(case%contact), 2)//' times what the passage takes')
-   end subroutine tell_full_cost
+   end subroutine print_full_cost
 
    !> Measures what the ingredients of the model change, where that is wanted.
    subroutine measure_model(case, listener, state, report, error)

@@ -8,7 +8,7 @@ module line_solution
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use grid_comparison, only: check_ends, check_forecast, compare_grids
-   use grid_estimates, only: take_coarser
+   use grid_estimates, only: copy_coarser
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
@@ -92,7 +92,7 @@ contains
       type(error_bars_t) :: bars
 
       case%time%time_step = listener%writer%run%time_step
-      if (case%solver%target > 0.0_wp) then   ! as before pilot runs chose the rest
+      if (case%solver%target > 0.0_wp) then   ! as before trial runs chose the rest
          bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
          bars%unseen = ''
          bars%forecast = listener%writer%bars%forecast
@@ -110,11 +110,11 @@ contains
 
       if (.not. (listener%has_coarse_runs .and. allocated(listener%coarser))) return
       if (size(listener%coarser) < 2) return
-      call take_coarser(listener%writer%bars, listener%coarser)
+      call copy_coarser(listener%writer%bars, listener%coarser)
       listener%has_coarse_runs = .false.
    end subroutine keep_coarser
 
-   !> Intervals and time step for the accuracy that is wanted of a transient, by pilot runs, and the
+   !> Intervals and time step for the accuracy that is wanted of a transient, by trial runs, and the
    !> `seconds` that they took. Error: memory or a library failed.
    subroutine choose_grid(case, listener, seconds, error)
       type(case_t), intent(inout) :: case

@@ -9,7 +9,7 @@ module run_case
    use iteration_report, only: report_t
    use key_row, only: lubricated
    use line_contact, only: line_contact_t
-   use line_model, only: choose_lean_model, measure_model, tell_full_cost
+   use line_model, only: choose_lean_model, measure_model, print_full_cost
    use line_solution, only: solve_line_case
    use line_state, only: line_state_t
    use progress_log, only: new_progress_log, progress_log_t
@@ -94,7 +94,7 @@ contains
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then
          call choose_lean_model(case, listener, error)
-         if (.not. allocated(error)) call tell_full_cost(case, listener)
+         if (.not. allocated(error)) call print_full_cost(case, listener)
          if (.not. allocated(error)) call solve_line_case(case, listener, state, report, &
             error)
          if (.not. allocated(error)) call measure_model(case, listener, state, report, error)

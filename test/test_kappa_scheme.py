@@ -78,7 +78,7 @@ def target_in_time(asperity, folder, scheme):
 
 @pytest.mark.path
 def test_target_in_time_goes_back_where_kappa_fails(asperity, tmp_path):
-    """In four cycles the first pilot fails with kappa, not with upwind2: an open scheme gives the result of upwind2."""
+    """In four cycles the first trial fails with kappa, not with upwind2: an open scheme gives the result of upwind2."""
     _, kappa_intervals, _ = target_in_time(asperity, tmp_path, "kappa")
     scheme, intervals, h_min = target_in_time(asperity, tmp_path, None)
     _, upwind_intervals, upwind_h_min = target_in_time(asperity, tmp_path, "upwind2")

@@ -55,19 +55,19 @@ def call(program, folder, text, kinds=(), limit=0.0, **env):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_what_is_foretold_is_enough_and_asked_for(program, tmp_path, name):
+def test_what_is_predicted_is_enough_and_asked_for(program, tmp_path, name):
     text, mapped = CASES[name]
     refused = call(program, tmp_path, text, [resource.RLIMIT_DATA], 30.0)
     pattern = r"found a grid that needs up to (\S+) MB of memory, expected at most 30.00 MB, the limit of data \(ulimit -d\)\n"
     found = re.search(pattern, refused.stderr)
     assert (refused.returncode, found is None) == (1, False), refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
-    foretold = float(found[1])
+    predicted = float(found[1])
     command = [sys.executable, "-S", "-E", "-c", MEASURE, program, "case.nml", "--quiet"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=HANGING, check=False)
     assert done.returncode in (0, 2), done.stderr
-    assert int(done.stdout) * 1024 / MEGABYTE <= foretold - mapped
-    for kind, most in (resource.RLIMIT_DATA, foretold), (resource.RLIMIT_AS, foretold + 100):
+    assert int(done.stdout) * 1024 / MEGABYTE <= predicted - mapped
+    for kind, most in (resource.RLIMIT_DATA, predicted), (resource.RLIMIT_AS, predicted + 100):
         done = call(program, tmp_path, text, [kind], most + 1)
         assert done.returncode in (0, 2), done.stderr
 

@@ -98,7 +98,7 @@ def fitted(rows: list[dict[str, float]], quantity: str) -> np.ndarray:
 
 
 def ruled(rule: np.ndarray, rows: list[dict[str, float]]) -> np.ndarray:
-    """The differences that a rule foretells."""
+    """The differences that a rule predicts."""
     return np.array([rule[0] * row["sliding"] ** rule[1] * row["slope"] ** rule[2] for row in rows])
 
 

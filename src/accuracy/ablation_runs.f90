@@ -106,7 +106,7 @@ contains
          end do
          doubt = doubt_between(lean(1)%summary, full(1)%summary)
          if (.not. lean(2)%is_solved) then
-            call tell_by_one(changes(:, 1), doubt, 1 - lean(2)%kept, adequacy%accuracy, row)
+            call set_change_by_one(changes(:, 1), doubt, 1 - lean(2)%kept, adequacy%accuracy, row)
             return
          end if
          row%left_out = 1 - lean(2)%kept
@@ -128,7 +128,7 @@ contains
 
    !> Sets the row of an ingredient, a fraction `left_out` of which was left out, from the `changes`
    !> of films on the finer grid alone, if they show that it is plainly needed for `accuracy`.
-   pure subroutine tell_by_one(changes, doubt, left_out, accuracy, row)
+   pure subroutine set_change_by_one(changes, doubt, left_out, accuracy, row)
       real(wp), intent(in) :: changes(:), doubt(:, :), left_out, accuracy
       type(influence_t), intent(inout) :: row
       type(influence_t) :: told
@@ -143,7 +143,7 @@ contains
       told%left_out = left_out
       call set_change(told, both, doubt, widths)
       if (is_plainly_needed(told, accuracy)) row = told
-   end subroutine tell_by_one
+   end subroutine set_change_by_one
 
    !> Sets the change of a row and its error from the changes on the finer (1) and the coarser grid;
    !> `factors` are `widths`, and `doubt` (lean and full contact) is added. Uncertain changes are

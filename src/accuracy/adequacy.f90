@@ -16,7 +16,7 @@ module adequacy
    private
 
    public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
-      new_influence, tell_at_rest
+      new_influence, judge_at_rest
 
    !> A change of the smooth steady contact this many times the accuracy, and this large, is no less
    !> than the accuracy in a transient.
@@ -171,7 +171,7 @@ contains
    !> change is too large to be small there, nor if the influence of `roughness` cannot alter the
    !> verdict. Changes c and r combine to (1 + c)(1 + r)/(1 + r') - 1 in the transient, r' that of
    !> roughness without the ingredient; the error is widened accordingly.
-   pure subroutine tell_at_rest(row, roughness, accuracy, is_open)
+   pure subroutine judge_at_rest(row, roughness, accuracy, is_open)
       type(influence_t), intent(inout) :: row
       type(influence_t), intent(in) :: roughness
       real(wp), intent(in) :: accuracy
@@ -216,7 +216,7 @@ contains
          verdict = verdict_on(at_rest, accuracy)
       end function verdict_of_rest
 
-   end subroutine tell_at_rest
+   end subroutine judge_at_rest
 
    !> Whether a change of the smooth steady contact is too large to be small in a transient.
    pure logical function is_plainly_needed(row, accuracy) result(is_needed)

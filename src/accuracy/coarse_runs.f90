@@ -5,14 +5,14 @@ module coarse_runs
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, outcome_t, run_experiment
-   use grid_estimates, only: take_coarser
+   use grid_estimates, only: copy_coarser
    use inlet_change, only: inlet_change_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use listener, only: listener_t
    use quantities, only: x_cavitation
    use solver_settings, only: domain_t, max_chosen
-   use split_errors, only: foretold_values, orders_in_time
+   use split_errors, only: predicted_values, orders_in_time
    implicit none (type, external)
    private
 
@@ -58,11 +58,11 @@ contains
       bars = new_error_bars(experiment%contact, experiment%time, experiment%settings%space_scheme)
       call run_experiment(coarser(experiment, 2), listener, half, error)
       if (allocated(error) .or. .not. half%is_known) return
-      call take_coarser(bars, [half%summary, half%coarser(:min(1, size(half%coarser)))])
+      call copy_coarser(bars, [half%summary, half%coarser(:min(1, size(half%coarser)))])
       if (bars%grids > 1) return
       call run_experiment(coarser(experiment, 4), listener, quarter, error)
       if (allocated(error) .or. .not. quarter%is_known) return
-      call take_coarser(bars, [half%summary, quarter%summary])
+      call copy_coarser(bars, [half%summary, quarter%summary])
    end subroutine make_coarse_runs
 
    !> Prepares runs of a transient on n/2 and n/4 intervals with the second-order scheme; for a
@@ -124,7 +124,7 @@ contains
             if (run%factor == 1) then
                bars%second_order = outcome%summary
             else
-               call take_coarser(bars, [bars%coarser(:bars%grids), outcome%summary])
+               call copy_coarser(bars, [bars%coarser(:bars%grids), outcome%summary])
             end if
          end associate
       end do
@@ -153,11 +153,11 @@ contains
          call run_experiment(coarse, listener, outcome, error)
          if (allocated(error) .or. .not. outcome%is_known) return
          apart%half = outcome%summary
-         apart%coarse = foretold_values(apart%half)
+         apart%coarse = predicted_values(apart%half)
          call run_experiment(slow, listener, outcome, error)
          if (allocated(error) .or. .not. outcome%is_known) return
          apart%is_known = .true.
-         apart%slow = foretold_values(outcome%summary)
+         apart%slow = predicted_values(outcome%summary)
          apart%step_ratio = real(steps, wp)/slow_steps
          orders = orders_in_time(experiment%time%scheme)
          apart%time_order = orders(2)

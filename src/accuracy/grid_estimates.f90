@@ -15,7 +15,7 @@ module grid_estimates
    implicit none (type, external)
    private
 
-   public :: coarse_values_t, estimate_grid_errors, estimated_error, take_coarser
+   public :: coarse_values_t, estimate_grid_errors, estimated_error, copy_coarser
 
    !> Error of the exit between two nodes, in spacings.
    real(wp), parameter, public :: exit_jitter = 0.2_wp
@@ -40,13 +40,13 @@ module grid_estimates
 contains
 
    !> Copies the solutions on n/2, n/4 and n/8 intervals, as far as known.
-   pure subroutine take_coarser(values, coarser)
+   pure subroutine copy_coarser(values, coarser)
       class(coarse_values_t), intent(inout) :: values
       type(line_summary_t), intent(in) :: coarser(:)
 
       values%grids = min(size(coarser), size(values%coarser))
       values%coarser(:values%grids) = coarser(:values%grids)
-   end subroutine take_coarser
+   end subroutine copy_coarser
 
    !> Estimated relative error of h_min on its grid; huge without coarse runs.
    pure real(wp) function estimated_error(values, summary) result(error)

@@ -5,7 +5,7 @@ module lean_solution
       ieee_usual
    use ablations, only: contact_without, ingredient_t
    use errors, only: error_t
-   use film_equation, only: take_film
+   use film_equation, only: set_film
    use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -113,7 +113,7 @@ contains
       real(wp), intent(in) :: smallest
 
       level%state%rigid_displacement = 0.0_wp
-      call take_film(level)
+      call set_film(level)
       level%state%rigid_displacement = smallest - minval(level%state%film)
       level%state%film = level%state%film + level%state%rigid_displacement
    end subroutine place_film

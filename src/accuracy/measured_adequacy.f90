@@ -11,7 +11,7 @@ module measured_adequacy
    use ablation_runs, only: measure_at_rest
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
       without_surfaces
-   use adequacy, only: adequacy_t, influence_t, new_influence, tell_at_rest
+   use adequacy, only: adequacy_t, influence_t, new_influence, judge_at_rest
    use error_bars, only: error_bars_t
    use errors, only: error_t
    use experiment, only: experiment_t, outcome_t, run_experiment
@@ -274,7 +274,7 @@ contains
       i = findloc(list%kind, roughness, 1)
       if (i > 0) rough = adequacy%rows(i)
       do i = 1, size(list)
-         if (.not. is_of_surfaces(list(i))) call tell_at_rest(adequacy%rows(i), rough, &
+         if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
             adequacy%accuracy, is_open(i))
       end do
    end subroutine decide_at_rest

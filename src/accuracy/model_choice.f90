@@ -83,7 +83,7 @@ contains
       call listener%on_stage('measuring what the model needs')
       if (moves(experiment%contact%surface_1) .or. moves(experiment%contact%surface_2)) then
          where (list%kind == squeeze) choice%why = cheap_in_motion
-         call look_at_roughness(whole, list, target, choice, listener, &
+         call measure_roughness(whole, list, target, choice, listener, &
             error)   ! error: the caller looks
       else if (counts_late(whole)) then
          where (list%kind >= roughness) choice%why = cheap_steady
@@ -107,7 +107,7 @@ contains
    end function counts_late
 
    !> Leaves out roughness and its motion if it is low and surely changes little.
-   subroutine look_at_roughness(experiment, list, target, choice, listener, error)
+   subroutine measure_roughness(experiment, list, target, choice, listener, error)
       type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(in) :: target
@@ -133,7 +133,7 @@ contains
       choice%is_left_out = list%kind >= squeeze
       where (choice%is_left_out) choice%why = goes_along
       choice%why(i) = changes_little
-   end subroutine look_at_roughness
+   end subroutine measure_roughness
 
    !> The largest |change| + error of a row; unknown values (NaN) are skipped.
    pure real(wp) function largest_influence(row) result(largest)

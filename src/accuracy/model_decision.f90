@@ -10,7 +10,7 @@ module model_decision
    implicit none (type, external)
    private
 
-   public :: model_choice_t, number_choice_t, take_model
+   public :: model_choice_t, number_choice_t, apply_model
 
    !> Why an ingredient is kept or left out, short for the closing table and in full.
    type :: reason_t
@@ -64,7 +64,7 @@ module model_decision
 contains
 
    !> Sets contact and time to the chosen model.
-   pure subroutine take_model(choice, contact, time)
+   pure subroutine apply_model(choice, contact, time)
       type(model_choice_t), intent(in) :: choice
       type(line_contact_t), intent(inout) :: contact
       type(time_settings_t), intent(inout) :: time
@@ -75,6 +75,6 @@ contains
       contact%surface_1%entry_length = 0.0_wp
       contact%surface_2%entry_length = 0.0_wp
       if (choice%is_smooth) contact = without_surfaces(contact)
-   end subroutine take_model
+   end subroutine apply_model
 
 end module model_decision

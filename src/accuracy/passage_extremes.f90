@@ -58,14 +58,14 @@ contains
       summary = last
       if (self%has_counted) summary = self%counted
       do i = 1, quantity_count
-         call tell_start(summary%of(i), self%earlier%of(i))
+         call set_start_error(summary%of(i), self%earlier%of(i))
       end do
 
    contains
 
       !> Sets the change of a quantity since the period before; not known if the start is not
       !> forgotten.
-      pure subroutine tell_start(quantity, earlier)
+      pure subroutine set_start_error(quantity, earlier)
          type(quantity_t), intent(inout) :: quantity
          type(quantity_t), intent(in) :: earlier
 
@@ -74,7 +74,7 @@ contains
          else if (self%has_earlier .and. self%has_counted) then
             quantity%error_start = abs(quantity%value - earlier%value)
          end if
-      end subroutine tell_start
+      end subroutine set_start_error
 
    end function extremes
 

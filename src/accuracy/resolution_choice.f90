@@ -23,11 +23,11 @@ module resolution_choice
    use line_contact, only: line_contact_t
    use missing_value, only: not_known
    use listener, only: listener_t
-   use pilots, only: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
-      has_forecast, new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
+   use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
+      has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t
    use quantities, only: quantity_count
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
-   use split_errors, only: foretold_values
+   use split_errors, only: predicted_values
    use text, only: to_text
    implicit none (type, external)
    private
@@ -43,13 +43,13 @@ module resolution_choice
    !> State of the search.
    type :: search_t
       !> The next trial run, apart from its resolution.
-      type(experiment_t) :: pilot
+      type(experiment_t) :: trial
       !> Whether upwind2 may be tried if it finds no solution.
       logical :: may_change_scheme = .false.
       !> What the next trial run refines.
       integer :: direction = nothing
       !> Results so far, the last one, and the largest nodes times steps of the next.
-      type(pilots_t) :: pilots
+      type(trials_t) :: trials
       type(outcome_t) :: last
       real(wp) :: work_limit = 0.0_wp
    end type search_t
@@ -85,30 +85,30 @@ contains
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
       call settle_tolerance(settings)
-      call check_first(search%pilots, settings%method, error)
+      call check_first(search%trials, settings%method, error)
       if (allocated(error)) return
       do
-         call run_pilot(search, listener, error)
+         call run_trial(search, listener, error)
          if (allocated(error)) return
-         settings%space_scheme = search%pilot%settings%space_scheme
+         settings%space_scheme = search%trial%settings%space_scheme
          if (listener%is_stopping) return
-         if (.not. search%last%is_known .and. is_finest(search%pilots)) exit
+         if (.not. search%last%is_known .and. is_finest(search%trials)) exit
          call learn(search)
-         is_last = is_finest(search%pilots) .or. is_dear(search)
-         chosen = cheapest_resolution(search%pilots, target)
+         is_last = is_finest(search%trials) .or. is_dear(search)
+         chosen = cheapest_resolution(search%trials, target)
          if (chosen%intervals > 0 .or. is_last) then
             call run_other_scheme(search, listener, error)
             if (allocated(error)) return
-            chosen = cheapest_resolution(search%pilots, target)
+            chosen = cheapest_resolution(search%trials, target)
          end if
          if (chosen%intervals > 0 .or. is_last) exit
       end do
-      if (chosen%intervals == 0) chosen = search%pilots%last
+      if (chosen%intervals == 0) chosen = search%trials%last
       contact%domain%intervals = chosen%intervals
       contact%domain%intervals_are_chosen = .false.
       time%time_step = time%end_time/chosen%steps
       bars%waves%time_step = time%time_step
-      if (has_forecast(search%pilots)) bars%forecast = forecast_at(search%pilots, chosen)
+      if (has_forecast(search%trials)) bars%forecast = forecast_at(search%trials, chosen)
    end subroutine choose_resolution
 
    !> Prepares the first trial run of a contact on a complete domain: kappa if no scheme is given,
@@ -120,27 +120,27 @@ contains
       type(search_t) :: search
       type(solver_settings_t) :: settled
 
-      search%pilot = new_experiment(contact, settings, time)
+      search%trial = new_experiment(contact, settings, time)
       search%may_change_scheme = settings%space_scheme == 'auto' .and. allows_kappa(settings)
-      if (search%may_change_scheme) search%pilot%settings%space_scheme = 'kappa'
+      if (search%may_change_scheme) search%trial%settings%space_scheme = 'kappa'
       settled = settings
       call settle_tolerance(settled)
-      if (settings%tolerance <= 0.0_wp) search%pilot%settings%tolerance = looser*settled%tolerance
-      search%pilots = new_pilots(contact, time, max_chosen(settings))
-      associate (first => search%pilots%last)
+      if (settings%tolerance <= 0.0_wp) search%trial%settings%tolerance = looser*settled%tolerance
+      search%trials = new_trials(contact, time, max_chosen(settings))
+      associate (first => search%trials%last)
          search%work_limit = max_work*first%intervals*first%steps
       end associate
    end function new_search
 
    !> Error (input_error): the coarsest trial run needs more intervals than allowed.
-   pure subroutine check_first(pilots, method, error)
-      type(pilots_t), intent(in) :: pilots
+   pure subroutine check_first(trials, method, error)
+      type(trials_t), intent(in) :: trials
       character(*), intent(in) :: method
       type(error_t), allocatable, intent(out) :: error
 
-      if (pilots%last%intervals > pilots%max_intervals) call fail(error, input_error, &
-         '&domain intervals: found a contact whose coarsest pilot run has '// &
-         to_text(pilots%last%intervals)//', expected at most '//to_text(pilots%max_intervals)// &
+      if (trials%last%intervals > trials%max_intervals) call fail(error, input_error, &
+         '&domain intervals: found a contact whose coarsest trial run has '// &
+         to_text(trials%last%intervals)//', expected at most '//to_text(trials%max_intervals)// &
          " with method = '"//trim(method)//"' and this memory")
    end subroutine check_first
 
@@ -153,32 +153,32 @@ contains
 
    !> Makes the next trial run. Without a solution it is repeated with upwind2, if allowed; if that
    !> succeeds, the search starts again from here with upwind2.
-   subroutine run_pilot(search, listener, error)
+   subroutine run_trial(search, listener, error)
       type(search_t), intent(inout) :: search
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(resolution_t) :: resolution
 
-      resolution = refined(search%pilots%last, search%direction)
-      associate (pilot => search%pilot)
-         pilot%contact%domain%intervals = resolution%intervals
-         pilot%time%time_step = pilot%time%end_time/resolution%steps
-         call run_experiment(pilot, listener, search%last, error)
+      resolution = refined(search%trials%last, search%direction)
+      associate (trial => search%trial)
+         trial%contact%domain%intervals = resolution%intervals
+         trial%time%time_step = trial%time%end_time/resolution%steps
+         call run_experiment(trial, listener, search%last, error)
          if (allocated(error)) return
          if (search%last%is_known .or. .not. search%may_change_scheme &
             .or. listener%is_stopping) return
-         pilot%settings%space_scheme = 'upwind2'
-         call run_experiment(pilot, listener, search%last, error)
+         trial%settings%space_scheme = 'upwind2'
+         call run_experiment(trial, listener, search%last, error)
          if (allocated(error)) return
          if (search%last%is_known) then
             search%may_change_scheme = .false.
-            search%pilots = begun_anew(search%pilots, resolution)
+            search%trials = begun_anew(search%trials, resolution)
             search%direction = nothing
          else
-            pilot%settings%space_scheme = 'kappa'
+            trial%settings%space_scheme = 'kappa'
          end if
       end associate
-   end subroutine run_pilot
+   end subroutine run_trial
 
    !> Adds the last trial run and decides on the next; without a solution the search starts again
    !> twice as fine.
@@ -186,15 +186,15 @@ contains
       type(search_t), intent(inout) :: search
 
       if (search%last%is_known) then
-         call add_pilot(search%pilots, search%direction, foretold_values(search%last%summary), &
+         call add_trial(search%trials, search%direction, predicted_values(search%last%summary), &
             search%last%films)
       else
-         associate (last => search%pilots%last)
-            search%pilots = begun_anew(search%pilots, &
+         associate (last => search%trials%last)
+            search%trials = begun_anew(search%trials, &
                resolution_t(2*last%intervals, 2*last%steps))
          end associate
       end if
-      search%direction = next_direction(search%pilots)
+      search%direction = next_direction(search%trials)
    end subroutine learn
 
    !> Repeats the last trial run with upwind2, if that is not known on its grid: changes of the
@@ -207,29 +207,29 @@ contains
       type(outcome_t) :: outcome
       real(wp) :: values(quantity_count)
 
-      if (search%pilot%settings%space_scheme /= 'kappa' .or. search%pilots%is_beside_known) return
-      if (.not. has_forecast(search%pilots) .or. listener%is_stopping) return
-      other = search%pilot
+      if (search%trial%settings%space_scheme /= 'kappa' .or. listener%is_stopping) return
+      if (search%trials%is_difference_known .or. .not. has_forecast(search%trials)) return
+      other = search%trial
       other%settings%space_scheme = 'upwind2'
       call run_experiment(other, listener, outcome, error)
       if (allocated(error)) return
       values = not_known()
-      if (outcome%is_known) values = foretold_values(outcome%summary)
-      call add_other_scheme(search%pilots, values)
+      if (outcome%is_known) values = predicted_values(outcome%summary)
+      call add_other_scheme(search%trials, values)
    end subroutine run_other_scheme
 
    !> Whether a trial run of twice the intervals is not allowed.
-   pure logical function is_finest(pilots)
-      type(pilots_t), intent(in) :: pilots
+   pure logical function is_finest(trials)
+      type(trials_t), intent(in) :: trials
 
-      is_finest = 2*pilots%last%intervals > pilots%max_intervals
+      is_finest = 2*trials%last%intervals > trials%max_intervals
    end function is_finest
 
    !> Whether a trial run of twice the resolution would cost too much.
    pure logical function is_dear(search)
       type(search_t), intent(in) :: search
 
-      associate (last => search%pilots%last)
+      associate (last => search%trials%last)
          is_dear = 2.0_wp*last%intervals*last%steps > search%work_limit
       end associate
    end function is_dear

@@ -28,7 +28,7 @@ module split_errors
    implicit none (type, external)
    private
 
-   public :: apart_t, apply_forecast, doubts_at, error_at, forecast_t, foretold_values, &
+   public :: apart_t, apply_forecast, doubts_at, error_at, forecast_t, predicted_values, &
       least_doubt_at, new_split_error, orders_in_time, shift_at, split_error_t, time_errors
 
    !> Uncertainties of the errors of grid (without and with an observed order) and time step, and
@@ -44,7 +44,7 @@ module split_errors
    real(wp), parameter :: own_doubts(2) = [1.1_wp, 0.4_wp]
    !> The error from coarse runs is taken to be at least the first share of the predicted error, and
    !> its uncertainty at least the second share of the predicted one.
-   real(wp), parameter :: least_foretold_share = 0.4_wp, own_least_doubt = 0.25_wp
+   real(wp), parameter :: least_predicted_share = 0.4_wp, own_least_doubt = 0.25_wp
    !> Factor on the estimates of all quantities other than the smallest film, for which the
    !> resolution was chosen.
    real(wp), parameter :: unaimed = 1.3_wp
@@ -66,7 +66,7 @@ module split_errors
    type :: forecast_t
       logical :: is_known = .false.
       !> Quantities of the finest trial run, and estimates of their errors.
-      real(wp) :: pilot(quantity_count) = 0.0_wp, pilot_error(quantity_count) = 0.0_wp
+      real(wp) :: trial(quantity_count) = 0.0_wp, trial_error(quantity_count) = 0.0_wp
       !> Error estimates for the run, and the corrections from its values to the limits.
       real(wp) :: error(quantity_count) = 0.0_wp, shift(quantity_count) = 0.0_wp
       !> Lower bound of the uncertainty of the grid.
@@ -97,14 +97,14 @@ contains
    end function orders_in_time
 
    !> The predicted values of a run: those between nodes, except for quantities of a node.
-   pure function foretold_values(summary) result(values)
+   pure function predicted_values(summary) result(values)
       type(line_summary_t), intent(in) :: summary
       real(wp) :: values(quantity_count)
       integer :: i
 
       values = [(value_between(summary, i), i=1, quantity_count)]
       where (quantity_rows%rule == rule_node) values = summary%of%value
-   end function foretold_values
+   end function predicted_values
 
    !> Error estimates and extrapolated values of a run from its prediction and its coarse runs.
    !> `node_jitter`: variation of the exit with the position of the nodes.
@@ -116,7 +116,7 @@ contains
       real(wp) :: values(quantity_count), nodal
       integer :: i
 
-      values = foretold_values(summary)
+      values = predicted_values(summary)
       do i = 1, quantity_count
          nodal = abs(summary%of(i)%value - value_between(summary, i))
          if (quantity_rows(i)%rule == rule_between) nodal = node_jitter + nodal
@@ -142,11 +142,11 @@ contains
       own = own_error(apart, i, value)
       own%least_doubt = own_least_doubt*forecast%least_doubt(i)
       if (apart%is_known .and. ieee_is_finite(own%space) .and. ieee_is_finite(own%time)) then
-         error = max(error_at(own, 1.0_wp, 1.0_wp), least_foretold_share*error)
+         error = max(error_at(own, 1.0_wp, 1.0_wp), least_predicted_share*error)
          shift = shift_at(own, 1.0_wp, 1.0_wp)
       else
-         change = abs(value - forecast%pilot(i))
-         allowed = error + forecast%pilot_error(i)
+         change = abs(value - forecast%trial(i))
+         allowed = error + forecast%trial_error(i)
          if (change > allowed .and. allowed > 0.0_wp) error = error*change/allowed
          shift = forecast%shift(i)
       end if
@@ -163,7 +163,7 @@ contains
       type(split_error_t) :: own
       integer :: i
 
-      values = foretold_values(summary)
+      values = predicted_values(summary)
       do i = 1, quantity_count
          own = own_error(apart, i, values(i))
          errors(i) = (1 + own%time_doubt)*own%time_size

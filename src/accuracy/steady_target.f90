@@ -8,7 +8,7 @@ module steady_target
    use ehl_line_steady, only: solve_steady
    use error_bars, only: apply_error_bars, error_bars_t, new_error_bars
    use errors, only: error_t
-   use grid_estimates, only: estimated_error, take_coarser
+   use grid_estimates, only: estimated_error, copy_coarser
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -139,7 +139,7 @@ contains
          call solve_level(hierarchy, k, min(coarse_run_tolerance, goal%film), is_sound, &
             listener)
          if (is_sound) then
-            call take_coarser(bars, coarser_summaries(hierarchy))
+            call copy_coarser(bars, coarser_summaries(hierarchy))
             if (hierarchy%levels(k)%n >= intervals_for_waves(contact) &
                .and. hierarchy%levels(k)%is_coarse_run .and. &
                 is_reached(goal, bars, hierarchy%levels(k))) return
@@ -179,7 +179,7 @@ contains
                    is_reached(goal, bars, level)) return
                summary = level_summary(level)
             end associate
-            call take_coarser(bars, [summary, bars%coarser(:bars%grids)])
+            call copy_coarser(bars, [summary, bars%coarser(:bars%grids)])
          end if
          contact%domain%intervals = 2*contact%domain%intervals
       end do

@@ -153,7 +153,7 @@ contains
                   given%conductivity), state%x(2) - state%x(1), mean_stresses(of, state), &
                   state%film_thickness))
                limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
-               call tell_losses(of%contact, given%thermal_viscosity, limit)
+               call set_losses(of%contact, given%thermal_viscosity, limit)
             else
                limit%missing = 'thermal_viscosity = 0'
             end if
@@ -194,7 +194,7 @@ contains
 
    !> Sets the losses of viscosity, which falls as exp(-`beta` times the temperature rise), and of
    !> film at the temperature rise of a limit.
-   pure subroutine tell_losses(contact, beta, limit)
+   pure subroutine set_losses(contact, beta, limit)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: beta
       type(limit_t), intent(inout) :: limit
@@ -204,7 +204,7 @@ contains
       rest = exp(-min(beta*limit%value, largest_exponent))
       limit%viscosity_loss = 1 - rest
       limit%film_loss = max(1 - share_with_viscosity(contact, rest), 0.0_wp)
-   end subroutine tell_losses
+   end subroutine set_losses
 
    !> Compares the largest pressure with the data behind the viscosity law.
    pure subroutine compare_viscosity_data(of, limit)

@@ -12,7 +12,7 @@ module ehl_line_transient
    use cycle_control, only: iterate
    use errors, only: error_t
    use film_breakdown, only: check_breakdown
-   use film_equation, only: take_film
+   use film_equation, only: set_film
    use features, only: surface_height
    use film_state, only: film_state_t
    use iteration_report, only: report_t
@@ -85,7 +85,7 @@ contains
             call fill_state(contact, level, history%step*plan%length, state)
          else
             level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
-            call take_film(level)
+            call set_film(level)
             call check_breakdown(level%x, level%state%film, settings, 0, 0.0_wp, report)
             if (any(level%state%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the ' &
                //'surfaces at their start are higher than the smooth film; '//report%reason
@@ -303,7 +303,7 @@ contains
                state%pressure = history%pressure(:, 1)
                state%rigid_displacement = history%rigid_displacement(1)
             end if
-            call take_film(hierarchy%levels(hierarchy%finest))
+            call set_film(hierarchy%levels(hierarchy%finest))
             if (any(state%film <= 0.0_wp)) then
                if (attempt < first) cycle
                rise = 0.5_wp*old_minimum - minval(state%film)

@@ -11,7 +11,7 @@ module film_equation
    private
 
    public :: carried_load, elastic_film, evaluate_deflection, load_defect, relax_load, &
-      take_film, update_film
+      set_film, update_film
 
 contains
 
@@ -32,12 +32,12 @@ contains
    end function elastic_film
 
    !> Sets the film of the level from its present pressure and H0.
-   subroutine take_film(level)
+   subroutine set_film(level)
       type(line_level_t), intent(inout) :: level
 
       call evaluate_deflection(level)
       level%state%film = elastic_film(level)
-   end subroutine take_film
+   end subroutine set_film
 
    !> Sets the film from the present pressure and H0, but reduces it by at most half, so that it
    !> stays positive.

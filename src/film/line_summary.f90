@@ -15,7 +15,7 @@ module line_summary
    private
 
    public :: crests_t, keep_extremes, line_summary_t, new_quantity, quantity_t, summary_of, &
-      summary_of_fields, take_values, value_between
+      summary_of_fields, copy_values, value_between
 
    !> One quantity, the time at which it was reached, and its errors.
    type :: quantity_t
@@ -102,7 +102,7 @@ contains
 
    !> Copies the values of `other`, a solution of other equations on the same grid: error estimates
    !> stay, extrapolated values change by as much as the values.
-   pure subroutine take_values(summary, other)
+   pure subroutine copy_values(summary, other)
       type(line_summary_t), intent(inout) :: summary
       type(line_summary_t), intent(in) :: other
 
@@ -112,7 +112,7 @@ contains
          of%value = other%of%value
       end associate
       summary%limits = other%limits
-   end subroutine take_values
+   end subroutine copy_values
 
    !> Widens `summary` by the quantities of another time: smallest films, largest pressure and exit.
    pure subroutine keep_extremes(summary, other)

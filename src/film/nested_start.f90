@@ -3,7 +3,7 @@ module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use continuation, only: follow_stress, follow_time
    use fas_cycle, only: cycle_from
-   use film_equation, only: carried_load, take_film
+   use film_equation, only: carried_load, set_film
    use film_state, only: film_state_t
    use hertz, only: line_pressure
    use kinds, only: wp
@@ -174,7 +174,7 @@ contains
          if (level%has_tail) level%rhs_load = coarse%rhs_load &
             - 0.5_wp*level%dx*level%state%pressure(0)
          do pass = 0, max_smoothings
-            call take_film(level)
+            call set_film(level)
             if (.not. thins(level%fluid)) exit
             if (wall_stress(level%fluid, &
                maxval(abs(level%state%film(1:level%n - 1)*(level%state%pressure(2:) &
@@ -234,7 +234,7 @@ contains
          if (.not. any(level%state%pressure > 0.0_wp)) level%state%pressure(centre) = 1.0_wp
          level%state%pressure = level%state%pressure*contact_load/carried_load(level)
          level%state%rigid_displacement = 0.0_wp
-         call take_film(level)
+         call set_film(level)
          level%state%rigid_displacement = hierarchy%relaxation%start_film*film &
             - level%state%film(centre)
          level%state%film = level%state%film + level%state%rigid_displacement

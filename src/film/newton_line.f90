@@ -4,7 +4,7 @@
 !> an active set: a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the
 !> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
-   use film_equation, only: load_defect, take_film
+   use film_equation, only: load_defect, set_film
    use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -68,7 +68,7 @@ contains
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
       newton%before = level%state
-      if (.not. is_at_hand) call take_film(level)
+      if (.not. is_at_hand) call set_film(level)
       if (any(level%state%film <= 0.0_wp)) then
          level%state = newton%before
          return
@@ -187,7 +187,7 @@ contains
          do halving = 1, max_halvings
             new%pressure(1:n - 1) = max(old%pressure(1:n - 1) + share*step(1:n - 1), 0.0_wp)
             new%rigid_displacement = old%rigid_displacement + share*step(n)
-            call take_film(level)
+            call set_film(level)
             if (all(new%film > smallest_film_share*old%film)) exit
             share = 0.5_wp*share
          end do

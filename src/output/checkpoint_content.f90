@@ -105,8 +105,8 @@ contains
 
       forecast%is_known = file%has('/forecast', forecast%is_known)
       if (.not. forecast%is_known) return
-      call file%visit('/forecast/pilot', forecast%pilot)
-      call file%visit('/forecast/pilot_error', forecast%pilot_error)
+      call file%visit('/forecast/trial', forecast%trial)
+      call file%visit('/forecast/trial_error', forecast%trial_error)
       call file%visit('/forecast/error', forecast%error)
       call file%visit('/forecast/shift', forecast%shift)
       call file%visit('/forecast/least_doubt', forecast%least_doubt)

@@ -132,7 +132,7 @@ contains
          call write_value(path//'_time', 'time at which '//name//' was reached', quantity%time, &
             scaled_label('', 'time', scaling), not_known(), &
             'one of the time steps; from one to another of nearly equal extremes it jumps, '// &
-            'which no grids foretell')
+            'which no grids predict')
       end subroutine write_quantity
 
       !> A value in the unit of `scale`, with its estimated error, or why there is none.

@@ -13,7 +13,7 @@ module result_writer
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use line_summary, only: line_summary_t, summary_of, take_values
+   use line_summary, only: line_summary_t, summary_of, copy_values
    use model_decision, only: model_choice_t
    use field_sections, only: write_film_passage, write_momentum, write_solution, &
       write_statistics, write_velocity
@@ -105,7 +105,7 @@ contains
       call self%copy_steps(self%has_si)
       if (allocated(self%reynolds)) then
          self%summary = self%quantities_at_end(self%reynolds, report)
-         call take_values(self%summary, summary_of(state))
+         call copy_values(self%summary, summary_of(state))
       else
          self%summary = self%quantities_at_end(state, report)
       end if

@@ -11,7 +11,7 @@ module film_fields
    implicit none (type, external)
    private
 
-   public :: compare_passage, film_fields_t, stress_rise, take_fields
+   public :: compare_passage, film_fields_t, stress_rise, copy_fields
 
    !> Fields (layers, nx) in the middle of the layers at the nodes.
    type, extends(newton_cost_t) :: film_fields_t
@@ -59,7 +59,7 @@ contains
    end function stress_rise
 
    !> Sets the fields of a flow with its terms: means of the values around each point.
-   pure subroutine take_fields(problem, flow, terms, fields)
+   pure subroutine copy_fields(problem, flow, terms, fields)
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
       type(momentum_terms_t), intent(in) :: terms
@@ -86,7 +86,7 @@ contains
          fields%viscosity(:, 2:n) = s%eta(:, 1:n - 1)
       end associate
       fields%pressure_variation = maxval(maxval(flow%p, 1) - minval(flow%p, 1))
-   end subroutine take_fields
+   end subroutine copy_fields
 
    !> Sets the differences of a transient: of films from the smallest over all times, of pressures
    !> and differences from the largest.

@@ -6,8 +6,8 @@
 !> change of the Reynolds solution since; with delta = 0 it is the march of the Reynolds equation.
 module momentum_march
    use errors, only: error_t
-   use film_equation, only: take_film
-   use film_fields, only: film_fields_t, stress_rise, take_fields
+   use film_equation, only: set_film
+   use film_fields, only: film_fields_t, stress_rise, copy_fields
    use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -235,7 +235,7 @@ contains
       associate (level => self%level, flow => self%flow, terms => self%newton%terms)
          level%rhs_film(:) = 0.5_wp*level%x**2 - sum(heights, 2)
          level%state%pressure(:) = mean_pressure(flow)
-         call take_film(level)
+         call set_film(level)
          flow%film(:) = level%state%film
          if (any(flow%film <= 0.0_wp)) return
          call evaluate_rows(self%problem, flow, terms, rows)
@@ -343,7 +343,7 @@ contains
       class(momentum_march_t), intent(in) :: self
       type(film_fields_t) :: fields
 
-      call take_fields(self%problem, self%flow, self%newton%terms, fields)
+      call copy_fields(self%problem, self%flow, self%newton%terms, fields)
       fields%reynolds_pressure = self%history%reynolds%pressure
       fields%reynolds_film = self%history%reynolds%film
       fields%stress_rise = self%history%stress_rise

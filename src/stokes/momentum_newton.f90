@@ -6,7 +6,7 @@
 !> pressure. Cavitation: columns whose mean pressure would become negative hold P = 0.
 module momentum_newton
    use errors, only: error_t
-   use film_equation, only: load_defect, take_film
+   use film_equation, only: load_defect, set_film
    use gmres, only: gmres_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -123,7 +123,7 @@ contains
       allocate (x(level%n))
       do while (newton%steps < max_steps)
          level%state%pressure(:) = mean_pressure(flow)
-         call take_film(level)
+         call set_film(level)
          flow%film(:) = level%state%film
          call evaluate_jacobian(level, reynolds)
          call evaluate_rows(problem, flow, newton%terms, newton%rows)
@@ -155,7 +155,7 @@ contains
          previous = merge(newton%last_step, huge(1.0_wp), share >= 1.0_wp)
       end do
       level%state%pressure(:) = mean_pressure(flow)
-      call take_film(level)
+      call set_film(level)
       flow%film(:) = level%state%film
       call evaluate_rows(problem, flow, newton%terms, newton%rows)
    end subroutine solve_momentum_contact
@@ -268,7 +268,7 @@ contains
          end do
          level%state%pressure(:) = mean_pressure(flow)
          level%state%rigid_displacement = h0 + share*film_shift
-         call take_film(level)
+         call set_film(level)
          if (all(level%state%film > smallest_film_share*before)) exit
          share = 0.5_wp*share
       end do

@@ -3,7 +3,7 @@ module momentum_setup
    use errors, only: error_t
    use eyring, only: eyring_t
    use features, only: surface_height
-   use film_equation, only: carried_load, take_film
+   use film_equation, only: carried_load, set_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
@@ -41,7 +41,7 @@ contains
       level%state%rigid_displacement = state%rigid_displacement
       ! a tail in front of the inlet keeps its load
       level%rhs_load = carried_load(level)
-      call take_film(level)
+      call set_film(level)
    end subroutine pose_level
 
    !> Poses the problem on `layers` layers for the steady contact posed on `level`, whose pressure

@@ -5,8 +5,8 @@
 !> equation, to its value; each solution is the first approximation of the next.
 module momentum_solver
    use errors, only: error_t
-   use film_equation, only: take_film
-   use film_fields, only: film_fields_t, stress_rise, take_fields
+   use film_equation, only: set_film
+   use film_fields, only: film_fields_t, stress_rise, copy_fields
    use film_state, only: film_state_t
    use iteration_report, only: phase_steady, report_t
    use kinds, only: wp
@@ -70,7 +70,7 @@ contains
       report%converged = newton%is_converged
       fields%newton_cost_t = newton%newton_cost_t
       if (newton%is_converged) then
-         call take_fields(problem, flow, newton%terms, fields)
+         call copy_fields(problem, flow, newton%terms, fields)
          call copy_state(contact, level, state, fields)
       else
          report%reason = missing_reason(newton, fields%stress_rise)
@@ -137,7 +137,7 @@ contains
       full = problem%delta2
       part = first_part
       level%state = reynolds
-      call take_film(level)
+      call set_film(level)
       problem%is_held = reynolds%pressure <= 0.0_wp
       problem%is_held([0, problem%n]) = .true.
       call start_flow(problem, level, flow, newton%terms)

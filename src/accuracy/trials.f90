@@ -1,5 +1,5 @@
 !> Predicts from coarse trial runs of a transient which resolution meets a target.
-module pilots
+module trials
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use grid_errors, only: kappa_share
    use kinds, only: wp
@@ -13,8 +13,8 @@ module pilots
    implicit none (type, external)
    private
 
-   public :: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
-      has_forecast, new_pilots, next_direction, pilots_t, refined, resolution_t
+   public :: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
+      has_forecast, new_trials, next_direction, trials_t, refined, resolution_t
 
    !> What the next trial run refines.
    integer, parameter, public :: nothing = 0, space = 1, time_step = 2
@@ -31,7 +31,7 @@ module pilots
    real(wp), parameter :: part = 0.25_wp
    !> Fewest intervals in the finest wave, of the first trial run and of the choice, and fewest
    !> steps in which that wave moves by its own length.
-   integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
+   integer, parameter :: trial_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
    !> A single change by the time step is trusted from this many steps a passage of the wave.
    integer, parameter :: believed_steps = 8
    !> After this many refinements in one direction the other one is refined.
@@ -50,7 +50,7 @@ module pilots
    end type resolution_t
 
    !> Results of the trial runs so far.
-   type :: pilots_t
+   type :: trials_t
       !> Resolution of the last one; before the first, the resolution of that.
       type(resolution_t) :: last
       !> Quantities of the last one; NaN: not known.
@@ -58,8 +58,8 @@ module pilots
       !> The last and the previous change, by spacing and by time step; NaN: not known.
       real(wp) :: changes(quantity_count, 2, 2) = 0.0_wp
       !> |upwind2 - kappa| on the grid of the last one, if known.
-      real(wp) :: beside(quantity_count) = 0.0_wp
-      logical :: is_beside_known = .false.
+      real(wp) :: difference(quantity_count) = 0.0_wp
+      logical :: is_difference_known = .false.
       !> Size of the changes of h_min over time (last, previous; by spacing, by time step); 0: not
       !> known.
       real(wp) :: sizes(2, 2) = 0.0_wp
@@ -73,39 +73,39 @@ module pilots
       integer :: for_waves = 1, max_intervals = 0
       !> Assumed order in time, and the bounds of an observed one.
       real(wp) :: time_orders(3) = [1.0_wp, 1.5_wp, 2.0_wp]
-   end type pilots_t
+   end type trials_t
 
 contains
 
    !> Starts the search for a contact on a complete domain.
-   pure function new_pilots(contact, time, max_intervals) result(pilots)
+   pure function new_trials(contact, time, max_intervals) result(trials)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       integer, intent(in) :: max_intervals
-      type(pilots_t) :: pilots
+      type(trials_t) :: trials
 
-      pilots%max_intervals = max_intervals
-      pilots%for_waves = intervals_for_waves(contact)
-      pilots%passages = time%end_time/shortest_passage(contact)
-      pilots%time_orders = orders_in_time(time%scheme)
-      associate (n => pilots%last%intervals, length => contact%domain%x_outlet &
+      trials%max_intervals = max_intervals
+      trials%for_waves = intervals_for_waves(contact)
+      trials%passages = time%end_time/shortest_passage(contact)
+      trials%time_orders = orders_in_time(time%scheme)
+      associate (n => trials%last%intervals, length => contact%domain%x_outlet &
          - contact%domain%x_inlet)
          n = coarsest_for_film(contact, min_intervals)
-         do while (min_in_wave*n < pilot_in_wave*pilots%for_waves)
+         do while (min_in_wave*n < trial_in_wave*trials%for_waves)
             n = 2*n
          end do
-         pilots%last%steps = max(2, ceiling(time%end_time*max(n, first_steps)/length))
+         trials%last%steps = max(2, ceiling(time%end_time*max(n, first_steps)/length))
       end associate
-   end function new_pilots
+   end function new_trials
 
    !> Discards all trial runs and starts again from `first`.
-   pure function begun_anew(pilots, first) result(anew)
-      type(pilots_t), intent(in) :: pilots
+   pure function begun_anew(trials, first) result(anew)
+      type(trials_t), intent(in) :: trials
       type(resolution_t), intent(in) :: first
-      type(pilots_t) :: anew
+      type(trials_t) :: anew
 
-      anew = pilots_t(first, passages=pilots%passages, for_waves=pilots%for_waves, &
-         max_intervals=pilots%max_intervals, time_orders=pilots%time_orders)
+      anew = trials_t(first, passages=trials%passages, for_waves=trials%for_waves, &
+         max_intervals=trials%max_intervals, time_orders=trials%time_orders)
    end function begun_anew
 
    !> Doubles the intervals or the steps.
@@ -121,41 +121,41 @@ contains
 
    !> Adds a trial run on twice the resolution of the last one in `direction`: its quantities and
    !> the smallest films at its time steps.
-   pure subroutine add_pilot(pilots, direction, values, films)
-      type(pilots_t), intent(inout) :: pilots
+   pure subroutine add_trial(trials, direction, values, films)
+      type(trials_t), intent(inout) :: trials
       integer, intent(in) :: direction
       real(wp), intent(in) :: values(quantity_count), films(0:)
 
       if (direction == nothing) then
-         pilots%changes = not_known()
-         pilots%sizes = 0.0_wp
+         trials%changes = not_known()
+         trials%sizes = 0.0_wp
       else
          if (direction == space) then
-            pilots%beside = 0.0_wp
-            pilots%is_beside_known = .false.
+            trials%difference = 0.0_wp
+            trials%is_difference_known = .false.
          end if
-         pilots%changes(:, 2, direction) = pilots%changes(:, 1, direction)
-         pilots%changes(:, 1, direction) = values - pilots%values
-         pilots%sizes(2, direction) = pilots%sizes(1, direction)
-         pilots%sizes(1, direction) = size_of_change(pilots%films, &
+         trials%changes(:, 2, direction) = trials%changes(:, 1, direction)
+         trials%changes(:, 1, direction) = values - trials%values
+         trials%sizes(2, direction) = trials%sizes(1, direction)
+         trials%sizes(1, direction) = size_of_change(trials%films, &
             films(::merge(2, 1, direction == time_step)))
-         where (pilots%age >= 0) pilots%age = pilots%age + 1
-         pilots%age(direction) = 0
+         where (trials%age >= 0) trials%age = trials%age + 1
+         trials%age(direction) = 0
       end if
-      pilots%last = refined(pilots%last, direction)
-      pilots%values = values
-      pilots%films = films
-   end subroutine add_pilot
+      trials%last = refined(trials%last, direction)
+      trials%values = values
+      trials%films = films
+   end subroutine add_trial
 
    !> Adds the quantities of the upwind2 scheme at the resolution of the last trial run, which used
    !> kappa; NaN: no solution.
-   pure subroutine add_other_scheme(pilots, values)
-      type(pilots_t), intent(inout) :: pilots
+   pure subroutine add_other_scheme(trials, values)
+      type(trials_t), intent(inout) :: trials
       real(wp), intent(in) :: values(quantity_count)
 
-      pilots%is_beside_known = .true.
-      pilots%beside = 0.0_wp
-      where (ieee_is_finite(values)) pilots%beside = abs(values - pilots%values)
+      trials%is_difference_known = .true.
+      trials%difference = 0.0_wp
+      where (ieee_is_finite(values)) trials%difference = abs(values - trials%values)
    end subroutine add_other_scheme
 
    !> Root mean square of the relative change between smallest films at the same times, over the
@@ -173,80 +173,80 @@ contains
 
    !> What to refine next: the direction never or long not refined, else the one with the larger
    !> uncertainty at the end of the prediction.
-   pure integer function next_direction(pilots) result(direction)
-      type(pilots_t), intent(in) :: pilots
+   pure integer function next_direction(trials) result(direction)
+      type(trials_t), intent(in) :: trials
       real(wp) :: reach(2), doubts(2)
 
-      if (.not. allocated(pilots%films)) then
+      if (.not. allocated(trials%films)) then
          direction = nothing
-      else if (pilots%age(space) < 0) then
+      else if (trials%age(space) < 0) then
          direction = space
-      else if (pilots%age(time_step) < 0 .or. .not. sees_passages(pilots)) then
+      else if (trials%age(time_step) < 0 .or. .not. sees_passages(trials)) then
          direction = time_step
-      else if (any(pilots%age >= max_in_a_row)) then
-         direction = maxloc(pilots%age, 1)
+      else if (any(trials%age >= max_in_a_row)) then
+         direction = maxloc(trials%age, 1)
       else
-         reach = reach_of(pilots)
-         doubts = doubts_at(error_of(pilots, h_min), 1.0_wp/reach(space), 1.0_wp/reach(time_step))
+         reach = reach_of(trials)
+         doubts = doubts_at(error_of(trials, h_min), 1.0_wp/reach(space), 1.0_wp/reach(time_step))
          direction = merge(space, time_step, doubts(space) > doubts(time_step))
       end if
    end function next_direction
 
    !> Whether the time step is understood: its order is observed, or waves pass in many steps.
-   pure logical function sees_passages(pilots)
-      type(pilots_t), intent(in) :: pilots
+   pure logical function sees_passages(trials)
+      type(trials_t), intent(in) :: trials
 
-      sees_passages = ieee_is_finite(pilots%changes(h_min, 2, time_step)) &
-         .or. pilots%last%steps >= believed_steps*pilots%passages
+      sees_passages = ieee_is_finite(trials%changes(h_min, 2, time_step)) &
+         .or. trials%last%steps >= believed_steps*trials%passages
    end function sees_passages
 
    !> Errors of one row of the table of quantities.
-   pure function error_of(pilots, row) result(error)
-      type(pilots_t), intent(in) :: pilots
+   pure function error_of(trials, row) result(error)
+      type(trials_t), intent(in) :: trials
       integer, intent(in) :: row
       type(split_error_t) :: error
       real(wp) :: sizes(2, 2)
 
       sizes = 0.0_wp
-      if (row == h_min) sizes = pilots%sizes
-      error = new_split_error(pilots%changes(row, :, space), pilots%changes(row, :, time_step), &
-         pilots%time_orders, sizes)
+      if (row == h_min) sizes = trials%sizes
+      error = new_split_error(trials%changes(row, :, space), trials%changes(row, :, time_step), &
+         trials%time_orders, sizes)
       if (is_chance(quantity_rows(row))) error%least_doubt = kappa_share/(1.0_wp - kappa_share) &
-         *pilots%beside(row)
+         *trials%difference(row)
    end function error_of
 
    !> How many times finer than the last trial run predictions reach, in space and in time.
-   pure function reach_of(pilots) result(reach)
-      type(pilots_t), intent(in) :: pilots
+   pure function reach_of(trials) result(reach)
+      type(trials_t), intent(in) :: trials
       real(wp) :: reach(2)
 
-      reach = merge(reaches(2), reaches(1), ieee_is_finite(pilots%changes(h_min, 2, :)))
+      reach = merge(reaches(2), reaches(1), ieee_is_finite(trials%changes(h_min, 2, :)))
    end function reach_of
 
    !> Whether predictions are possible: both directions have been refined.
-   pure logical function has_forecast(pilots)
-      type(pilots_t), intent(in) :: pilots
+   pure logical function has_forecast(trials)
+      type(trials_t), intent(in) :: trials
 
-      has_forecast = all(pilots%age >= 0)
+      has_forecast = all(trials%age >= 0)
    end function has_forecast
 
    !> Predicts all quantities at a resolution.
-   pure function forecast_at(pilots, resolution) result(forecast)
-      type(pilots_t), intent(in) :: pilots
+   pure function forecast_at(trials, resolution) result(forecast)
+      type(trials_t), intent(in) :: trials
       type(resolution_t), intent(in) :: resolution
       type(forecast_t) :: forecast
       type(split_error_t) :: error
       real(wp) :: dx_ratio, dt_ratio
       integer :: i
 
-      dx_ratio = real(pilots%last%intervals, wp)/resolution%intervals
-      dt_ratio = real(pilots%last%steps, wp)/resolution%steps
+      dx_ratio = real(trials%last%intervals, wp)/resolution%intervals
+      dt_ratio = real(trials%last%steps, wp)/resolution%steps
       forecast%is_known = .true.
-      forecast%pilot = pilots%values
+      forecast%trial = trials%values
       do i = 1, quantity_count
-         error = error_of(pilots, i)
+         error = error_of(trials, i)
          forecast%error(i) = error_at(error, dx_ratio, dt_ratio)
-         forecast%pilot_error(i) = error_at(error, 1.0_wp, 1.0_wp)
+         forecast%trial_error(i) = error_at(error, 1.0_wp, 1.0_wp)
          forecast%shift(i) = shift_at(error, dx_ratio, dt_ratio)
          forecast%least_doubt(i) = least_doubt_at(error, dx_ratio)
       end do
@@ -254,27 +254,27 @@ contains
 
    !> The cheapest resolution whose predicted relative error of h_min is at most `target`; 0
    !> intervals if none is within reach or nothing can be predicted yet.
-   pure function cheapest_resolution(pilots, target) result(cheapest)
-      type(pilots_t), intent(in) :: pilots
+   pure function cheapest_resolution(trials, target) result(cheapest)
+      type(trials_t), intent(in) :: trials
       real(wp), intent(in) :: target
       type(resolution_t) :: cheapest, candidate
       type(split_error_t) :: error
       real(wp) :: min_cost, cost
       integer :: i
 
-      if (.not. has_forecast(pilots)) return
-      if (.not. sees_passages(pilots)) return
-      error = error_of(pilots, h_min)
+      if (.not. has_forecast(trials)) return
+      if (.not. sees_passages(trials)) return
+      error = error_of(trials, h_min)
       min_cost = huge(1.0_wp)
       do i = 0, size(families)*doublings
          ! one to four times the intervals of the trial run
-         candidate%intervals = pilots%last%intervals/4*families(1 + modulo(i, size(families))) &
+         candidate%intervals = trials%last%intervals/4*families(1 + modulo(i, size(families))) &
             *2**(i/size(families))
-         if (.not. is_within_reach(pilots, candidate%intervals)) cycle
-         candidate%steps = steps_needed(pilots, error, candidate%intervals, &
-            target*pilots%values(h_min))
+         if (.not. is_within_reach(trials, candidate%intervals)) cycle
+         candidate%steps = steps_needed(trials, error, candidate%intervals, &
+            target*trials%values(h_min))
          if (candidate%steps == 0) cycle
-         cost = candidate%intervals/(real(pilots%last%steps, wp)/candidate%steps)**power_of_steps
+         cost = candidate%intervals/(real(trials%last%steps, wp)/candidate%steps)**power_of_steps
          if (cost >= min_cost) cycle
          min_cost = cost
          cheapest = candidate
@@ -282,37 +282,37 @@ contains
    end function cheapest_resolution
 
    !> Whether this many intervals resolve the waves, are allowed and can be predicted.
-   pure logical function is_within_reach(pilots, intervals)
-      type(pilots_t), intent(in) :: pilots
+   pure logical function is_within_reach(trials, intervals)
+      type(trials_t), intent(in) :: trials
       integer, intent(in) :: intervals
       real(wp) :: reach(2)
 
-      reach = reach_of(pilots)
-      is_within_reach = min_in_wave*intervals >= nodes_in_wave*pilots%for_waves &
-         .and. intervals <= pilots%max_intervals .and. real(pilots%last%intervals, wp)/intervals &
+      reach = reach_of(trials)
+      is_within_reach = min_in_wave*intervals >= nodes_in_wave*trials%for_waves &
+         .and. intervals <= trials%max_intervals .and. real(trials%last%intervals, wp)/intervals &
          *reach(space) >= 1.0_wp
    end function is_within_reach
 
    !> The fewest steps on this grid whose predicted error is at most `bound`; 0: none.
-   pure integer function steps_needed(pilots, error, intervals, bound) result(steps)
-      type(pilots_t), intent(in) :: pilots
+   pure integer function steps_needed(trials, error, intervals, bound) result(steps)
+      type(trials_t), intent(in) :: trials
       type(split_error_t), intent(in) :: error
       integer, intent(in) :: intervals
       real(wp), intent(in) :: bound
       real(wp) :: reach(2), dx_ratio, dt_ratio, max_ratio
       integer :: i
 
-      reach = reach_of(pilots)
-      dx_ratio = real(pilots%last%intervals, wp)/intervals
-      max_ratio = pilots%last%steps/max(steps_in_wave*pilots%passages, 1.0_wp)
+      reach = reach_of(trials)
+      dx_ratio = real(trials%last%intervals, wp)/intervals
+      max_ratio = trials%last%steps/max(steps_in_wave*trials%passages, 1.0_wp)
       do i = 0, max_parts
          ! whole numbers of steps
-         steps = ceiling(pilots%last%steps*2.0_wp**(part*i) - rounding)
-         dt_ratio = real(pilots%last%steps, wp)/steps
+         steps = ceiling(trials%last%steps*2.0_wp**(part*i) - rounding)
+         dt_ratio = real(trials%last%steps, wp)/steps
          if (dt_ratio*reach(time_step) < 1.0_wp) exit
          if (dt_ratio <= max_ratio .and. error_at(error, dx_ratio, dt_ratio) <= bound) return
       end do
       steps = 0
    end function steps_needed
 
-end module pilots
+end module trials
