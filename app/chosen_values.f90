@@ -28,8 +28,10 @@ contains
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
          call set_effective(case, 'domain', 'intervals', integer=domain%intervals)
       end associate
-      if (case%time%is_transient) call set_effective(case, 'time', 'time_step', &
-         [case%time%time_step])
+      if (case%time%is_transient) then
+         call set_effective(case, 'time', 'end_time', [case%time%end_time])
+         call set_effective(case, 'time', 'time_step', [case%time%time_step])
+      end if
       call set_effective(case, 'solver', 'space_scheme', text=trim(merge('kappa  ', 'upwind2', &
          case%solver%space_scheme == 'kappa')))
       associate (numbers => report%numbers)

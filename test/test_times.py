@@ -21,6 +21,29 @@ def run(asperity, folder, surface, end, others="", extra=""):
     return h5py.File(folder / "a.h5"), " ".join((done.stderr + done.stdout).split())
 
 
+@pytest.mark.parametrize(
+    ("surface", "expected"),
+    [
+        (WAVE, None),
+        (RIDGE.format(", position = -2.5"), (1 + 2.5 + 0.5e-4 / 1.05797e-4) / (11 / 6)),
+        ("&surface_2 shape = 'file', file = 'z.csv', position = -9.0 /\n", (1 + 9.0 + 5e-4 / 1.05797e-4) / (11 / 6)),
+    ],
+    ids=["wave", "ridge", "profile"],
+)
+def test_a_chosen_end_shows_everything(asperity, tmp_path, surface, expected):
+    """Nothing is left to be told about the times; the last ridge or node leaves at |X| = 1."""
+    x = np.linspace(0, 1e-3, 201)
+    write(tmp_path, "z.csv", "x_m,z_m\n" + "".join(f"{a},{1e-8 * np.sin(6e4 * a)}\n" for a in x))
+    write(tmp_path, "a.nml", STEADY + surface + "&time transient = .true., time_step = 0.04 /\n")
+    done = asperity("a.nml")
+    assert done.returncode == 0, done.stderr
+    assert "end_time" not in done.stderr
+    with h5py.File(tmp_path / "a.h5") as file:
+        end = file["input/effective/time"].attrs["end_time"]
+        assert file["transient/time"][-1] == pytest.approx(end, rel=1e-12)
+    assert expected is None or end == pytest.approx(expected, rel=2e-3)
+
+
 def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
     file, told = run(asperity, tmp_path, WAVE, 9.0)
     with file:

@@ -16,12 +16,13 @@ module passage_times
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
+   use profile, only: profile_length
    use solver_settings, only: time_settings_t
    use text, only: add_sentence, rounded_up, to_text
    implicit none (type, external)
    private
 
-   public :: new_passage_times, passage_note, passage_times_t, place_features
+   public :: new_passage_times, passage_note, passage_times_t, place_features, sufficient_end
 
    !> The start is forgotten after `settling` times 2 + S; `comparable` times suffice for a
    !> comparison.
@@ -142,6 +143,36 @@ contains
          times%counts_from = time%end_time
       end if
    end function new_passage_times
+
+   !> End time T at which the quantities of a contact are complete: its features and profiles have
+   !> passed, waves have become periodic; 0: nothing rough moves.
+   pure real(wp) function sufficient_end(contact) result(end_time)
+      type(line_contact_t), intent(in) :: contact
+      type(passage_times_t) :: times
+
+      times = new_passage_times(contact, time_settings_t(is_transient=.true., &
+         end_time=huge(1.0_wp)))
+      end_time = max(passage_end(contact%surface_1, times), passage_end(contact%surface_2, times))
+   end function sufficient_end
+
+   !> The same for one surface, with the `times` of both; 0: it is at rest or smooth.
+   pure real(wp) function passage_end(surface, times) result(end_time)
+      type(rough_surface_t), intent(in) :: surface
+      type(passage_times_t), intent(in) :: times
+      real(wp) :: way
+
+      end_time = 0.0_wp
+      if (.not. is_moving(surface)) return
+      end_time = last_passage(surface)
+      if (has_waves(surface)) end_time = max(end_time, times%needed_end)
+      if (.not. allocated(surface%profile)) return
+      associate (profile => surface%profile, length => profile_length(surface%profile))
+         way = 1 - profile%start
+         if (surface%speed < 0.0_wp) way = 1 + profile%start + length
+         if (profile%is_periodic) way = length + abs(surface%speed)*times%settled_from
+         end_time = max(end_time, way/abs(surface%speed), times%needed_end)
+      end associate
+   end function passage_end
 
    !> Sets whether a surface is artificial at T = 0, until when, and when its waves fill the
    !> contact.

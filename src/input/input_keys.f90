@@ -332,8 +332,10 @@ module input_keys
          'periodic: transfer function sampled, or pressure constant over each element; ' &
          //'open: element', words='band_limited element', problems=dry), &
       key_row_t('time', 'transient', logical_kind, '', '.false.', 'transient or steady'), &
-      key_row_t('time', 'end_time', real_kind, '-', is_optional, 'end of the transient, T', &
-         range='> 0, <= 1e6', used=in_time, needed=in_time, example='! 2.181818'), &
+      key_row_t('time', 'end_time', real_kind, '-', is_chosen, &
+         'end of the transient, T; chosen: all that is rough has passed, or repeats itself', &
+         range='> 0, <= 1e6', used=in_time, needed=in_time// &
+         ', surface%shape = synthetic: with a synthetic surface', example='! 2.181818'), &
       key_row_t('time', 'time_step', real_kind, '-', is_chosen, &
          'time step in T, cut so that whole steps reach end_time; chosen: dX or less', &
          range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &

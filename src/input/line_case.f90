@@ -11,7 +11,7 @@ module line_case
    use line_contact, only: line_contact_t
    use line_profiles, only: place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
-   use passage_times, only: place_features
+   use passage_times, only: place_features, sufficient_end
    use scaling, only: scaled_fluid
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
    use surface_scaling, only: scaled_surface
@@ -23,6 +23,9 @@ module line_case
 
    public :: plan_line_case
 
+   !> No end time that is chosen is later [T].
+   real(wp), parameter :: latest_end = 1000.0_wp
+
 contains
 
    !> Plans a `case`: its contact, time step and settings of the solver. Adds findings: grid or time
@@ -33,8 +36,13 @@ contains
       type(case_t), intent(inout) :: case
       type(time_settings_t) :: given
 
-      given = case%time
       call build_contact(case)
+      if (case%time%is_transient .and. .not. case%time%end_time > 0.0_wp) then
+         case%time%end_time = sufficient_end(case%contact)
+         if (case%time%end_time > latest_end .or. .not. case%time%end_time > 0.0_wp) call &
+            values%refuse_missing('time', 'end_time', 'where nothing rough moves, or hardly')
+      end if
+      given = case%time
       call choose_time_step(case%contact, case%time)
       if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
          /case%scaling%film
