@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import h5py
 import numpy as np
+from case_folder import ROOT
 from formulas import FormulaError, evaluate
 from sweep_file import SweepError
 
+sys.path.append(str(ROOT / "postproc"))
+
+from result_file import DAMAGE, prefix_of, short_words
+
 PREFIXED = ("m", "Pa", "s")
-PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-# Quantities in words; of a key its own words do.
-WORDS = {
-    "h_min": "Smallest film thickness",
-    "h_central": "Central film thickness",
-    "p_max": "Largest pressure",
-    "p_central": "Central pressure",
-    "friction_coefficient": "Friction coefficient",
-    "contact_area_fraction": "Contact area over nominal area",
-    "mean_separation": "Mean separation",
+# Keys in words, where those of their name do not tell.
+KEYS = {
     "bodies.speed_1": "Speed of surface 1",
     "bodies.speed_2": "Speed of surface 2",
     "load.hertz_pressure": "Hertzian pressure",
 }
-# What h5py raises where the bytes of a file are damaged.
-DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
 
 
 @dataclass(frozen=True)
@@ -93,8 +90,7 @@ class Gathered:
         unit, size, prefix = self.units.get(name, ""), 1.0, ""
         values = np.abs(self.numbers(name))
         if unit in PREFIXED and np.any(values > 0):
-            largest = np.nanmax(values)
-            size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+            size, prefix = prefix_of(np.nanmax(values))
         unit = {"": "", "1": "-"}.get(unit, prefix + unit)
         return Axis(size, words_of(name), unit)
 
@@ -105,14 +101,21 @@ class Gathered:
             return entry
         values = np.full(len(self.columns["case"]), np.nan)
         for i in range(values.size):
-            row = {column: found[i] for column, found in self.columns.items()}
             try:
-                values[i] = evaluate(formula, row.get)
+                values[i] = evaluate(formula, partial(self._value, i))
+            except LookupError:  # a value in it is not known
+                continue
             except FormulaError as error:
-                if not any(column in formula and isinstance(value, float) and np.isnan(value) for column, value in row.items()):
-                    raise SweepError(f"{self.path}: {name}: {error}") from error
+                raise SweepError(f"{self.path}: {name}: {error}") from error
         self.columns[name] = values
         return name
+
+    def _value(self, case: int, name: str) -> object:
+        """The value of a column in one case, None without such a column; LookupError where it is not known."""
+        value = self.columns[name][case] if name in self.columns else None
+        if isinstance(value, float) and np.isnan(value):
+            raise LookupError(name)
+        return value
 
     def levels(self, name: str) -> list:
         """The different values of a column, sorted."""
@@ -120,10 +123,10 @@ class Gathered:
 
 
 def words_of(name: str) -> str:
-    """A column in words: h_min with its name behind them, of bodies.speed_1 `Speed 1`."""
+    """A column in words: h_min with its name behind them, of surface_1.amplitude `Amplitude`."""
     if "." in name:
-        return WORDS.get(name, name.rpartition(".")[2].replace("_", " ").capitalize())
-    words = WORDS.get(name, name)
+        return KEYS.get(name, name.rpartition(".")[2].replace("_", " ").capitalize())
+    words = short_words(name)
     return words if name.replace("_", " ") in words.lower() or words == name else f"{words} {name}"
 
 

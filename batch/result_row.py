@@ -17,10 +17,8 @@ from h5py import h5a, h5d, h5f, h5g, h5p, h5s, h5t
 # of a checkout; where the package is installed, this folder is in it
 sys.path.append(str(Path(__file__).resolve().parent.parent / "python"))
 
-from asperity.seal import SealError, check_seal
+from asperity.seal import DAMAGE, SealError, check_seal
 
-# What h5py raises where the bytes of a file are damaged.
-DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
 NUMBER_BYTES = 8
 # Group of a result -> what its columns begin with.
 GROUPS = {b"summary": "", b"sweep": "", b"report": "report_", b"adequacy/validity": "validity_"}

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from result_file import LARGEST, PREFIXES, ResultError, inputs_of, opened, values_of
+from result_file import LARGEST, ResultError, inputs_of, opened, prefix_of, values_of
 
 PROGRAM = "dry.py"
 EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
@@ -86,7 +86,7 @@ def read_dry(path: Path) -> DryResult:
 def unit(values: np.ndarray, name: str) -> tuple[float, str]:
     """Factor and prefixed unit that suit the largest of the values."""
     largest = float(np.max(np.abs(values), initial=0.0))
-    size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+    size, prefix = prefix_of(largest)
     return 1 / size, prefix + name
 
 

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import dry
 import figure_command
+import figure_style as style
 import h5py
 import jinja2
 import numpy as np
 import transient
 from matplotlib import pyplot as plt
-from result_file import PREFIXES, ResultError, inputs_of, opened, text_of, values_of
+from result_file import WORDS, ResultError, inputs_of, opened, prefix_of, read_result, short_words, text_of, values_of
 
 PROGRAM = "report.py"
 EXAMPLE = "python postproc/report.py results/case1.h5 --output results"
@@ -26,20 +27,6 @@ PROBLEMS = {
     "ehl_line": "lubricated line contact",
     "dry_line": "dry contact of a rough profile",
     "dry_area": "dry contact of a rough area",
-}
-# Rows of the table of results: dataset of /summary, words.
-RESULTS = {
-    "h_min": "Smallest film thickness",
-    "h_central": "Central film thickness",
-    "p_max": "Largest pressure",
-    "p_central": "Central pressure",
-    "friction_coefficient": "Friction coefficient (sliding)",
-    "rolling_friction_coefficient": "Friction coefficient (rolling)",
-    "sliding_power": "Power of sliding, per length",
-    "x_cavitation": "End of the pressure, behind the centre",
-    "contact_area_fraction": "Contact area over nominal area",
-    "plastic_area_fraction": "Plastic area over nominal area",
-    "mean_separation": "Mean separation",
 }
 # What the contact is: attribute of /scaling, words.
 CONTACT = {
@@ -69,7 +56,7 @@ def shown(value: float, unit: str, digits: int = 4) -> str:
     base, slash, below = unit.partition("/")
     if base not in ("m", "Pa", "N", "W", "s", "Pa s", "J"):
         return f"{rounded(value, digits)} {unit}"
-    size, prefix = next((p for p in PREFIXES if abs(value) >= 0.9999 * p[0]), PREFIXES[-1] if value else PREFIXES[3])
+    size, prefix = prefix_of(abs(value) or 1.0)
     return f"{rounded(value / size, digits)} {prefix}{base}{slash}{below}"
 
 
@@ -91,7 +78,7 @@ def attribute(item: h5py.Dataset | h5py.Group, name: str) -> str:
 def results_of(summary: h5py.Group) -> list[dict[str, str]]:
     """Rows of the table of results."""
     rows = []
-    for name, words in RESULTS.items():
+    for name, words in WORDS.items():
         if name not in summary:
             continue
         item = summary[name]
@@ -138,10 +125,7 @@ def needs_of(group: h5py.Group) -> list[dict[str, str]]:
             continue
         changes = {key: float(values_of(value)) for key, value in item.items() if isinstance(value, h5py.Dataset)}
         largest = max(changes, key=lambda key: abs(changes[key]), default="")
-        if largest:
-            change = f"{percent(changes[largest], '+')} of {RESULTS.get(largest, largest).partition(' (')[0].lower()}"
-        else:
-            change = "not known"
+        change = f"{percent(changes[largest], '+')} of {short_words(largest).lower()}" if largest else "not known"
         rows.append(
             {
                 "name": name.replace("_", " "),
@@ -155,18 +139,17 @@ def needs_of(group: h5py.Group) -> list[dict[str, str]]:
 
 def draw_histories(path: Path, folder: Path) -> list[Path]:
     """The smallest film, the largest pressure and the friction of a passage over time."""
-    result = transient.read_result(path)
+    result = read_result(path)
     names = [name for name in HISTORIES if name in result.transient and np.nanmax(abs(result.transient[name].values)) > 0]
     si = result.solution["x"].has_si
-    figure, axes = transient.style.new_figure(transient.style.TWO_COLUMNS, 55, ncols=len(names), squeeze=False)
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 55, ncols=len(names), squeeze=False)
     time = result.transient["time"]
     for panel, name in zip(axes[0], names, strict=True):
         quantity = result.transient[name]
         panel.plot(time.values * time.axis(si).factor, quantity.values * quantity.axis(si).factor, color="#08306b")
-        words = RESULTS[name].partition(" (")[0]
-        panel.set(xlabel=f"Time [{time.axis(si).unit or '-'}]", ylabel=f"{words} [{quantity.axis(si).unit or '-'}]")
+        panel.set(xlabel=f"Time [{time.axis(si).unit or '-'}]", ylabel=f"{short_words(name)} [{quantity.axis(si).unit or '-'}]")
         panel.set_ylim(bottom=0)
-    return transient.style.save_figure(figure, [folder / f"{path.stem}_history.svg"])
+    return style.save_figure(figure, [folder / f"{path.stem}_history.svg"])
 
 
 def figures_of(path: Path, folder: Path, problem: str, is_transient: bool, has_si: bool) -> list[tuple[str, str]]:

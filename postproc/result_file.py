@@ -20,15 +20,13 @@ import numpy as np
 # of a checkout; where the package is installed, this folder is in it
 sys.path.append(str(Path(__file__).resolve().parent.parent / "python"))
 
-from asperity.seal import SealError, check_seal
+from asperity.seal import DAMAGE, SealError, check_seal
 
 
 class ResultError(Exception):
     """A file that cannot be drawn; the message is one line and names the file."""
 
 
-# What h5py, numpy and matplotlib raise where the bytes of a file are damaged.
-DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
 # Beyond this no field is one of a contact.
 LARGEST = 1e30
 # The best that deflate does: bytes of a dataset over bytes of the file.
@@ -43,7 +41,31 @@ SYMBOLS = {
     "profile_time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
 }
 
+# What quantities of /summary are called in words.
+WORDS = {
+    "h_min": "Smallest film thickness",
+    "h_central": "Central film thickness",
+    "p_max": "Largest pressure",
+    "p_central": "Central pressure",
+    "friction_coefficient": "Friction coefficient (sliding)",
+    "rolling_friction_coefficient": "Friction coefficient (rolling)",
+    "sliding_power": "Power of sliding, per length",
+    "x_cavitation": "End of the pressure, behind the centre",
+    "contact_area_fraction": "Contact area over nominal area",
+    "plastic_area_fraction": "Plastic area over nominal area",
+    "mean_separation": "Mean separation",
+}
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+def prefix_of(largest: float) -> tuple[float, str]:
+    """Size and letter of the prefix that suits the largest of some values."""
+    return next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+
+
+def short_words(name: str) -> str:
+    """A quantity in words, without what stands in parentheses; its name where there are none."""
+    return WORDS.get(name, name).partition(" (")[0]
 
 
 @dataclass(frozen=True)
@@ -112,7 +134,7 @@ class Quantity:
         if not si or self.si_units == "1":
             return Axis(1.0, None, words, symbol.split("=")[0].strip(), symbol, "")
         largest = float(np.nanmax(np.abs(self.values), initial=0.0)) * self.si_scale
-        size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+        size, prefix = prefix_of(largest)
         unit = prefix + self.si_units
         return Axis(self.si_scale / size, size, words, si_symbol, si_symbol, unit)
 

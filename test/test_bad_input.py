@@ -245,3 +245,19 @@ def test_random_damage_never_crashes(asperity, tmp_path):
     lines = run(asperity, *files, seconds=60)
     assert len(lines) > 300
     assert all(line.startswith(f"{tmp_path}/") for line in lines)
+
+
+def test_a_mistyped_key_is_named(asperity, tmp_path):
+    """Every key with a letter too many, too few or two exchanged: the key, not what its letters remind of (load_per_lenght)."""
+    source, count, group = random.Random(20261126), 0, ""
+    for line in asperity("--template", "ehl_line").stdout.splitlines():
+        if head := re.match(r"(?:! )?(&\w+)", line):
+            group = head[1]
+        elif found := re.match(r"!?  +(\w{6,}) += ", line):
+            key, i = found[1], source.randrange(1, len(found[1]) - 2)
+            typed = {key[:i] + key[i - 1 :], key[:i] + key[i + 1 :], key[:i] + key[i + 1] + key[i] + key[i + 2 :]} - {key}
+            (tmp_path / "a.nml").write_text("\n".join([group, *(f"{name} = 1" for name in typed), "/", ""]))
+            told = [line.endswith(f"; did you mean {key}?") for line in run(asperity, "a.nml") if "unknown key" in line]
+            assert told == [True] * len(typed), (group, typed)
+            count += len(typed)
+    assert count > 200

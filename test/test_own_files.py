@@ -131,7 +131,7 @@ def test_a_part_that_somebody_changes(program, tmp_path):
             if path.suffix == ".new":
                 assert different(reference, path) == [], (number, kind)
             path.unlink()
-    assert told > number / 2
+    assert told > members(6, 16) / 2
 
 
 def test_a_part_cut_off_before_its_checkpoint(program, asperity, tmp_path):

@@ -25,10 +25,11 @@ def run(asperity, folder, surface, end, others="", extra=""):
     ("surface", "expected"),
     [
         (WAVE, None),
+        (RIDGE.format(", position = 0.3"), None),
         (RIDGE.format(", position = -2.5"), (1 + 2.5 + 0.5e-4 / 1.05797e-4) / (11 / 6)),
         ("&surface_2 shape = 'file', file = 'z.csv', position = -9.0 /\n", (1 + 9.0 + 5e-4 / 1.05797e-4) / (11 / 6)),
     ],
-    ids=["wave", "ridge", "profile"],
+    ids=["wave", "ridge inside", "ridge", "profile"],
 )
 def test_a_chosen_end_shows_everything(asperity, tmp_path, surface, expected):
     """Nothing is left to be told about the times; the last ridge or node leaves at |X| = 1."""

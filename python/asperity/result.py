@@ -19,7 +19,7 @@ import xarray as xr
 
 from .case_file import read_namelist
 from .errors import AsperityError
-from .seal import SealError, check_seal
+from .seal import DAMAGE, SealError, check_seal
 
 # Dimensions of the arrays of a group, by number of dimensions, where a file has no dimension scales.
 _DIMENSIONS: dict[str, dict[int, tuple[str, ...]]] = {
@@ -38,8 +38,6 @@ _SHOWN = (
     "plastic_area_fraction",
     "mean_separation",
 )
-# What h5py, numpy and xarray raise where the content of a file is not that of a result.
-_DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
 # A largest pressure with a smaller relative error needs no other beside it.
 _WELL_KNOWN = 0.01
 
@@ -92,7 +90,7 @@ class Result:
             raise
         except SealError as error:
             raise AsperityError(f"{self.path}: {error}") from error
-        except _DAMAGE as error:
+        except DAMAGE as error:
             raise AsperityError(f"{self.path}: cannot be read: {error}") from error
 
     def __repr__(self) -> str:

@@ -14,6 +14,8 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
+# What h5py, numpy, xarray and matplotlib raise where the bytes of a file are damaged.
+DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
 # Length of the line, its end included [bytes].
 SEAL_BYTES = 80
 _LINE = re.compile(rb"asperity checksum ([0-9A-F]{16}) of the (\d+) bytes before *\n")

@@ -144,33 +144,32 @@ contains
       end if
    end function new_passage_times
 
-   !> End time T at which the quantities of a contact are complete: its features and profiles have
-   !> passed, waves have become periodic; 0: nothing rough moves.
+   !> End time T at which the quantities of a contact are complete: the start is forgotten, features
+   !> and profiles have passed, waves have become periodic; 0: nothing rough moves.
    pure real(wp) function sufficient_end(contact) result(end_time)
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t) :: times
 
       times = new_passage_times(contact, time_settings_t(is_transient=.true., &
          end_time=huge(1.0_wp)))
-      end_time = max(passage_end(contact%surface_1, times), passage_end(contact%surface_2, times))
+      end_time = max(times%needed_end, passage_end(contact%surface_1, times%settled_from), &
+         passage_end(contact%surface_2, times%settled_from))
    end function sufficient_end
 
-   !> The same for one surface, with the `times` of both; 0: it is at rest or smooth.
-   pure real(wp) function passage_end(surface, times) result(end_time)
+   !> Time at which the ridges and the profile of a surface have passed, a periodic one once after
+   !> `settled_from`; 0: it has none, or is at rest.
+   pure real(wp) function passage_end(surface, settled_from) result(time)
       type(rough_surface_t), intent(in) :: surface
-      type(passage_times_t), intent(in) :: times
+      real(wp), intent(in) :: settled_from
       real(wp) :: way
 
-      end_time = 0.0_wp
-      if (.not. is_moving(surface)) return
-      end_time = last_passage(surface)
-      if (has_waves(surface)) end_time = max(end_time, times%needed_end)
-      if (.not. allocated(surface%profile)) return
+      time = last_passage(surface)
+      if (.not. (allocated(surface%profile) .and. is_moving(surface))) return
       associate (profile => surface%profile, length => profile_length(surface%profile))
          way = 1 - profile%start
          if (surface%speed < 0.0_wp) way = 1 + profile%start + length
-         if (profile%is_periodic) way = length + abs(surface%speed)*times%settled_from
-         end_time = max(end_time, way/abs(surface%speed), times%needed_end)
+         if (profile%is_periodic) way = length + abs(surface%speed)*settled_from
+         time = max(time, way/abs(surface%speed))
       end associate
    end function passage_end
 

@@ -232,17 +232,16 @@ contains
       character(:), allocatable, intent(out) :: key
       real(wp), intent(out) :: load
 
-      key = trim(merge('load           ', 'load_per_length', values%problem == 'dry_area'))
-      if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
-      if (values%problem == lubricated .and. values%is_given('load', 'load')) then
-         key = 'load'
-         load = values%real_value('load', key)/max(values%real_value('bodies', 'contact_length'), &
-            tiny(1.0_wp))
-         return
+      key = 'load_per_length'
+      if (values%problem /= 'dry_line') then   ! which has no key load
+         if (values%is_given('load', 'load')) key = 'load'
       end if
+      if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
       load = values%real_value('load', key)
-      if (key /= 'hertz_pressure') return
-      if (values%problem == 'dry_area') then
+      if (key /= 'hertz_pressure') then
+         if (key == 'load' .and. values%problem == lubricated) load = load &
+            /values%real_value('bodies', 'contact_length')
+      else if (values%problem == 'dry_area') then
          load = point_load_from_pressure(load, radius, modulus)
       else
          load = line_load_from_pressure(load, radius, modulus)

@@ -5,14 +5,15 @@ module value_hints
 
    public :: answer_to, edit_distance, form_hint, nearest_known
 
-   !> A part of a name that engineers look for, and what to do instead.
+   !> What words of a name that engineers look for begin with (with _ behind it: one of its words),
+   !> and what to do instead.
    type :: answer_t
       character(len=12) :: part
       character(len=112) :: text
    end type answer_t
 
    type(answer_t), parameter :: answers(*) = [ &
-      answer_t('point', 'contacts of balls with oil are not built: ehl_line is right for '// &
+      answer_t('point_', 'contacts of balls with oil are not built: ehl_line is right for '// &
          'rollers, dry_area presses a ball without oil'), &
       answer_t('ellip', 'elliptic contacts with oil are not built: ehl_line is right for an '// &
          'ellipse that is five times as wide'), &
@@ -119,7 +120,7 @@ contains
 
       text = ''
       do i = 1, size(answers)
-         if (index(name, trim(answers(i)%part)) > 0) text = trim(answers(i)%text)
+         if (index('_'//name//'_', '_'//trim(answers(i)%part)) > 0) text = trim(answers(i)%text)
       end do
    end function answer_to
 

@@ -15,7 +15,7 @@ module value_reader
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
    use text, only: joined, to_lower, to_text
-   use value_hints, only: answer_to, form_hint, nearest_known
+   use value_hints, only: answer_to, edit_distance, form_hint, nearest_known
    implicit none (type, external)
    private
 
@@ -108,7 +108,7 @@ contains
       character(*), intent(in) :: problem
       type(findings_t), intent(inout) :: findings
       character(len=len(key_rows%key)) :: names(size(key_rows))
-      character(:), allocatable :: hint, message
+      character(:), allocatable :: hint, near, message
       logical :: is_known
       integer :: i
 
@@ -124,15 +124,14 @@ contains
          end associate
       end do
       if (.not. has_word(group_rows(find_group(entry%group))%problems, trim(problem))) return
+      near = nearest_known(entry%key, names)
       if (is_known) then
          message = not_used_by(problem)
-      else if (answer_to(entry%key) /= '') then
+      else if (hint == '' .and. edit_distance(entry%key, near) > 2 .and. answer_to(entry%key) &
+         /= '') then
          message = 'unknown key; '//answer_to(entry%key)
       else
-         if (hint == '') then
-            hint = nearest_known(entry%key, names)
-            if (hint /= '') hint = '; did you mean ' // hint // '?'
-         end if
+         if (hint == '' .and. near /= '') hint = '; did you mean '//near//'?'
          message = 'found an unknown key, expected one of ' // joined(pack(names, names /= ''), &
             ', ') // hint
       end if
