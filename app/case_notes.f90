@@ -1,5 +1,5 @@
-!> Notes on a case, for the log and the result: unusual values; grids and time steps of a lubricated
-!> case that are too coarse, and a wanted accuracy that is not reached.
+!> Notes on a case, for the log and the result: unusual values; how long a transient takes; grids
+!> and time steps of a lubricated case that are too coarse, a wanted accuracy that is not reached.
 module case_notes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
@@ -10,6 +10,7 @@ module case_notes
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use progress_log, only: progress_log_t
+   use quantity_text, only: duration_text
    use quantities, only: h_min, p_max
    use run_observer, only: run_observer_t
    use text, only: add_sentence, to_text
@@ -17,13 +18,55 @@ module case_notes
    implicit none (type, external)
    private
 
-   public :: add_note, note_coarse_waves, note_measured_error, note_missed_target, &
-      note_pressure_error, log_unusual, note_unusual, unusual_text
+   public :: add_note, expected_seconds, note_coarse_waves, note_expected_time, &
+      note_measured_error, note_missed_target, note_pressure_error, log_unusual, note_unusual, &
+      time_text, unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
+   !> Processor time of one interval in one time step [s]: 0.4e-6 of a smooth wave to 1.2e-6 of
+   !> roughness, measured on a server core; and what error bars add to it.
+   real(wp), parameter :: step_seconds = 1.0e-6_wp, error_bars_share = 0.5_wp
+   !> A run that takes longer says before it starts what would make it shorter [s].
+   real(wp), parameter :: long_run = 3600.0_wp
 
 contains
+
+   !> Processor time [s] that a transient of Reynolds' equation is expected to take; 0 where that is
+   !> not known: steady cases, other equations, a grid that trial runs choose.
+   pure real(wp) function expected_seconds(case) result(seconds)
+      type(case_t), intent(in) :: case
+
+      seconds = 0.0_wp
+      if (.not. case%time%is_transient .or. case%layers > 0 .or. case%solver%target > 0) return
+      associate (steps => case%time%end_time/case%time%time_step)
+         seconds = step_seconds*case%contact%domain%intervals*steps
+      end associate
+      if (case%solver%wants_coarse_runs) seconds = (1 + error_bars_share)*seconds
+   end function expected_seconds
+
+   !> The expected time in words, and of a long run what would make it shorter.
+   pure function time_text(case) result(words)
+      type(case_t), intent(in) :: case
+      character(:), allocatable :: words
+
+      words = 'about '//duration_text(expected_seconds(case))//': '//to_text(case%contact%domain &
+         %intervals)//' intervals, '//to_text(case%time%end_time/case%time%time_step, 3)// &
+         ' time steps'
+      if (expected_seconds(case) < long_run) return
+      words = words//'. Without the finest waves (cutoff_short, harmonics, wavelength_short) '// &
+         'or with fewer &domain intervals, half the grid takes a quarter of the time; a shorter'// &
+         ' profile or an earlier end in proportion. The smooth contact (no surfaces, '// &
+         'transient = .false.) takes a second'
+   end function time_text
+
+   !> Logs the expected time of a long run.
+   subroutine note_expected_time(case, log)
+      type(case_t), intent(in) :: case
+      type(progress_log_t), intent(inout) :: log
+
+      if (expected_seconds(case) >= long_run) call log%say(case%file//': '//time_text(case))
+   end subroutine note_expected_time
 
    !> Logs the unusual values, a line each.
    subroutine log_unusual(case, log)

@@ -17,8 +17,8 @@ module command_line
       character(:), allocatable :: action
       !> Problem of the template.
       character(:), allocatable :: problem
-      !> Form of the table: 'text', 'csv' or 'json'.
-      character(len=4) :: form = 'text'
+      !> Form of the table: 'text', 'csv', 'json' or 'profiles', those of one result.
+      character(len=8) :: form = 'text'
       !> Namelist files; of a table results.
       character(len=4096), allocatable :: files(:)
       !> Folder of the results; empty: not given.
@@ -39,7 +39,7 @@ module command_line
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
       '--check', '--resume', '--outcomes', '--set', '--keep-going', '--format', &
-      '--quiet', '--template', '--keys', '--version', '--help']
+      '--profiles', '--quiet', '--template', '--keys', '--version', '--help']
    !> Most threads that can be asked for.
    integer, parameter :: max_threads = 9999
    character(*), parameter :: see_help = '; see asperity --help'
@@ -53,8 +53,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: word
       integer :: i, count, files
+      logical :: has_profiles
 
       command%action = 'run'
+      has_profiles = .false.
       command%output_dir = ''
       count = command_argument_count()
       allocate (command%files(count), command%entries(0))
@@ -78,6 +80,8 @@ contains
          case ('--template', '--output', '--threads', '--set', '--format')
             i = i + 1
             call read_option_value(command, word, argument(i), error)
+         case ('--profiles')
+            has_profiles = .true.
          case ('--resume')
             command%is_resume = .true.
          case ('--outcomes')
@@ -91,6 +95,12 @@ contains
          i = i + 1
       end do
       command%files = command%files(:files)
+      if (has_profiles) command%form = 'profiles'
+      if (has_profiles .and. .not. (command%action == 'table' .and. files == 1)) then
+         call fail(error, input_error, 'found --profiles, expected asperity table RESULT.h5 '// &
+            '--profiles with one result'//see_help)
+         return
+      end if
       if (size(command%files) > 0) return
       select case (command%action)
       case ('run', 'check')
@@ -203,6 +213,8 @@ contains
          // '           [--set GROUP.KEY=VALUE] [--quiet] [--outcomes]' // nl &
          // '  asperity table RESULT.h5 [RESULT2.h5 ...] [--format text|csv|json]    a row of '// &
          'each result' // nl &
+         // '  asperity table RESULT.h5 --profiles      CSV of x, pressure, film or gap and '// &
+         'more, in SI' // nl &
          // '  asperity --template PROBLEM      write a commented, complete namelist: '// &
             'ehl_line, dry_line or dry_area' // nl &
          // '  asperity --keys                  every group and key: unit, default, range, '// &

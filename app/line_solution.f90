@@ -1,7 +1,8 @@
 !> The solution of a lubricated case, with the coarse runs that measure its errors.
 module line_solution
    use closing_table, only: breakdown_sentence
-   use case_notes, only: note_unusual, add_note, note_coarse_waves, note_missed_target
+   use case_notes, only: note_unusual, add_note, note_coarse_waves, note_expected_time, &
+      note_missed_target
    use case_record, only: case_t
    use chosen_values, only: fill_chosen, fill_numbers
    use coarse_runs, only: side_runs_t
@@ -54,6 +55,7 @@ contains
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
+      call note_expected_time(case, listener%log)
       call note_unusual(case, note)
       call add_note(case, listener, case%note, note)
       call note_coarse_waves(case, listener, note)

@@ -1,7 +1,7 @@
 !> Reads and checks all cases of a call before any of them runs, and reports the findings.
 module read_cases
    use case_input, only: read_case
-   use case_notes, only: unusual_text
+   use case_notes, only: expected_seconds, time_text, unusual_text
    use case_outcome, only: case_outcome_t, count_outcome
    use case_record, only: case_t
    use command_line, only: command_t
@@ -125,7 +125,8 @@ contains
       end do
    end subroutine report_refused
 
-   !> Reports good cases, with their unusual values, for --check. Error: standard output is lost.
+   !> Reports good cases, with the time that long ones take and unusual values, for --check. Error:
+   !> standard output is lost.
    subroutine report_good(cases, error)
       type(case_t), intent(in) :: cases(:)
       type(error_t), allocatable, intent(out) :: error
@@ -133,7 +134,9 @@ contains
       integer :: i, k
 
       do i = 1, size(cases)
-         lines = cases(i)%file//': no findings'//new_line('a')
+         lines = cases(i)%file//': no findings'
+         if (expected_seconds(cases(i)) >= 60) lines = lines//'; '//time_text(cases(i))
+         lines = lines//new_line('a')
          do k = 1, size(cases(i)%unusual)
             lines = lines//unusual_text(cases(i), k)//new_line('a')
          end do

@@ -1,11 +1,12 @@
 !> `asperity table`: a row for each result file, with its quantities in SI and their estimated
 !> errors, as text, CSV or a JSON object a line. A file that cannot be read, or is not what was
-!> written, is a row with the reason; NAME.h5.part one with the times so far.
+!> written, is a row with the reason; NAME.h5.part one with the times so far. Or the profiles of one
+!> result as CSV.
 module result_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: program_name
    use dry_quantities, only: contact_area, dry_table, mean_separation, plastic_area
-   use errors, only: error_t
+   use errors, only: error_t, fail, input_error
    use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use kinds, only: wp
@@ -28,6 +29,11 @@ module result_table
       dry_table(contact_area)%name, dry_table(plastic_area)%name, dry_table(mean_separation)%name]
    logical, parameter :: is_short(*) = [quantity_rows%short /= '', .false., .false., .true., &
       .false., .true.]
+   !> Arrays of /solution that can be a column of --profiles, beside x.
+   character(len=20), parameter :: profiles(*) = [character(len=20) :: 'x', 'pressure', &
+      'film_thickness', 'gap', 'viscosity', 'density', 'slip_factor', 'shear_stress_1', &
+      'shear_stress_mean', 'shear_stress_2', 'roughness_1', 'roughness_2', 'height_undeformed', &
+      'height_loaded', 'height_unloaded', 'plastic_deformation']
    character(len=*), parameter :: nl = new_line('a')
    !> Widest cell of the text; the layout from which on every result has a seal.
    integer, parameter :: cell_width = 512, sealed_layout = 3
@@ -53,8 +59,8 @@ module result_table
 
 contains
 
-   !> Prints the table of `files` (n) as 'text', 'csv' or 'json'; files that cannot be read make
-   !> `status` that of bad input. Error: standard output is lost.
+   !> Prints the table of `files` (n) as 'text', 'csv' or 'json', or the 'profiles' of the first;
+   !> files that cannot be read make `status` that of bad input. Error: standard output is lost.
    subroutine print_results(files, form, status, error)
       character(*), intent(in) :: files(:), form
       integer, intent(inout) :: status
@@ -62,6 +68,10 @@ contains
       type(result_row_t), allocatable :: rows(:)
       integer :: i
 
+      if (form == 'profiles') then
+         call print_profiles(trim(files(1)), error)   ! error: handed up
+         return
+      end if
       allocate (rows(size(files)))
       do i = 1, size(files)
          call read_row(trim(files(i)), rows(i))
@@ -74,6 +84,52 @@ contains
       if (form == 'text') call write_table(rows, error)   ! error: looked at below
       if (.not. allocated(error)) call print_text('', error)   ! error: handed up
    end subroutine print_results
+
+   !> Prints the arrays of /solution over x in SI as CSV. Errors: no readable result, or an area
+   !> (input_error); standard output is lost.
+   subroutine print_profiles(file, error)
+      character(*), intent(in) :: file
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_input_t) :: reader
+      type(result_row_t) :: row
+      real(wp), allocatable :: values(:, :)
+      character(:), allocatable :: head, path
+      integer :: i, k, columns
+
+      call read_row(file, row)
+      if (row%is_read .and. row%problem == '') row%reason = 'the run has not ended'
+      if (row%problem == 'dry_area') row%reason = 'an area has maps, no profile: read them with'// &
+         ' h5py or, with &output xdmf = .true., ParaView'
+      if (.not. row%is_read .or. any(row%problem == ['        ', 'dry_area'])) then
+         call fail(error, input_error, file//': '//row%reason)
+         return
+      end if
+      call open_hdf5_input(reader, file, error)   ! error: the reader keeps it
+      head = ''
+      columns = 0
+      do k = 1, size(profiles)
+         path = '/solution/'//trim(profiles(k))
+         if (.not. reader%has(path)) cycle
+         associate (column => reader%reals(path)*reader%number_of(path, 'si_scale', 1.0_wp))
+            if (k == 1) allocate (values(size(column), size(profiles)))
+            columns = columns + 1
+            values(:, columns) = column
+         end associate
+         head = head//','//trim(profiles(k))//' ['//reader%text(path, 'si_units')//']'
+      end do
+      call reader%close(error)
+      if (allocated(error)) return
+      call write_text(head(2:)//nl, error)   ! error: the loop looks
+      do i = 1, size(values, 1)
+         if (allocated(error)) return
+         head = ''
+         do k = 1, columns
+            head = head//','//exact(values(i, k), '')
+         end do
+         call write_text(head(2:)//nl, error)   ! error: the loop looks
+      end do
+      if (.not. allocated(error)) call print_text('', error)   ! error: handed up
+   end subroutine print_profiles
 
    !> The row of one file.
    subroutine read_row(file, row)

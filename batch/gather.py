@@ -26,7 +26,8 @@ PROGRAM = "gather.py"
 EPILOG = """example:
   gather.py film_over_speed
 
-writes FOLDER/gathered.h5 and FOLDER/gathered.csv
+writes FOLDER/gathered.h5 with every number of every result, and FOLDER/gathered.csv with what was varied, what became of
+each case and its quantities (--all: as in gathered.h5)
 
 status: 0 written, whatever became of the cases; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
 # Rows that are read at once; with more than one process each holds one such block, and as many wait to be written.
@@ -35,6 +36,8 @@ BLOCK = 500
 FEW = 1000
 DONE, UNCONVERGED, FAILURE, NOT_RUN = "done", "not converged", "failed", "not run"
 TEXT = h5py.string_dtype()
+# Columns that gathered.csv has only on request: what the program, its scales and its iterations were.
+DETAILS = ("program", "report_", "scaling_", "validity_")
 MEANINGS = {"status": "done, not converged, failed or not run", "reason": "why it is not done", "program": "version and commit"}
 
 
@@ -104,7 +107,7 @@ def text_of(value: float | str | None) -> str:
     return "" if value is None or np.isnan(value) else repr(value)
 
 
-def gather(folder: CaseFolder, jobs: int) -> Counter:
+def gather(folder: CaseFolder, jobs: int, is_whole: bool) -> Counter:
     """Writes both files under temporary names and renames them; returns the number of cases of each status."""
     if own := {name for name in folder.parameters if name in MEANINGS}:
         words = f"found the parameter {', '.join(sorted(own))}, which the table has itself; give it another name in the sweep"
@@ -114,7 +117,7 @@ def gather(folder: CaseFolder, jobs: int) -> Counter:
     try:
         with h5py.File(part, "w", track_order=True) as file:
             count = write_table(folder, file, jobs)
-            write_csv(file, path.with_suffix(".csv.part"))
+            write_csv(file, path.with_suffix(".csv.part"), is_whole)
     except RuntimeError as error:  # what h5py raises when a full disk meets a close
         raise OSError(None, str(error), part) from error
     part.replace(path)
@@ -216,15 +219,24 @@ def read_log(folder: CaseFolder) -> dict[str, str]:
     return {case: reason for case, (status, reason) in found.items() if status == FAILED}
 
 
-def write_csv(file: h5py.File, path: Path) -> None:
-    """The same as CSV, units in the head."""
+def write_csv(file: h5py.File, path: Path, is_whole: bool) -> None:
+    """Parameters, outcome and quantities as CSV, units in the head; every column if `is_whole`."""
     columns = [name for name in file if name != "case"]
+    if not is_whole:
+        head = columns.index("reason") + 1
+        known = (name for name in columns[head:] if any(any(values_of(file[name], start)) for start in starts_of(file)))
+        columns = columns[:head] + [name for name in known if not name.startswith(DETAILS)]
     with path.open("w", newline="", encoding="utf-8") as target:
         writer = csv.writer(target, lineterminator="\n")
         writer.writerow(["case", *(header(name, file[name].attrs.get("units", "")) for name in columns)])
-        for start in range(0, file["case"].size, BLOCK):
+        for start in starts_of(file):
             block = [values_of(file[name], start) for name in ("case", *columns)]
             writer.writerows(zip(*block, strict=True))
+
+
+def starts_of(file: h5py.File) -> range:
+    """First rows of the blocks."""
+    return range(0, file["case"].size, BLOCK)
 
 
 def values_of(column: h5py.Dataset, start: int) -> list[str]:
@@ -234,15 +246,15 @@ def values_of(column: h5py.Dataset, start: int) -> list[str]:
     return ["" if np.isnan(value) else repr(float(value)) for value in column[start : start + BLOCK]]
 
 
-def gather_folder(path: Path, jobs: int | None = None) -> int:
+def gather_folder(path: Path, jobs: int | None = None, is_whole: bool = False) -> int:
     """Gathers a folder and says what became of its cases; returns the exit status. Raises SweepError, OSError.
 
-    `jobs`: processes that read results; not given: one for each core, for few cases one.
+    `jobs`: processes that read results; not given: one for each core, for few cases one. `is_whole`: all columns in the CSV.
     """
     with opened(path) as folder:
         if jobs is None:
             jobs = 1 if len(folder.names) < FEW else len(os.sched_getaffinity(0))
-        count = gather(folder, jobs)
+        count = gather(folder, jobs, is_whole)
     words = ", ".join(f"{count[status]} {status}" for status in (DONE, UNCONVERGED, FAILURE, NOT_RUN) if count[status])
     print(f"{path / 'gathered.h5'}: {words}")
     return 0
@@ -254,8 +266,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder that batch/sweep.py has written")
     words = "processes that read results (default: one for each core, for few cases one)"
     parser.add_argument("--jobs", type=count_of, metavar="K", help=words)
+    parser.add_argument("--all", action="store_true", help="every column in gathered.csv")
     options = parser.parse_args(arguments)
-    return status_of(PROGRAM, lambda: gather_folder(options.folder, options.jobs))
+    return status_of(PROGRAM, lambda: gather_folder(options.folder, options.jobs, options.all))
 
 
 if __name__ == "__main__":

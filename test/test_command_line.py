@@ -210,12 +210,23 @@ def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
     assert "no such file" in shown[-1]
     assert "NOT READ: " in shown[-2]
     assert "h_min [1]" in rows["csv"][0]
+    table = list(csv.reader(io.StringIO(asperity("table", "oil.h5", "--profiles").stdout)))
+    assert table[0][:3] == ["x [m]", "pressure [Pa]", "film_thickness [m]"]
+    with h5py.File(tmp_path / "oil.h5") as file:
+        for i, name in enumerate(table[0]):
+            array = file["solution"][name.split()[0]]
+            assert [float(row[i]) for row in table[1:]] == pytest.approx(array[()] * array.attrs["si_scale"], rel=1e-10, abs=0)
+    for name in results[4:]:
+        assert ended(asperity("table", name, "--profiles"), 1).stderr.startswith(f"{name}: ")
+    assert "an area has maps" in ended(asperity("table", "ball.h5", "--profiles"), 1).stderr
 
 
 def test_table_needs_results_and_a_form(asperity):
     for arguments, message in (
         (("table",), "found no result"),
         (("table", "a.h5", "--format", "xml"), "found --format xml, expected text,"),
+        (("table", "a.h5", "b.h5", "--profiles"), "with one result"),
+        (("a.nml", "--profiles"), "with one result"),
     ):
         assert message in ended(asperity(*arguments), 1).stderr
 

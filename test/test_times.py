@@ -45,6 +45,29 @@ def test_a_chosen_end_shows_everything(asperity, tmp_path, surface, expected):
     assert expected is None or end == pytest.approx(expected, rel=2e-3)
 
 
+def test_an_end_in_seconds_is_that_in_half_widths(asperity, tmp_path):
+    """The same passage, to the last bit of its steps."""
+    first, _ = run(asperity, tmp_path, RIDGE.format(""), 0.2)
+    with first:
+        times, scale = first["transient/time"][()], first["transient/time"].attrs["si_scale"]
+    write(tmp_path, "b.nml", STEADY + RIDGE.format("") + TIME.format(0.2, "").replace("end_time = 0.2", f"duration = {0.2 * scale:.17g}"))
+    assert asperity("b.nml").returncode == 0
+    with h5py.File(tmp_path / "b.h5") as file:
+        assert file["transient/time"][()] == pytest.approx(times, rel=1e-12)
+        assert file["input/effective/time"].attrs["end_time"] == pytest.approx(0.2, rel=1e-12)
+
+
+@pytest.mark.parametrize(("end", "expected"), [(500.0, None), (8e3, "about 5 min 7 s"), (1.2e5, "about 1 h 16 min")])
+def test_a_check_says_how_long_a_passage_takes(asperity, tmp_path, end, expected):
+    """Minutes, and of hours what makes them fewer."""
+    write(tmp_path, "a.nml", STEADY + RIDGE.format("") + TIME.format(end, ""))
+    done = asperity("a.nml", "--check")
+    assert done.returncode == 0
+    assert (": no findings; about " in done.stdout) == (expected is not None)
+    assert (expected or "") in done.stdout
+    assert ("harmonics" in done.stdout) == (end > 1e5)
+
+
 def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
     file, told = run(asperity, tmp_path, WAVE, 9.0)
     with file:

@@ -4,6 +4,7 @@
 !> A wave that falls between the nodes, or passes within a step, is lost, and coarse runs do not
 !> show the loss (theory page, section on domain and grid; docs/decisions.md).
 module wave_resolution
+   use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
    use solver_settings, only: time_settings_t
@@ -157,7 +158,7 @@ contains
       wanted = time%time_step
       if (.not. wanted > 0.0_wp) wanted = min(node_spacing(contact), &
          shortest_passage(contact)/wanted_steps)
-      time%time_step = time%end_time/max(1, ceiling(time%end_time/wanted - rounding))
+      time%time_step = time%end_time/max(1_int64, ceiling(time%end_time/wanted - rounding, int64))
    end subroutine choose_time_step
 
 end module wave_resolution

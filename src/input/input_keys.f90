@@ -335,7 +335,11 @@ module input_keys
       key_row_t('time', 'end_time', real_kind, '-', is_chosen, &
          'end of the transient, T; chosen: all that is rough has passed, or repeats itself', &
          range='> 0, <= 1e6', used=in_time, needed=in_time// &
-         ', surface%shape = synthetic: with a synthetic surface', example='! 2.181818'), &
+         ', no duration, surface%shape = synthetic: with a synthetic surface', &
+         example='! 2.181818'), &
+      key_row_t('time', 'duration', real_kind, 's', is_optional, &
+         'end of the transient in seconds, in place of end_time', range='> 0, <= 1e9', &
+         used=in_time//', no end_time, '//in_metres, example='! 1e-3'), &
       key_row_t('time', 'time_step', real_kind, '-', is_chosen, &
          'time step in T, cut so that whole steps reach end_time; chosen: dX or less', &
          range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &
