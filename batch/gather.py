@@ -28,7 +28,7 @@ EPILOG = """example:
 
 writes FOLDER/gathered.h5 and FOLDER/gathered.csv
 
-status: 0 written, whatever became of the cases; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
+status: 0 written; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
 # Rows that are read at once; with more than one process each holds one such block, and as many wait to be written.
 BLOCK = 500
 # Fewer cases than this are read by one process: to start another takes as long as to read that many.
@@ -251,7 +251,7 @@ def gather_folder(path: Path, jobs: int | None = None) -> int:
 def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
     parser = new_parser(PROGRAM, __doc__, EPILOG)
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder that batch/sweep.py has written")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder written by batch/sweep.py")
     words = "processes that read results (default: one for each core, for few cases one)"
     parser.add_argument("--jobs", type=count_of, metavar="K", help=words)
     options = parser.parse_args(arguments)
