@@ -17,6 +17,7 @@ IMAGES = ROOT / "docs" / "images" / "scenes"
 # The script that draws a scene, and what of that is the figure.
 FIGURES = {
     **dict.fromkeys(("04", "05"), (("friction.py", "--si"), "friction", "pressure, film, shear stresses")),
+    "01": (("profile.py", "--si", "--window", "-15", "4"), "profile", "pressure and film"),  # inside the journal
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
 }
