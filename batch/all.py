@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A sweep from its file to its picture: writes the cases, runs them, gathers the results, draws what [plot] says."""
+"""A sweep from its file to its figure: writes the cases, runs them, gathers the results, draws [plot]."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PROGRAM = "all.py"
 EPILOG = """example:
   all.py input/sweeps/film_over_speed.toml
 
-The same command goes on after an interruption, and takes up changes of the sweep with --replace.
+The same command continues after an interruption; --replace takes up a changed sweep.
 
 status: 0 all converged; 1 wrong sweep or usage; 2 some not converged; 3 some failed, or a file cannot be written; 4 interrupted"""
 

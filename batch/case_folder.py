@@ -236,7 +236,7 @@ def status_of(program: str, work: Callable[[], int]) -> int:
     except OSError as error:
         lines, status = [f"{error.filename2 or error.filename or 'output'}: {error.strerror or error}"], 3
     except KeyboardInterrupt:
-        lines, status = ["interrupted; the same command goes on"], INTERRUPTED
+        lines, status = ["interrupted; the same command continues"], INTERRUPTED
     for line in lines:
         print(f"{program}: {line}", file=sys.stderr)
     return status

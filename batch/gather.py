@@ -29,7 +29,7 @@ EPILOG = """example:
 writes FOLDER/gathered.h5 with every number of every result, and FOLDER/gathered.csv with what was varied, what became of
 each case and its quantities (--all: as in gathered.h5)
 
-status: 0 written, whatever became of the cases; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
+status: 0 written; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
 # Rows that are read at once; with more than one process each holds one such block, and as many wait to be written.
 BLOCK = 500
 # Fewer cases than this are read by one process: to start another takes as long as to read that many.
@@ -263,7 +263,7 @@ def gather_folder(path: Path, jobs: int | None = None, is_whole: bool = False) -
 def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
     parser = new_parser(PROGRAM, __doc__, EPILOG)
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder that batch/sweep.py has written")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder written by batch/sweep.py")
     words = "processes that read results (default: one for each core, for few cases one)"
     parser.add_argument("--jobs", type=count_of, metavar="K", help=words)
     parser.add_argument("--all", action="store_true", help="every column in gathered.csv")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws a gathered table: curves, families of curves, maps; with error bars, and with the cases that failed."""
+"""Draws a gathered table as curves, families of curves or maps, with error bars; failed cases are marked."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = new_parser(PROGRAM, __doc__, EPILOG)
     parser.add_argument("table", type=Path, metavar="FOLDER", help="folder of a sweep, or its gathered.h5")
     parser.add_argument("--x", metavar="NAME", help="column along the horizontal axis")
-    parser.add_argument("--y", nargs="+", metavar="NAME", help="quantities that are drawn")
+    parser.add_argument("--y", nargs="+", metavar="NAME", help="quantities to draw")
     parser.add_argument("--colour", metavar="NAME", help="a curve for each value of this column")
     parser.add_argument("--facet", metavar="NAME", help="a panel for each value of this column")
     parser.add_argument("--kind", choices=KINDS, help="curves (default) or map")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from case_folder import ROOT
-from gathered import Gathered, words_of
+from gathered import Gathered, short_words, words_of
 from sweep_file import SweepError
 
 sys.path.append(str(ROOT / "postproc"))
@@ -77,10 +78,16 @@ def rows_of(table: Gathered, wish: Wish) -> list[list[str]]:
 def label_of(table: Gathered, names: list[str]) -> str:
     """Names and unit of quantities that share an axis, long ones below each other; of many the unit alone: the legend has them."""
     axis = table.axis(largest(table, names))
-    words = ", ".join(names)
+    words = common_words(names) or ", ".join(names)
     if len(words) > LONGEST_LABEL:
         words = ",\n".join(names) if len(names) <= MOST_LINES else ""
     return axis.label if len(names) == 1 else f"{words} [{axis.unit}]".strip()
+
+
+def common_words(names: list[str]) -> str:
+    """The words with which all quantities end, as `Film thickness`; empty if they have none in common."""
+    ends = zip(*(reversed(short_words(name).lower().split()) for name in names), strict=False)
+    return " ".join([words[0] for words in itertools.takewhile(lambda words: len(set(words)) == 1, ends)][::-1]).capitalize()
 
 
 def largest(table: Gathered, names: list[str]) -> str:
@@ -111,7 +118,7 @@ def series_of(table: Gathered, wish: Wish, names: list[str]) -> Iterator[tuple[s
     everything = np.ones(len(table.columns["case"]), dtype=bool)
     if not wish.colour:
         for name, look in zip(names, style.SERIES * 2, strict=False):
-            yield name, name, everything, look
+            yield name, words_of(name), everything, look
         return
     levels = table.levels(wish.colour)
     if len(levels) > MOST_FAMILY:

@@ -1,4 +1,4 @@
-"""Maps of a gathered table: one quantity over two parameters, with the regimes of lubrication drawn in where wanted."""
+"""Maps of a gathered table: one quantity over two parameters, optionally with the regimes of lubrication."""
 
 from __future__ import annotations
 

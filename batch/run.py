@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the cases of a sweep side by side, many in one process; what is finished is left alone."""
+"""Runs the cases of a sweep side by side, many in one process; finished cases are skipped."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PROGRAM = "run.py"
 EPILOG = """example:
   run.py film_over_speed --jobs 4
 
-The same command goes on after Ctrl-C, a crash or a power cut: complete results of the same case by the same program are left alone.
+The same command continues after Ctrl-C, a crash or a power cut: complete results of the same case and program are kept.
 
 status: 0 all converged; 1 wrong folder or usage, nothing has run; 2 some not converged; 3 some failed, or a file cannot be written;
 4 interrupted"""
@@ -201,7 +201,7 @@ def run_folder(path: Path, options: argparse.Namespace) -> int:
                     signal.signal(number, handler)
     print(progress.table())
     if progress.status == INTERRUPTED:
-        print(f"{PROGRAM}: interrupted; the same command goes on", file=sys.stderr)
+        print(f"{PROGRAM}: interrupted; the same command continues", file=sys.stderr)
     return progress.status
 
 
@@ -221,7 +221,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
     parser = new_parser(PROGRAM, __doc__, EPILOG)
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder that batch/sweep.py has written")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder written by batch/sweep.py")
     parser.add_argument("--cases", metavar="FIRST-LAST", help="only these cases, by their numbers (default: all)")
     add_options(parser)
     add_program(parser)

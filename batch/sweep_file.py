@@ -1,6 +1,6 @@
-"""Reads a sweep file (TOML): the base case, the parameters with their values, formulas and the picture.
+"""Reads a sweep file (TOML): the base case, the parameters with their values, formulas and the figure.
 
-Every finding names the file and the line of the entry that it is about.
+Every finding names file and line of its entry.
 """
 
 from __future__ import annotations

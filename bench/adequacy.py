@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Is what /adequacy says of each ingredient true? Random scenes, each beside fine-grid runs with and without the ingredient.
+"""Checks the verdicts of /adequacy on random scenes against fine-grid runs with and without each ingredient.
 
-A scene is a steady contact, smooth or with ridges or waves at rest, or a passage. The program runs it as a user would and tells
-what each ingredient changes, with an error bar and a verdict. The truth is the change between two runs of their own: steady ones
-for a target of TARGET, passages with half the spacing and half the time step. Without the squeeze term it is the extreme of PLACES
-steady runs, of films and pressure where one surface is rough and the oil is Newtonian: the rough one stands still there, and the
-other has both speeds. Rigid bodies are as many times of STIFFNESSES as stiff as have a solution, with places and times in metres,
-seconds; less than the first of them tells only whether elasticity is needed. Of the time step the program tells by how much
-quantities may be off because of it: that is judged as the error bar of no change, beside the same grid with a FINER_STEP of it.
+A scene is a steady contact, smooth or with ridges or waves at rest, or a passage. The program runs it as a user would and reports
+the change by each ingredient, with an error bar and a verdict. The truth is the change between two fine runs: steady ones for a
+target of TARGET, passages with half the spacing and half the time step. Without the squeeze term it is the extreme of PLACES
+steady runs, of films and pressure where one surface is rough and the oil is Newtonian: there the rough surface stands still, and
+the other has both speeds. Rigid bodies are the stiffest of STIFFNESSES that has a solution, with places and times in metres and
+seconds; below the first of them only the need for elasticity is judged. The reported error of the time step is judged as the
+error bar of no change, against the same grid with FINER_STEP of the step.
 
-What is judged, and asked for: bench/ingredients.py. --seed draws another sample, for fitting; the default one judges. Writes
-adequacy.csv and adequacy.txt.
+Criteria and targets: bench/ingredients.py. --seed draws another sample, for fitting; the default one judges. Writes adequacy.csv
+and adequacy.txt.
 """
 
 from __future__ import annotations

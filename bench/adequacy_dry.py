@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Is what /adequacy says of dry contacts true? Random rough lines, rough areas and parabolas beside fine runs with and without.
+"""Checks /adequacy of dry contacts: random rough lines, rough areas and parabolas against fine runs with and without an ingredient.
 
 The program runs each contact as a user would. The truth has the same heights on FINER times the nodes of a line, of an area:
 
@@ -7,9 +7,9 @@ The program runs each contact as a user would. The truth has the same heights on
     harmonics    with the coarser half of the harmonics that the result names
     periodicity  a parabola on an open half-space in place of a periodic one, or the reverse
     area         the mean of all profiles along x, as lines; its error bar is for 95 % of such means
-    grid         the result itself: the truth is what the fine grid changes of it, to be within the estimate
+    grid         the result itself: its change on the fine grid must lie within the estimate
 
-What is judged, and asked for: bench/ingredients.py. --seed draws another sample. Writes adequacy_dry.csv and adequacy_dry.txt.
+Criteria and targets: bench/ingredients.py. --seed draws another sample. Writes adequacy_dry.csv and adequacy_dry.txt.
 """
 
 from __future__ import annotations

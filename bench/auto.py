@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Does model = 'auto' keep its promise, and what does it save? Random scenes, solved by it, by the full model, and by that finely.
+"""Measures accuracy and cost of model = 'auto' on random scenes, against the full model.
 
 Scenes are steady contacts and passages: smooth, with ridges, dents and waves that move or rest, with Newtonian and Eyring oils,
 piezoviscous and not, of steel and of rubber. Each is solved with &accuracy target = TARGET by model = 'auto' and by 'full'; the
-truth is 'full' with a quarter of that. Time is the processor time of the whole program; a run that takes more than PATIENCE of it
+truth is 'full' with a quarter of that target. Time is the processor time of the whole program; a run that exceeds PATIENCE of it
 is ended, so that a loaded machine judges the same scenes.
 
     met        h_min of 'auto' (of 'full') is within the target of the truth
     honest     the truth is within the error bars of 'auto' and its own
 
-Asked for: 95 % met. --seed draws another sample, for fitting. Every scene that is done is kept in auto_SEED.csv: the same command
-goes on where an earlier one was ended. Writes auto_SEED.txt and auto_SEED.png; --page puts what is stored into docs/.
+Target: 95 % met. --seed draws another sample, for fitting. Finished scenes are kept in auto_SEED.csv, so that the same command
+continues an interrupted run. Writes auto_SEED.txt and auto_SEED.png; --page copies both into docs/.
 """
 
 from __future__ import annotations
@@ -191,14 +191,14 @@ def draw(rows: list[Row], path: Path) -> None:
     """Processor time of 'auto' over that of 'full', and how far off both are."""
     figure, (times, errors) = style.new_figure(style.TWO_COLUMNS, 75, ncols=2)
     looks = {
-        "steady, full": ("o", lambda row: row.scene.startswith("steady")),
-        "passage, full": ("s", lambda row: row.scene.startswith("passage") and "every" in row.solved),
-        "passage, steady and rough": ("^", lambda row: "its roughness" in row.solved),
-        "passage, steady and smooth": ("v", lambda row: "smooth" in row.solved),
+        "steady contact": ("o", lambda row: row.scene.startswith("steady")),
+        "passage, solved as one": ("s", lambda row: row.scene.startswith("passage") and "every" in row.solved),
+        "passage, solved steady and rough": ("^", lambda row: "its roughness" in row.solved),
+        "passage, solved steady and smooth": ("v", lambda row: "smooth" in row.solved),
     }
-    for label, (marker, belongs) in looks.items():
+    for (label, (marker, belongs)), series in zip(looks.items(), style.SERIES, strict=False):
         own = [row for row in rows if belongs(row)]
-        shape = {"linestyle": "none", "marker": marker, "markersize": 3, "alpha": 0.7}
+        shape = {"linestyle": "none", "marker": marker, "markersize": 3.5, "color": series["color"], "alpha": 0.8}
         times.loglog([1e3 * row.full_seconds for row in own], [1e3 * row.auto_seconds for row in own], label=label, **shape)
         pairs = [[100 * max(abs(error), 1e-6) for error in (row.full_error, row.auto_error)] for row in own]
         errors.loglog([pair[0] for pair in pairs], [pair[1] for pair in pairs], **shape)
@@ -206,10 +206,10 @@ def draw(rows: list[Row], path: Path) -> None:
         ends = [min(axes.get_xlim()[0], axes.get_ylim()[0]), max(axes.get_xlim()[1], axes.get_ylim()[1])]
         axes.plot(ends, ends, color="0.6", linewidth=0.7, zorder=0)
         axes.set(xlim=ends, ylim=ends)
-    times.set(xlabel="Processor time of model = 'full' [ms]", ylabel="of model = 'auto' [ms]")
-    errors.axhline(100 * TARGET, color="0.3", linestyle="--", linewidth=0.8, zorder=0)
-    errors.set(xlabel="Error of h_min, model = 'full' [%]", ylabel="model = 'auto' [%]")
-    style.legend_below(figure, times.get_legend_handles_labels()[0], 4)
+    times.set(xlabel="Processor time with model = 'full' [ms]", ylabel="Processor time with model = 'auto' [ms]")
+    errors.axhline(100 * TARGET, color="0.3", linestyle="--", linewidth=0.8, zorder=0, label="target")
+    errors.set(xlabel="Error of h_min with model = 'full' [%]", ylabel="Error of h_min with model = 'auto' [%]")
+    style.legend_below(figure, [*times.get_legend_handles_labels()[0], *errors.get_legend_handles_labels()[0]], 3)
     style.save_figure(figure, [path])
 
 
@@ -232,7 +232,7 @@ def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:
 def main() -> int:
     """Command line; status 1 where fewer scenes meet the target than asked for."""
     parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto", SEED, 1)
-    parser.add_argument("--page", action="store_true", help="table and figure of the scenes that are stored into docs/")
+    parser.add_argument("--page", action="store_true", help="copy table and figure of the stored scenes into docs/")
     options = parser.parse_args()
     folder = output_folder(options)
     path = folder / f"auto_{options.seed}{'_quick' if options.quick else ''}.csv"

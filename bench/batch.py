@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What a sweep costs: solution, error bars, adequacy, and what is not solving; memory, gathering.
+"""Measures the cost of a sweep: solution, error bars, adequacy, everything else; memory, gathering.
 
-Prints a table; on a machine with other work compare processor times (CPU) only.
+Prints a table; on a busy machine compare processor times (CPU) only.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Charts the error of every method over its wall time: steady, in time, heavily loaded.
+"""Charts the error of each method against its wall time: steady, in time, heavily loaded.
 
-The error is the true one, against the contact on at least four times the intervals of the finest grid shown (steady ones
-with the kappa space scheme, whose error is smaller still), to a tolerance far below. Steady panels: the larger one of the
-relative errors of h_min and h at X = 0. In time: the largest error in P over all nodes and times. Times are of one core, the least
-of many runs, without planning, input and output; a bar reaches to what nine tenths of the runs stay below. A star is the thesis's
-own setting; a dotted line the whole program, start-up, error bars and output too. Each run writes chart.png, .pdf, chart.csv and
-conclusion.txt, which is made from the same numbers.
+The error is the true one, against the contact on at least four times the intervals of the finest grid shown (steady: with the
+kappa scheme, whose error is smaller still), to a tolerance far below. Steady panels show the larger of the relative errors of
+h_min and of h at X = 0, the panel in time the largest error in P over all nodes and times. Times are of one core, the least of
+many runs, without planning, input and output; nine tenths of the runs stay below the end of a bar. A star is the setting of the
+thesis. Writes chart.png, .pdf, .csv and conclusion.txt from the same numbers.
 """
 
 from __future__ import annotations
@@ -48,16 +47,12 @@ THESIS, THESIS_GRID = "thesis's setting", 1024
 THESIS_SOLVER = METHODS["FAS, Block-Jacobi"] | {"pre_sweeps": 10, "post_sweeps": 10, "relaxation": 0.7, "start": "hertz"}
 # The default as a user calls it; with the limits that the same run writes; for a wanted accuracy; with the other time scheme.
 WHOLE, LIMITS, AIMED, EULER = "auto, whole program", "auto, extrapolated", "auto, target given", "auto, backward Euler"
-HOLLOW = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgecolor": "#404040", "markeredgewidth": 0.8}
 LOOKS = {
-    "auto": {"color": "#f0b000", "linestyle": "-", "linewidth": 4.0, "marker": "", "zorder": 1},
-    **dict(zip(list(METHODS)[1:], style.SERIES, strict=True)),
-    AIMED: {"color": "#7a3fb0", "linestyle": "-", "linewidth": 0.8, "marker": "*", "markersize": 6},
-    LIMITS: {"color": "#f0b000", "linestyle": (0, (1, 0.6)), "linewidth": 3.0, "zorder": 1.5} | HOLLOW,
+    **dict(zip(("auto", *list(METHODS)[2:]), style.SERIES, strict=False)),
+    LIMITS: {"color": "#d99a00", "linestyle": (0, (1, 0.6)), "marker": "o", "markersize": 4, "markerfacecolor": "white"},
     KAPPA: {"color": "#008080", "linestyle": "-", "linewidth": 1.2, "marker": "d", "markersize": 4.5},
     EULER: {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
     THESIS: {"color": "black", "linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "#ffd700", "zorder": 5},
-    WHOLE: {"color": "0.35", "linestyle": ":", "linewidth": 1.4, "marker": ".", "markersize": 4},
 }
 # Nothing larger is tried: their cost grows with the cube and faster.
 LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
@@ -69,8 +64,8 @@ HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
 # In time, where the curves lie closest, the methods take turns on each grid.
 TURNS = 3
-# Curves whose points are labelled, the second one at powers of two, and on which side [points].
-LABELLED = {"newton_krylov": (-4, -8), EULER: (4, 2), "block_jacobi": (4, 2)}
+# Not drawn: what lies on the default, is far slower or has the errors of the default; conclusion.txt has them.
+HIDDEN = ("newton_krylov", "block_jacobi", AIMED, WHOLE)
 # In time there are grids of 5/4 of each power of two besides: the reference has all their nodes, and steps are whole numbers.
 REFERENCE_FACTOR, STEP_UNIT = 5, 4
 COLUMNS = ("cycles", "steps", "residual", "fft_pairs", "work_units", "runs", "setup_median", "h_min", "h_central", "p_max")
@@ -268,16 +263,13 @@ def orders(panel: Panel) -> str:
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
     """The curves of one contact; thin bars are the spread of the times, numbers the intervals."""
-    for method, points in (panel.curves | panel.besides).items():
+    for method, points in (item for item in (panel.curves | panel.besides).items() if item[0] not in HIDDEN):
         times, errors = [p.seconds * 1e3 for p in points], [100 * p.error for p in points]
         axes.loglog(times, errors, label=method, **LOOKS[method])
         axes.hlines(errors, times, [p.high * 1e3 for p in points], color=LOOKS[method]["color"], linewidth=0.6)
-        for point in points if method in LABELLED else ():
-            if method != EULER or point.intervals & (point.intervals - 1) == 0:
-                at, side = (point.seconds * 1e3, 100 * point.error), LABELLED[method]
-                look = {"fontsize": 7, "ha": "right" if side[0] < 0 else "left", "textcoords": "offset points"}
-                halo = [withStroke(linewidth=1.5, foreground="white")]
-                axes.annotate(str(point.intervals), at, xytext=side, path_effects=halo, **look)
+        for point in points if method == "auto" else ():
+            look = {"fontsize": 7, "textcoords": "offset points", "path_effects": [withStroke(linewidth=1.5, foreground="white")]}
+            axes.annotate(str(point.intervals), (point.seconds * 1e3, 100 * point.error), xytext=(4, 2), **look)
     axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
 
 

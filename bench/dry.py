@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Speed of dry contacts, beside other programs and beside the bare transforms: results/bench/dry.csv and dry.txt.
+"""Measures the speed of dry contacts against other programs and against the bare transforms: results/bench/dry.csv and dry.txt.
 
-Every program gets the same surface and load; every answer, ours too, is judged by one error measure, the largest violation of the
-contact conditions; the peers run with the loosest of a ladder of tolerances that makes it 1e-6. Times are processor seconds of one
-core, without reading and writing. Those of the peers are of their solving call and contain what it plans and allocates; ours are
-given with and without planning, and the ratios are with it. `limit` is the sum over all transforms done of FFTW's own time at their
-size and precision, with plans measured by FFTW beforehand. The peers live in an environment of their own, made by
-python3 -m venv DIR && DIR/bin/pip install tamaas ContactMechanics aspher; peers that are missing are left out.
-Parts may be run one by one: rows of other parts stay in the table.
+Every program gets the same surface and load; one error measure, the largest violation of the contact conditions, judges every
+answer. The peers run with the loosest of a ladder of tolerances that reaches 1e-6. Times are processor seconds of one core,
+without reading and writing. Those of the peers cover their solving call with its planning and allocation; ours are given with and
+without planning, and the ratios include it. `limit` is the sum over all transforms of FFTW's own time at their size and
+precision, with plans measured beforehand. The peers have their own environment, made by python3 -m venv DIR && DIR/bin/pip
+install tamaas ContactMechanics aspher; missing peers are left out. Parts may be run one by one: rows of other parts stay in the
+table.
 """
 
 from __future__ import annotations
@@ -382,7 +382,7 @@ def main() -> None:
     parser.add_argument("--only", choices=PEERS, help="one peer instead of all")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS)
     parser.add_argument("--nodes", type=int, nargs="+", help="nodes a side of the areas")
-    parser.add_argument("--shares", type=int, nargs="+", default=[1, 5, 15], help="wanted contact of the elastic areas in percent")
+    parser.add_argument("--shares", type=int, nargs="+", default=[1, 5, 15], help="contact of the elastic areas [%%]")
     options = parser.parse_args()
     bench = Bench(options)
     for part in options.parts:

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Error against processor time for dry contacts: methods by resolution, a profile and an area, in results/chart/.
+"""Charts error against processor time for dry contacts, a profile and an area, by method and resolution, in results/chart/.
 
-The error is that of the mean separation against a much finer grid, of the same surface (Fourier resampling); every solution is
-taken to a violation of the contact conditions of 1e-6. Time is that of the solution, without reading and writing; thin bars reach
-from the fastest to the slowest of the runs. An open mark: not converged within 3000 iterations. With --peers PYTHON the area is
-solved by other programs too (bench/dry.py), each with the loosest of a ladder of tolerances that makes its violation 1e-6.
+The error is that of the mean separation against a much finer grid of the same surface (Fourier resampling); every solution has a
+violation of the contact conditions of at most 1e-6. Time is that of the solution, without reading and writing; thin bars reach
+from the fastest to the slowest run. Open marks did not converge within 3000 iterations. --peers PYTHON also solves the area by
+other programs (bench/dry.py), each with the loosest of a ladder of tolerances that reaches 1e-6.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Are there inputs that end with a wrong number and a small error bar? Families of random cases, each beside its truth.
+"""Searches for inputs that give a wrong number with a small error bar: families of random cases, each with its truth.
 
-A family is one kind of input that has gone wrong before: a wave narrower than the grid, an outlet ahead of film rupture, a
-passage that starts inside the contact. The table below holds all of them, in groups, which the command line names; a family draws
-its members from a seed. Classes, truths and what is asked of them: bench/judge.py.
+A family is one kind of input that has failed before: a wave narrower than the grid, an outlet ahead of film rupture, a passage
+that starts inside the contact. The table below holds them in groups, which the command line names; a family draws its members
+from a seed. Classes, truths and targets: bench/judge.py.
 
-The seed of `make accuracy` was drawn after the rules stood; --seed draws another sample, for fitting. Writes families.csv and
-families.txt.
+The seed of `make accuracy` was drawn after the rules were fixed; --seed draws another sample, for fitting. Writes families.csv
+and families.txt.
 """
 
 from __future__ import annotations

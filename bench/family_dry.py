@@ -1,9 +1,9 @@
-"""Dry contacts at random: Hertz, sinusoids, rough profiles and areas, rough bodies; domains and grids that do not fit; targets.
+"""Random dry contacts: Hertz, sinusoids, rough profiles and areas, rough bodies; unsuitable domains and grids; targets.
 
 Truths are closed forms, or the same surface on four to eight times the nodes a side: the program resamples periodic heights by
-their Fourier series, heights of an open domain are written for both grids. Members for a wanted accuracy of their contact area have
-no number of nodes, and truths on many; synthetic surfaces have the series of their first grid, 8 nodes in the shortest wave, which
-is read from a result on that grid and written to a file for the truth.
+their Fourier series, heights of an open domain are written for both grids. Members with a target for their contact area give no
+number of nodes, and their truths have many; a synthetic surface keeps the series of its first grid, 8 nodes in the shortest wave,
+which is read from a result on that grid and written to a file for the truth.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The inputs of the repository and the templates of the program: does a finer, longer, later run contradict their numbers?"""
+"""Checks the inputs of the repository and the templates against finer, longer, later runs."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Steady contacts at random: ordinary ones, domains, pressure spikes, friction; each beside its truth.
+"""Random steady contacts: ordinary ones, domains, pressure spikes, friction; each with its truth.
 
-The truth of a given domain has the grid spacing of the member and a domain several times as long, so that the error of the grid
-cancels: `error_domain` is judged alone. Where the program chooses, the truth has a grid so fine and an inlet so far that both serve
-all members. A spike of the pressure needs a dX so small that it is resolved or nearly so; Eyring's law makes a corner of it, where
-a grid errs by up to half of what pressure falls over a spacing.
+The truth of a given domain has the member's spacing and a domain several times as long, so that the grid error cancels and
+`error_domain` is judged alone. Where the program chooses the domain, the truth has a grid and an inlet that serve all members. A
+pressure spike needs a dX that (nearly) resolves it; Eyring's law makes it a corner, where a grid errs by up to half of the
+pressure drop over a spacing.
 """
 
 from __future__ import annotations

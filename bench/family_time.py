@@ -1,7 +1,8 @@
-"""Waves and passages at random: narrow for the grid, fast for the step, begun inside the contact, with a target; and their truths.
+"""Random waves and passages: narrow for the grid, fast for the step, begun inside the contact, with a target; and their truths.
 
-What passes on the domain, grid and step of the program is beside a finer, longer run (judge.finer_passage). Passages of Case 1 at
-another load, slide and oil lie on a given domain, with eight times the intervals and steps for the truth: `error_grid` is judged.
+Passages on the domain, grid and step of the program are compared with a finer, longer run (judge.finer_passage). Passages of Case
+1 at another load, slide and oil have a given domain, and eight times the intervals and steps in the truth: `error_grid` is
+judged.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""The judge of verdicts: what the program says of each ingredient of a model, beside runs with and without it on fine grids.
+"""Judges verdicts: what the program reports of each ingredient of a model, against fine-grid runs with and without it.
 
     honest        the true change is within the error bar (a true change below `floor` always is)
     right         the verdict is that of the true changes (needed: one above the accuracy; irrelevant: all below a tenth of it);
-                  of a grid: it is called too coarse if it is
+                  of a grid: it is reported too coarse if it is
     surely wrong  `needed` where it is not, or less than that where it is needed
     not known     no change, or no verdict
 
-Asked for: 95 % honest, 95 % right.
+Targets: 95 % honest, 95 % right.
 """
 
 from __future__ import annotations

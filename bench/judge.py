@@ -1,19 +1,18 @@
-"""The judge of error bars: a contact as the user writes it, beside its truth, and what holds of many of them.
+"""Judges error bars: a contact as the user writes it, its truth, and the targets for many of them.
 
-A member is a namelist, and that of its truth: a finer grid, a longer domain, a smaller step. The program runs both, and each
-quantity of the member's result is put into one of these classes:
+A member is a namelist and that of its truth: a finer grid, a longer domain, a smaller step. The program runs both, and each
+quantity of the member's result falls into one of these classes:
 
     refused     exit status 1, or not converged with a reason: no number that looks like an answer
-    noted       /report/note says that the numbers are not to be relied on
-    not known   no error estimate; the attribute no_estimate says why
+    noted       /report/note warns that the numbers are unreliable
+    not known   no error estimate; the attribute no_estimate gives the reason
     judged      all others: is the truth within the estimate, and the estimate below ten times the true error?
 
-The truth of a passage is FINER times as fine as the result that it judges, in space and in time, whatever grid the program has
-chosen: with schemes of second order a sixteenth of the error is left. Its inlet is FARTHER times as far. A truth that no quantity
-needs is not computed.
+The truth of a passage is FINER times as fine as its result in space and time, on any grid: schemes of second order leave a
+sixteenth of the error. Its inlet is FARTHER times as far. Truths that no quantity needs are not computed.
 
-A family holds if the truth is within the estimate for at least 95 % of those judged, and the estimate below ten times the true
-error for at least 80 %. A true error below FLOOR times the value counts as within ten times: no estimate need be so small.
+Targets of a family: the truth is within the estimate for at least 95 % of those judged, the estimate below ten times the true
+error for at least 80 %. A true error below FLOOR times the value counts as within ten times.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Table of the observed orders in time: a ridge enters the contact of Case 1 on the fast surface, from X = -1.5.
+"""Tabulates the observed orders in time: a ridge enters the contact of Case 1 on the fast surface, from X = -1.5.
 
-The error is the largest one in P over all nodes and all times of the run, the first step included. First on one grid, against
-the same grid with a far smaller time step (the error of time alone), then with the time step in proportion to the grid, against
-a finer grid (the error of both). Writes orders.csv and orders.txt.
+The error is the largest one in P over all nodes and times, the first step included: first on one grid, against a far smaller time
+step (the error of time alone), then with the time step in proportion to the grid, against a finer grid (both errors). Writes
+orders.csv and orders.txt.
 """
 
 from __future__ import annotations

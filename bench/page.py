@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""Puts what was measured into docs/performance.md, with machine and commit, and figures into docs/images/performance/.
+"""Copies measured tables and figures into docs/performance.md and docs/images/performance/, with machine and commit.
 
-The page is text with blocks between `<!-- NAME: written by bench/page.py -->` and `<!-- NAME: end -->`. Only the blocks
-that are named are written anew, from results/; everything else stays as it is.
+Only the named blocks between `<!-- NAME: written by bench/page.py -->` and `<!-- NAME: end -->` are rewritten, from results/.
 """
 
 from __future__ import annotations
@@ -66,17 +65,17 @@ def rows(path: Path) -> list[dict[str, str]]:
 
 
 def bench_text(path: Path) -> str:
-    """What was asked of speed and memory, in seconds where there is no unit, and the median of what was measured."""
+    """Targets of speed and memory, and the median of what was measured; a star where that misses the target."""
     lines = []
     for row in (row for row in rows(path) if row["asked"]):
-        verdict = row["verdict"] if row["verdict"] != "met" else ""
-        line = f"{row['work']:<44} <= {float(row['asked']):<6g} {float(row['median']):8.3g} {row['unit']:<3} {verdict}"
+        star = "*" * (row["verdict"] == "MISSED")
+        line = f"{row['work']:<44} <= {float(row['asked']):<6g} {float(row['median']):8.3g} {row['unit']:<2} {star}"
         lines.append(line.rstrip())
     return fenced("\n".join(lines))
 
 
 def families_text(path: Path) -> str:
-    """A line a family: quantities judged, shares, and those of its quantities that miss what is asked."""
+    """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
     found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
     numbers = ("value", "estimate", "true_error")
     for row in rows(path):
@@ -88,7 +87,7 @@ def families_text(path: Path) -> str:
         every = [row for own in quantities.values() for row in own]
         missed = [name for name, own in quantities.items() if share(own, is_within) < WITHIN or share(own, is_tight) < TIGHT]
         shares = f"{100 * share(every, is_within):10.1f} {100 * share(every, is_tight):14.1f}"
-        lines.append(f"{family:26s} {len(every):6d} {shares}" + (f"  missed: {', '.join(missed)}" if missed else ""))
+        lines.append(f"{family:26s} {len(every):6d} {shares}" + (f"  * {', '.join(missed)}" if missed else ""))
     return fenced("\n".join(lines))
 
 
@@ -100,9 +99,7 @@ def maps_text(*paths: Path) -> str:
         for row in rows(path):
             right[row["method"]].append(row["reason"] == "converged" or row["status"] == "too coarse")
         words = "; ".join(f"{method} {sum(each)}" for method, each in right.items() if not all(each))
-        name = path.stem.removeprefix("stability_")
-        link = f"[{name}](images/performance/{path.stem}.png)"
-        lines.append(f"| {link} | {len(next(iter(right.values())))} | {words + '; the others ' if words else ''}all |")
+        lines.append(f"| {path.stem[10:]} | {len(next(iter(right.values())))} | {words + '; the others ' if words else ''}all |")
     return "\n".join(lines) + "\n"
 
 
@@ -114,13 +111,12 @@ def dry_text(path: Path) -> str:
     lines = []
     for work, own in groups.items():
         cells = [f"{share[0][:-2]}: " if (share := re.findall(r"\d+ %", row["work"])) else "" for row in own]
-        cells = [f"{cell}{row['value']}{' MISSED' * (row['verdict'] == 'MISSED')}" for cell, row in zip(cells, own, strict=True)]
+        cells = [f"{cell}{row['value']}{'*' * (row['verdict'] == 'MISSED')}" for cell, row in zip(cells, own, strict=True)]
         sign = ">=" if own[0]["unit"] == "times" else "<="
         lines.append(f"{work:<44} {sign} {own[0]['asked']:>4} {own[0]['unit']:<6} {'; '.join(cells)}")
     return fenced("\n".join(lines))
 
 
-MAPS = [f"stability/stability_{name}" for name in NAMES]
 # Of each block what it needs below results/, the figures, and its text, made from the paths of the former; auto.py writes `auto`.
 BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "bench": (["bench/bench.csv"], [], bench_text),
@@ -128,7 +124,7 @@ BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "targets": (["accuracy/cost.txt", "accuracy/cost_time.txt"], [], as_it_is),
     "families": (["accuracy/families.csv"], [], families_text),
     "passages": (["accuracy/passages/families.csv"], [], families_text),
-    "stability": ([f"{name}.csv" for name in MAPS], [f"{name}.png" for name in MAPS], maps_text),
+    "stability": ([f"stability/stability_{name}.csv" for name in NAMES], ["stability/stability.png"], maps_text),
     "dry": (["bench/dry.csv"], [], dry_text),
     "adequacy": (["adequacy/adequacy.txt"], [], as_it_is),
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Measures speed and memory: what was asked for, what was reached, with the residual reached and a verdict.
+"""Measures speed and memory against targets, with the residual reached.
 
-Every time is of one core and of many runs in one process (minimum and median); start-up, input and output are a row of
-their own. The verdict is that of the median; `met (min.)` and `met (CPU)` are for a machine that others use too: by the minimum,
-by the mean processor time of a run (planning included). Results: a table on standard output, bench.txt and bench.csv.
+Every time is of one core and of many runs in one process (minimum and median); start-up, input and output have their own row. The
+verdict is that of the median; `met (min.)` and `met (CPU)` are for a busy machine: by the minimum, by the mean processor time of
+a run (planning included). Results: a table on standard output, bench.txt and bench.csv.
 """
 
 from __future__ import annotations

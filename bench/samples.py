@@ -1,7 +1,6 @@
-"""Samples that are always the same: steady contacts, and passages of rough surfaces through a contact like Case 1.
+"""Fixed samples: steady contacts, and passages of rough surfaces through a contact like Case 1.
 
-Of each the fitted sample is the one on which the rules of the error estimates were fitted, the fresh one was drawn afresh when they
-stood, so that it judges them.
+The rules of the error estimates were fitted on the fitted sample of each; the fresh one was drawn afterwards and judges them.
 """
 
 from __future__ import annotations

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Are the verdicts of the scenes of input/scenes/ those of fine grids? Each ingredient of each scene is left out on one.
+"""Compares the verdicts of the scenes of input/scenes/ with fine grids, one ingredient left out at a time.
 
-The truth is that of bench/adequacy.py and bench/adequacy_dry.py. Without squeeze there are only steady solutions with the waves at
-their places, for which no namelist asks: the truth is what the program says itself on SQUEEZE_FINER times the nodes and time steps
-(against runs of other waves at rest: test_coarse_passages.pf).
+The truth is that of bench/adequacy.py and bench/adequacy_dry.py. Without squeeze there are only steady solutions with the waves
+at their places, which no namelist describes: the truth is the program's own verdict on SQUEEZE_FINER times the nodes and time
+steps (against runs of other waves at rest: test_coarse_passages.pf).
 
     same       the program's verdict is that of the fine grids
     other      it is not: a miss
     not known  the program gives no verdict: a miss as well
-    no truth   there is none: no solution without the ingredient
+    no truth   no solution exists without the ingredient
 
-Writes scenes.csv and scenes.txt; with --page docs/scenes.md and its figures too (bench/scenes_page.py).
+Writes scenes.csv and scenes.txt; --page also writes docs/scenes.md and its figures (bench/scenes_page.py).
 """
 
 from __future__ import annotations

@@ -17,6 +17,7 @@ IMAGES = ROOT / "docs" / "images" / "scenes"
 # The script that draws a scene, and what of that is the figure.
 FIGURES = {
     **dict.fromkeys(("04", "05"), (("friction.py", "--si"), "friction", "pressure, film, shear stresses")),
+    "01": (("profile.py", "--si", "--window", "-15", "4"), "profile", "pressure and film"),  # inside the journal
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
 }
@@ -27,24 +28,23 @@ WIDTH = 128
 
 HEAD = """# Ten scenes
 
-Contacts as they occur, in [input/scenes/](../input/scenes). Of each: the input, what the program says, where it lies on the chart
-of Moes, and what of the model it needs, beside what fine grids say of the same. `make scenes` runs them, leaves out every
-ingredient on fine grids, and writes this page; nothing on it is typed by hand but the comments of the inputs.
+Contacts as they occur, in [input/scenes/](../input/scenes). Each section shows the input, the closing table, the place on the chart
+of Moes, and the needs of the model, compared with fine grids. `make scenes` runs the scenes, omits each ingredient on fine grids,
+and writes this page from the results and the comments of the inputs.
 
-Inputs are typical values, not measurements of one machine: of oils a viscosity of their ISO class at the temperature beside it
-(ISO 3448 gives it at 40 degrees), for alpha 20 1/GPa, Eyring stresses of 4 to 6 MPa; pressures that bearings and gears are
-made for.
+Inputs are typical values, not measurements of one machine: oils have the viscosity of their ISO class at the given temperature
+(ISO 3448: at 40 degrees), alpha 20 1/GPa, Eyring stresses of 4 to 6 MPa; pressures are design values of bearings and gears.
 
 ## Are the verdicts right?
 
 {summary}
-`change` is what the program measured, on its coarse grids, of the quantity that the fine grids change most, with its error bar;
-`fine grids` is what they say: passages with half the spacing and half the time step, steady contacts for 2e-4 of h_min, dry
-profiles on 8 times the nodes, with the heights of the scene's own grid. The verdicts compare with the accuracy of the result. A
-verdict that is `not known` is no error, but no answer either: measuring may cost a tenth of the run, and where its error bar is
-larger than what it compares with there is none. Without squeeze there are steady solutions with the waves at their places, for
-which no namelist asks: `fine grids` is what the program says itself on 4 times the nodes and time steps. Rigid bodies are 2000
-times as stiff; where they have no solution, fewer times tell whether elasticity is needed.
+`change` is the measured change, on the coarse grids of the program, of the quantity that the fine grids change most, with its error
+bar; `fine grids` is the same change on fine grids: passages with half the spacing and half the time step, steady contacts for 2e-4
+of h_min, dry profiles on 8 times the nodes with the heights of the scene's grid. Verdicts are at the accuracy of the result. `not
+known` is no error, but no answer: the measurement may cost a tenth of the run, and gives no verdict where its error bar is too
+large. Without squeeze there are steady solutions with the waves at their places, which no namelist describes: there `fine grids` is
+the program's own value on 4 times the nodes and time steps. Rigid bodies are 2000 times as stiff, or less where they have no
+solution, which still shows whether elasticity is needed.
 
 | scene | accuracy | same | other | not known | no truth |
 |---|---|---|---|---|---|
@@ -92,7 +92,7 @@ def verdict_table(verdicts: list[tuple[Row, str]]) -> str:
 def auto_table(path: Path, text: str, folder: Path) -> str:
     """What model = 'auto' decides of a scene for a target of TARGET, and why."""
     if "ehl_line" not in text:
-        return "A dry contact has no `model = 'auto'`: it is solved with everything that it is given."
+        return "Dry contacts have no `model = 'auto'`."
     lean = folder / f"{path.stem}_auto.nml"
     chosen = re.sub(r"^ *intervals *=.*\n", "", text, flags=re.MULTILINE).replace("   problem =", "   model = 'auto'\n   problem =")
     lean.write_text(f"{chosen}&accuracy\n   target = {TARGET}\n/\n", encoding="utf-8")

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Maps where each method converges, converges late or does not; iterations as colour; one frame for all methods.
+"""Maps where each method converges, converges late or fails, with iterations as colour.
 
-A cell is converged (at most 30 iterations on the finest grid, in time: per step), late (more), not converged (ended by the limit
-of iterations or of 40 s of processor time, stalled, or failed), or has a grid that is too coarse for a discrete film or steps
-that are too long for a feature, and is called so, which is the right answer. One rule for all methods. Results for each map:
-stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists those where `auto` does not converge, whose namelists go to
-not_converged/. With --dry the maps of dry contacts (bench/stability_dry.py) in one figure, dry_stability.png and .csv.
+A cell converged (at most 30 iterations on the finest grid, in time: per step), converged late (more), did not converge (limit of
+iterations, 40 s of processor time, stalled, failed), or was rightly reported as a grid too coarse for a discrete film or steps
+too long for a feature. Each map gives stability_NAME.png, .pdf, .csv; SHOWN are in stability.png. conclusion.txt counts cells and
+lists those where `auto` does not converge; their namelists go to not_converged/. --dry draws the maps of dry contacts in one
+figure.
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ from pathlib import Path
 import bench_program
 import stability_dry
 from bench_program import Answer, conclude, job, new_parser, output_folder, write_csv
-from stability_cells import NAMES, Place, StabilityMap, all_maps, iterations, status
+from stability_cells import AUTO, CYCLES, NAMES, Place, StabilityMap, all_maps, iterations, status
 from stability_figure import draw_maps
 
 LIMIT = 40.0
+# Of the common figure.
+SHOWN = ("moes_eyring", "coarsest", "roughness")
 COLUMNS = ("intervals", "cycles", "steps", "residual", "load_error", "tolerance", "all_least", "h_min", "h_central", "p_max")
 
 
@@ -72,7 +74,7 @@ def main() -> int:
     if options.dry:
         print(stability_dry.run_maps(folder, options.quick, options.processes), end="")
         return 0
-    lines = []
+    lines, shown = [], []
     for each in all_maps(options.quick):
         if options.only and each.key not in options.only:
             continue
@@ -84,7 +86,12 @@ def main() -> int:
                 classes[place] = ("no cycle", 1)
         draw_maps([each], [classes], 4, each.title, folder / f"stability_{each.key}")
         lines += report(each, answers, folder / "not_converged")
+        if each.key in SHOWN:
+            each.methods = AUTO | CYCLES
+            shown.append((each, classes))
         print(each.key, file=sys.stderr)
+    if len(shown) == len(SHOWN):
+        draw_maps(*map(list, zip(*shown, strict=True)), 4, "", folder / "stability")
     conclude(folder / "conclusion.txt", "\n".join(lines) + "\n")
     return 0
 

@@ -213,7 +213,7 @@ def roughness_maps(quick: bool) -> Iterator[StabilityMap]:
     """Amplitude against wavelength: a wavy surface at rest under a sliding one, and a ridge that passes."""
     waves = [0.25, 0.5, 1, 2] if quick else [0.125, 0.25, 0.5, 0.75, 1, 1.5, 2, 3, 4]
     heights = [0.1, 0.3, 0.6, 1.0] if quick else [0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2]
-    both = Axis("wavelength_over_b", r"$\Lambda/b$", waves), Axis("amplitude_over_film", r"Amplitude$/h_c$", heights)
+    both = Axis("wavelength_over_b", r"Wavelength $\Lambda/b$", waves), Axis("amplitude_over_film", r"Amplitude $A/h_c$", heights)
     n, nodes = (512, 256) if quick else (2048, 512)
 
     def shape(kind: str, wave: float, height: float) -> dict:

@@ -1,9 +1,8 @@
-"""Where the dry solvers converge, and in how many iterations: the default beside the thesis's method.
+"""Maps where the dry solvers converge, and in how many iterations: the default and the thesis's method.
 
-Load from first touch to full contact over hardness (none to all plastic), over the Hurst exponent, and over the number of nodes
-of areas and profiles; each cell is one run to a violation of the contact conditions of 1e-8, by projected conjugate gradients
-(left) and by steepest descent (right). The classes are those of the lubricated maps; c: full contact or all plastic, in closed
-form; a load above the hardness is refused before the start.
+Load from first touch to full contact against hardness (none to all plastic), Hurst exponent, and nodes of areas and profiles; each
+cell is one run to a violation of the contact conditions of 1e-8, by conjugate gradients (left) and steepest descent (right).
+Classes are those of the lubricated maps; c: full contact or all plastic, in closed form; ?: the load exceeds the hardness.
 """
 
 from __future__ import annotations
@@ -86,12 +85,15 @@ def maps(quick: bool) -> list[StabilityMap]:
         loads = Axis("load", "Mean pressure over $E^* g$ [-]", list(LOADS[::step]))
         return StabilityMap(f"dry_{key}", title, loads, axis, {name: {"method": name} for name in METHODS}, text)
 
-    hard, hurst = Axis("hardness", "Hardness", list(HARDNESSES[::step])), Axis("hurst", "Hurst exponent", list(HURSTS[::step]))
+    hard, hurst = (
+        Axis("hardness", "Hardness/$E^* g$", list(HARDNESSES[::step])),
+        Axis("hurst", "Hurst exponent", list(HURSTS[::step])),
+    )
     return [
-        one("hardness", f"areas, {nodes}$^2$", hard, True, nodes=nodes),
-        one("spectrum", f"areas, {nodes}$^2$", hurst, True, nodes=nodes),
-        one("areas", "areas", Axis("nodes", "Nodes a side", few(AREAS)), True),
-        one("profiles", "profiles", Axis("nodes", "Nodes", few(LINES)), False),
+        one("hardness", f"Areas of {nodes}$^2$ nodes", hard, True, nodes=nodes),
+        one("spectrum", f"Areas of {nodes}$^2$ nodes, elastic", hurst, True, nodes=nodes),
+        one("areas", "Areas, elastic", Axis("nodes", "Nodes a side", few(AREAS)), True),
+        one("profiles", "Profiles, elastic", Axis("nodes", "Nodes", few(LINES)), False),
     ]
 
 

@@ -25,7 +25,7 @@ CLASSES = {
     "limit": (NOT_CONVERGED, "…", "not converged: limit of iterations or time"),
     "stalled": (NOT_CONVERGED, "–", "not converged: stalled"),
     "failed": (NOT_CONVERGED, "×", "not converged: failed"),
-    "too coarse": ("#a9cbe8", "o", "grid or time step too coarse, told so"),
+    "too coarse": ("#a9cbe8", "o", "grid or time step too coarse, and reported"),
     "refused": ("#ffffff", "?", "input refused"),
     "closed": ("#ffffff", "c", "closed form"),
     "no cycle": ("#e4f4e0", "e", "one level, solved exactly"),
@@ -46,6 +46,9 @@ def draw_maps(maps: list[StabilityMap], found: list[Classes], columns: int, titl
             panel.set_yticklabels([])
         if len(maps) == 1 and i + columns < len(panels):
             panel.label_outer()
+        if len(maps) > 1 and i % columns == 0:
+            panel.set_title(f"\n{panel.get_title()}", fontsize=8.5)
+            panel.annotate(content[0].title, (0, 1), (0, 17), "axes fraction", "offset points", fontsize=8.5).set_in_layout(False)
     for panel in axes.flat[len(panels) :]:
         panel.set_axis_off()
     bar = figure.colorbar(ScalarMappable(SCALE, GREEN), ax=axes, shrink=0.8, pad=0.01, aspect=30)
@@ -73,9 +76,9 @@ def draw_panel(axes: Axes, each: StabilityMap, method: str, classes: Classes) ->
             tone = "white" if colour == NOT_CONVERGED else "0.25"
             axes.text(column, row, sign, ha="center", va="center_baseline", fontsize=5.5, color=tone)
     axes.imshow(image, origin="lower", aspect="auto", interpolation="nearest")
-    axes.set_title(method if not each.key.startswith("dry") else f"{each.title}: {method}", fontsize=8.5)
+    axes.set_title(method.replace("_", " "), fontsize=8.5)
     axes.set(xlabel=each.x.label, ylabel=each.y.label)
-    set_ticks(axes.set_xticks, each.x, 6)
+    set_ticks(axes.set_xticks, each.x, 5)
     set_ticks(axes.set_yticks, each.y, 11)
     axes.set_xticks(np.arange(len(each.x.values) + 1) - 0.5, minor=True)
     axes.set_yticks(np.arange(len(each.y.values) + 1) - 0.5, minor=True)

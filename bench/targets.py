@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What does a wanted accuracy of h_min cost, and is it met? Fitted and fresh samples (samples.py), steady or (--in-time) passages.
+"""Measures the cost of a target for h_min, and whether it is met: fitted and fresh samples (samples.py), steady or --in-time.
 
-The time, choice included, is beside that of the best fixed choice: of steady contacts the coarsest 2^k intervals on the same domain
-whose true error meets it, against 8 times the intervals on a domain four times as long; of passages the fewest (1 %: 64 to 1024,
-0.1 %: to 4096) with dT = dX and the thesis's space scheme from which on all meet it; for 1 % also beside the cheaper one of the two
-best fixed choices with either space scheme. The exact answer of a passage is that of the thesis's scheme on 2048 intervals, for
-0.1 % that of the kappa scheme on 4096 with dT = dX/2. Times are of one core, the least wall time of several runs, or their mean
-processor time where other work on the machine made that smaller. Writes cost.csv and .txt, of passages cost_time.csv and .txt.
+The time, choice included, is compared with the best fixed grid: for steady contacts the coarsest 2^k intervals on the same domain
+whose true error meets the target, against 8 times the intervals on a domain four times as long; for passages the fewest (1 %: 64
+to 1024, 0.1 %: to 4096) with dT = dX and the thesis's scheme from which on all meet it; for 1 % also with the cheaper of the best
+fixed grids of both schemes. The exact answer of a passage is that of the thesis's scheme on 2048 intervals, for 0.1 % that of the
+kappa scheme on 4096 with dT = dX/2. Times are of one core, the least wall time of several runs, or their mean processor time
+where other work on the machine made that smaller. Writes cost.csv and .txt, of passages cost_time.csv and .txt.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def in_time(sample: str, quick: bool) -> list[Cost]:
 def main() -> int:
     """Command line."""
     parser = new_parser(__doc__, "fewer contacts", "results/accuracy")
-    parser.add_argument("--in-time", action="store_true", help="passages in place of steady contacts")
+    parser.add_argument("--in-time", action="store_true", help="passages instead of steady contacts")
     options = parser.parse_args()
     folder, ending = output_folder(options), "_time" if options.in_time else ""
     every, words = [], HEAD

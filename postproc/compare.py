@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws several results over each other, their difference to the first, and prints a table.
+"""Draws several results in one figure with their difference from the first, and prints a table.
 
 Results whose scales (half-width, b^2/R, p_h) differ are compared in SI, with or without --si.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws residual and load error over the cycles, with the bound on both."""
+"""Draws residual and load error over the cycles, with their bound."""
 
 from __future__ import annotations
 

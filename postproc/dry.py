@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws dry contacts: the profile with pressure, or maps of pressure and contact; the load sweep; the heights; the convergence."""
+"""Draws dry contacts: the profile with pressure, or maps of heights and pressure; the load sweep; the heights; the convergence."""
 
 from __future__ import annotations
 
@@ -13,15 +13,13 @@ import figure_style as style
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, ListedColormap
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from result_file import LARGEST, ResultError, inputs_of, opened, prefix_of, values_of
 
 PROGRAM = "dry.py"
 EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
-# Open, elastic, plastic.
-CLASSES = ListedColormap(["#ffffff", "#56a8e0", "#000000"])
 # Pressures on white ground: the smallest one is no longer pale.
 PRESSURES = LinearSegmentedColormap.from_list("pressures", matplotlib.colormaps["magma_r"](np.linspace(0.25, 1, 128)))
 STATES = ("undeformed", "loaded", "unloaded")
@@ -158,9 +156,10 @@ def draw_bands(result: DryResult, top: Axes, bottom: Axes, factor: float, name: 
 
 
 def draw_maps(result: DryResult) -> Figure:
-    """Maps of the pressure and of the contact with its plastic part."""
-    figure, (left, right) = style.new_figure(style.TWO_COLUMNS, 78, ncols=2, sharey=True)
-    solution = result.solution
+    """Maps of the undeformed heights, where they are stored, and of the pressure, black where it is the hardness."""
+    solution, name = result.solution, "height_undeformed"
+    has_heights = name in solution
+    figure, panels = style.new_figure(style.TWO_COLUMNS, 78, ncols=1 + has_heights, sharey=True, squeeze=False)
     fx, ux = unit(solution["x"], "m")
     fp, up = unit(solution["pressure"], "Pa")
     half = 0.5 * (solution["x"][1] - solution["x"][0]), 0.5 * (solution["y"][1] - solution["y"][0])
@@ -171,18 +170,14 @@ def draw_maps(result: DryResult) -> Figure:
         (solution["y"][-1] + half[1]) * fx,
     ]
     look = {"origin": "lower", "extent": extent, "interpolation": "nearest"}
-    pressure = solution["pressure"]
-    image = left.imshow(np.ma.masked_equal(pressure * fp, 0), cmap=PRESSURES, **look)
-    figure.colorbar(image, ax=left, label=f"Pressure $p$ [{up}]", shrink=0.8)
-    kinds = (pressure > 0).astype(int)
-    if result.hardness:
-        kinds += pressure >= result.hardness
-    image = right.imshow(kinds, cmap=CLASSES, vmin=-0.5, vmax=2.5, **look)
-    names = ["open", "elastic", "plastic"] if result.hardness else ["open", "contact"]
-    bar = figure.colorbar(image, ax=right, ticks=range(len(names)), boundaries=np.arange(len(names) + 1) - 0.5, shrink=0.8)
-    bar.ax.set_yticklabels(names)
-    left.set(xlabel=f"$x$ [{ux}]", ylabel=f"$y$ [{ux}]")
-    right.set_xlabel(f"$x$ [{ux}]")
+    maps = [(np.ma.masked_equal(solution["pressure"] * fp, 0), f"Pressure $p$ [{up}]", PRESSURES)]
+    if has_heights:
+        fz, uz = unit(solution[name], "m")
+        maps.insert(0, (solution[name] * fz, f"Undeformed height $z$ [{uz}]", style.COLOUR_MAP))
+    for panel, (values, label, colours) in zip(panels[0], maps, strict=True):
+        figure.colorbar(panel.imshow(values, cmap=colours, **look), ax=panel, label=label, shrink=0.8)
+        panel.set_xlabel(f"$x$ [{ux}]")
+    panels[0, 0].set_ylabel(f"$y$ [{ux}]")
     figure.suptitle(load_of(result), fontsize=9)
     figure.get_layout_engine().set(wspace=0.06)
     return figure
@@ -190,31 +185,31 @@ def draw_maps(result: DryResult) -> Figure:
 
 def draw_sweep(result: DryResult) -> Figure:
     """Areas, separation and roughness over the load, with the error estimates of the result."""
-    figure, axes = style.new_figure(style.TWO_COLUMNS, 62, ncols=3)
-    sweep = result.sweep
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 72, ncols=3)
+    sweep, handles = result.sweep, []
     order = np.argsort(sweep["mean_pressure"])
     fp, up = unit(sweep["mean_pressure"], "Pa")
     load = sweep["mean_pressure"][order] * fp
     curves: list[tuple[Axes, str, str, str]] = [
-        (axes[0], "contact_area_fraction", "contact", "1"),
-        (axes[0], "plastic_area_fraction", "plastic", "1"),
+        (axes[0], "contact_area_fraction", "contact area", "1"),
+        (axes[0], "plastic_area_fraction", "plastic area", "1"),
         (axes[1], "mean_separation", "mean separation", "m"),
-        (axes[2], "ra_undeformed", "undeformed", "m"),
-        (axes[2], "ra_loaded", "loaded", "m"),
-        (axes[2], "ra_unloaded", "unloaded", "m"),
+        (axes[2], "ra_undeformed", "$Ra$ undeformed", "m"),
+        (axes[2], "ra_loaded", "$Ra$ loaded", "m"),
+        (axes[2], "ra_unloaded", "$Ra$ unloaded", "m"),
     ]
+    looks = dict(zip((curve[1] for curve in curves), style.SERIES, strict=True))
     for panel, labels in zip(axes, ("Area over nominal area [-]", "Mean separation", "$Ra$"), strict=True):
         mine = [curve for curve in curves if curve[0] is panel]
         factor, name = (1.0, "") if mine[0][3] == "1" else unit(np.concatenate([sweep[curve[1]] for curve in mine]), "m")
-        for (_, key, label, _), series in zip(mine, style.SERIES, strict=False):
+        for _, key, label, _ in mine:
             error = result.errors[key][order] * factor if key in result.errors else None
             every = max(1, len(load) // 12)
             look = {"markevery": every, "errorevery": every, "elinewidth": 0.7, "capsize": 2}
-            panel.errorbar(load, sweep[key][order] * factor, error, label=label, **look, **series)
+            handles.append(panel.errorbar(load, sweep[key][order] * factor, error, label=label, **look, **looks[key]))
         panel.set(xlabel=f"Mean pressure [{up}]", ylabel=labels + (f" [{name}]" if name else ""))
-        if len(mine) > 1:
-            panel.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=1 + (len(mine) == 2), borderaxespad=0.2)
     axes[0].set_ylim(bottom=0)
+    style.legend_below(figure, handles, 3)
     return figure
 
 

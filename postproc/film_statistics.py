@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the statistics of the film over a passage: distributions, and how often it is thinner than stated films (in SI)."""
+"""Draws the statistics of the film over a passage: distributions, and how often it is thinner than given thresholds (in SI)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the shear stresses in a film over X, with pressure and film, the velocity across it where that is stored, and friction
-and power of a passage over time."""
+"""Draws shear stresses, pressure and film over X, the velocity across the film, and friction and power of a passage over time."""
 
 from __future__ import annotations
 
@@ -33,7 +32,7 @@ OVER_TIME = {
     "Friction": ("friction_coefficient", "rolling_friction_coefficient"),
     "Power": ("sliding_power", "rolling_power"),
 }
-PARTS = {"sliding": style.SERIES[3], "rolling": style.SERIES[4]}
+PARTS = ("sliding", "rolling")
 
 
 class Friction(NamedTuple):
@@ -167,54 +166,49 @@ def has_times(result: Result) -> bool:
     return all(name in result.transient for names in OVER_TIME.values() for name in names)
 
 
-def draw_times(panels: list[Axes], result: Result, friction: Friction, si: bool) -> list:
-    """Friction and power over time, sliding on the left axis, rolling on the right one, and the time of the curves over X."""
+def draw_times(rows: list[list[Axes]], result: Result, friction: Friction, si: bool) -> None:
+    """Friction above, power below, sliding on the left, rolling on the right, over time; and the time of the curves over X."""
     t_axis = result.transient["time"].axis(si)
     time = result.transient["time"].values * t_axis.factor
-    for panel, (words, names) in zip(panels, OVER_TIME.items(), strict=True):
-        lines = []
-        for axes, name, (part, look) in zip((panel, panel.twinx()), names, PARTS.items(), strict=True):
+    for row, (words, names) in zip(rows, OVER_TIME.items(), strict=True):
+        for panel, name, part in zip(row, names, PARTS, strict=True):
             values = result.transient[name]
             # a friction coefficient has no unit, and is the same in both
-            factor = values.si_scale if si or name.endswith("coefficient") else 1.0
-            kept = {key: value for key, value in look.items() if key != "marker"}
-            lines += axes.plot(time, values.values * factor, label=part, **kept)
+            factor = values.si_scale if si or words != "Power" else 1.0
+            panel.plot(time, values.values * factor, color="black")
             unit = "[-]"
             if words == "Power":
                 unit = "[W/m]" if si else r"$/(p_\mathrm{h} b^2 u_\mathrm{s}/R)$ [-]"
-            axes.set_ylabel(f"{words}, {part} {unit}")
-            axes.margins(y=0.12)
-        panel.axvline(friction.time * t_axis.factor, color="0.7", linewidth=0.8, zorder=0)
-        panel.set_xlim(time[0], time[-1])
-        panel.tick_params(right=False)
-        style.few_ticks(panel)
-        panel.set_xlabel(t_axis.label)
-    return lines
+            panel.set(xlabel=t_axis.label, ylabel=f"{words} {unit}", title=part, xlim=(time[0], time[-1]))
+            panel.margins(y=0.12)
+            panel.axvline(friction.time * t_axis.factor, color="0.7", linewidth=0.8, zorder=0)
+            style.few_ticks(panel)
 
 
 def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     """One result: reads it, draws it, returns the names of the figures.
 
-    On the left the curves over X, on the right the velocity across the film, or, in time, friction and power; where a result
-    has both, the velocity is on the right, the others below.
+    The curves over X below each other, the velocity across the film on their right; in time without it the curves beside each
+    other; friction and power over time in two rows below.
     """
     result = read_result(path, options.si)
     friction = read_friction(path, result, options.time)
     figure_command.warn_not_converged(PROGRAM, result)
     has_velocity, is_passage = friction.velocity is not None, has_times(result)
     width, columns = (style.TWO_COLUMNS, 2) if has_velocity or is_passage else (style.ONE_COLUMN, 1)
-    rows = 3 if has_velocity and is_passage else 2
-    figure, axes = style.new_figure(width, (55 if is_passage else 50) * rows, nrows=rows, ncols=columns, squeeze=False)
-    lines = draw_contact(axes[0, 0], result, friction, options.si)
-    lines += draw_stresses(axes[1, 0], result, friction, options.si)
+    rows = 2 * is_passage + (1 if is_passage and not has_velocity else 2)
+    figure, axes = style.new_figure(width, 50 * rows, nrows=rows, ncols=columns, squeeze=False)
+    over_x = axes[:2, 0] if has_velocity or not is_passage else axes[0]
+    lines = draw_contact(over_x[0], result, friction, options.si)
+    lines += draw_stresses(over_x[1], result, friction, options.si)
     if is_passage:
-        lines += draw_times(list(axes[2] if has_velocity else axes[:, 1]), result, friction, options.si)
+        draw_times(axes[-2:], result, friction, options.si)
     x_axis = result.solution["x"].axis(options.si)
     left, right = style.x_window(result, options.window)
-    for one in axes[:2, 0]:
+    for one in over_x:
         one.set_xlim(left * x_axis.factor, right * x_axis.factor)
         style.few_ticks(one)
-    axes[1, 0].set_xlabel(x_axis.label)
+        one.set_xlabel(x_axis.label)
     if has_velocity:
         grid = axes[0, 1].get_gridspec()
         for one in axes[:2, 1]:
@@ -223,7 +217,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     words = caption(friction, result, options.si)
     if columns == 1:
         words = words.replace("sliding", "\nsliding").replace(", rolling", ",\nrolling")
-    axes[0, 0].set_title(words, fontsize=8, loc="left")
+    axes[0, 0].set_title(words, fontsize=8, loc="left").set_in_layout(columns == 1)
     style.legend_below(figure, lines, 3 if columns == 1 else len(lines))
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "friction"))

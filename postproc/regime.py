@@ -123,7 +123,7 @@ def draw_films(axes: Axes, films: Films) -> None:
     for law in (rigid, soft, stiff, both):
         axes.plot(m, law, **ASYMPTOTE)
     axes.set(xscale="log", yscale="log", xlim=(films.moes_m[0], films.moes_m[-1]), ylim=(0.3, 40))
-    axes.set(xlabel="$M$ [-]", ylabel=r"$(h_\mathrm{min}/R)\,\sqrt{E'R/(\mu_0 u_\mathrm{s})}$ [-]")
+    axes.set(xlabel="Load parameter $M$ [-]", ylabel=r"Smallest film $(h_\mathrm{min}/R)\,[E'R/(\mu_0 u_\mathrm{s})]^{1/2}$ [-]")
 
 
 def grid(films: Films, points: int) -> list[np.ndarray]:
@@ -147,9 +147,9 @@ def draw_regimes(axes: Axes, films: Films) -> None:
         inside = regime == i
         if inside.any():
             place = (np.exp(np.log(m[inside]).mean()), np.exp(np.log(oil[inside]).mean()))
-            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
-            axes.annotate(words.replace(", ", "\n"), place, ha="center", va="center", fontsize=8, color="0.4", bbox=box)
-    axes.set(xlabel="$M$ [-]", ylabel="$L$ [-]")
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+            axes.annotate(words.replace(", ", "\n"), place, ha="center", va="center", fontsize=8, bbox=box, zorder=3)
+    axes.set(xlabel="Load parameter $M$ [-]", ylabel="Viscosity parameter $L$ [-]")
 
 
 def look_of(i: int) -> dict[str, str]:

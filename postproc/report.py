@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes one page of a result to pass on: input, outcome with error bars, figures, limits and needs of the model (HTML)."""
+"""Writes one page to pass on a result: input, outcome with error bars, figures, limits and needs of the model (HTML)."""
 
 from __future__ import annotations
 

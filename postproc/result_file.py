@@ -1,7 +1,6 @@
 """Reads a result file of asperity once: values, labels with units, report, paths of the features.
 
-Everything is kept as it is stored (lubricated cases: dimensionless). `Quantity.axis` says by which
-factor to multiply and which label to write, dimensionless or SI.
+Values stay as stored (lubricated cases: dimensionless). `Quantity.axis` gives factor and label, dimensionless or SI.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws a passage: x-t maps with the feature paths, a film strip, on wish an animation (GIF)."""
+"""Draws a passage: x-t maps with the paths of the features, a film strip, an animation (--parts passage, GIF)."""
 
 from __future__ import annotations
 
@@ -317,8 +317,8 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="X",
         help="places of the feature in the film strip, in half-widths (default: -1 -0.5 0 0.5 1)",
     )
-    parser.add_argument("--frames", type=int, default=60, metavar="N", help="pictures in the animation (60)")
-    parser.add_argument("--frames-per-second", type=int, default=10, metavar="N", help="speed of it (10)")
+    parser.add_argument("--frames", type=int, default=60, metavar="N", help="frames of the animation (60)")
+    parser.add_argument("--frames-per-second", type=int, default=10, metavar="N", help="frames per second of the animation (10)")
     options = parser.parse_args(arguments)
     if options.frames < 2 or options.frames_per_second < 1:
         parser.error("--frames must be at least 2 and --frames-per-second at least 1")

@@ -82,7 +82,8 @@ def test_facets_units_and_labels(table):
     figure = draw(table, x="u", y=("h_min", "h_central"), facet="load.w")
     assert len(figure.axes) == 4
     assert figure.axes[0].get_title() == "W = 1e+05"
-    assert figure.axes[0].get_ylabel() == "h_min, h_central [µm]"
+    words = (figure.axes[0].get_ylabel(), *labels(figure)[:2])
+    assert words == ("Film thickness [µm]", "Smallest film thickness h_min", "Central film thickness h_central")
     style.plt.close(figure)
 
 
@@ -132,12 +133,11 @@ def test_axes_are_as_the_sweep_varies(key):
 
 
 def test_long_names_stand_below_each_other_along_an_axis(table):
-    names = ["contact_area_fraction", "plastic_area_fraction"]
     with h5py.File(table, "a") as file:
-        for name in names:
+        for name in (names := ["the_contact_area_of_body_1", "the_plastic_area_of_body_2"]):
             file.copy("h_min", name)
     figure = draw(table, x="u", y=tuple(names))
-    assert figure.axes[0].get_ylabel().startswith("contact_area_fraction,\nplastic_area_fraction")
+    assert figure.axes[0].get_ylabel().startswith(",\n".join(names))
     style.plt.close(figure)
 
 

@@ -181,7 +181,7 @@ def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(tmp_path, pro
     out, err = process.communicate(timeout=cases.HANGING)
     assert process.returncode == 4, err
     assert "not run" in out
-    assert "interrupted; the same command goes on" in err
+    assert "interrupted; the same command continues" in err
     # nothing goes on behind our back, and what was begun has left a checkpoint
     found = sorted(path.name for path in (folder / "cases").iterdir())
     time.sleep(0.3)

@@ -20,7 +20,7 @@ from cases import HANGING
 from conftest import ROOT
 
 PAGES = ["README.md", *(f"docs/{name}.md" for name in ("CONTRIBUTING", "guide", "dry", "batch", "theory", "developer", "tasks"))]
-OTHERS = ("CHANGELOG", "decisions", "input", "ford", "thesis", "growth", "performance", "testing")
+OTHERS = ("CHANGELOG", "decisions", "input", "ford", "thesis", "performance", "testing")
 LINKED_PAGES = [*PAGES, *(f"docs/{name}.md" for name in OTHERS)]
 BLOCK = re.compile(r"^(?P<exempt><!-- (?:not run: [^\n]+|by night) -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
 FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|batch|python|\.ci)"

@@ -329,10 +329,10 @@ def test_friction_of_a_chosen_time(run_case, tmp_path: Path, steady: Path) -> No
         assert found.time == file["transient/profile_time"][1] == pytest.approx(0.2)
         assert found.velocity is None  # that is of the last time
         assert friction.read_friction(path, result).velocity is not None
-        figure, panels = style.new_figure(1, 50, ncols=2)
-        friction.draw_times(list(panels), result, found, si=True)
-        curves = [axes.lines[0].get_ydata() for axes in figure.axes]  # both left axes, both right ones
-        names = ("friction_coefficient", "sliding_power", "rolling_friction_coefficient", "rolling_power")
+        figure, panels = style.new_figure(1, 50, nrows=2, ncols=2)
+        friction.draw_times(panels, result, found, si=True)
+        curves = [axes.lines[0].get_ydata() for axes in figure.axes]
+        names = ("friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power")
         for curve, name in zip(curves, names, strict=True):
             np.testing.assert_allclose(curve, file["si/transient"][name], rtol=1e-12)  # rounding
             assert curve.shape == (11,)

@@ -1,4 +1,4 @@
-"""docs/thesis.md and docs/dry.md have a row for all that the thesis numbers: where we do it, and what tests it."""
+"""docs/thesis.md and docs/dry.md have a row for all that the thesis numbers: where it is computed, and its test."""
 
 import re
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from conftest import ROOT
 
 THESIS, DRY = ((ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("thesis", "dry"))
 HEADING = "Every equation, figure, table and conclusion"
-HEADER = ["item", "what", "where we do it", "test", "verdict"]
+HEADER = ["item", "content", "where", "test", "verdict"]
 
 
 @dataclass

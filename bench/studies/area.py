@@ -112,24 +112,25 @@ def draw(curves: dict, hard: dict, grids: list[int], folder: Path) -> None:
     finest = curves[grids[-1]]
     axes[0].loglog(finest["share"].mean, 100 * finest["area"].mean, label="elastic", **style.SERIES[0])
     for (hardness, spread), series in zip(hard.items(), style.SERIES[1:], strict=False):
-        axes[0].loglog(spread["share"].mean, 100 * spread["area"].mean, label=f"$H = {hardness:g}\\,E^* g$", **series)
-    axes[0].plot(finest["share"].mean, 100 * ASPERITIES * finest["share"].mean, label=r"$\sqrt{2\pi}$", **style.REFERENCE)
-    axes[0].set(xlabel=r"Load $\bar p/(E^* g)$ [-]", ylabel="Contact area [%]")
-    axes[0].legend()
+        axes[0].loglog(spread["share"].mean, 100 * spread["area"].mean, label=f"hardness {hardness:g} $E^* g$", **series)
+    axes[0].plot(finest["share"].mean, 100 * ASPERITIES * finest["share"].mean, label=r"$\kappa = \sqrt{2\pi}$", **style.REFERENCE)
+    axes[0].set(xlabel=r"Mean pressure $\bar p/(E^* g)$ [-]", ylabel="Contact area $A_r/A_n$ [%]")
     for nodes, series in zip(grids, style.SERIES, strict=False):
         found = curves[nodes]
         area = 100 * found["area"].mean
         look = {key: series[key] for key in ("color", "marker")}
-        axes[1].semilogx(area, found["kappa"].mean, label=f"{nodes}$^2$", linestyle=series["linestyle"], **look)
-        axes[1].semilogx(area, found["kappa_nodes"].mean, linestyle="none", markerfacecolor="none", **look)
+        axes[1].semilogx(area, found["kappa"].mean, label=f"{nodes}$^2$ nodes", linestyle=series["linestyle"], **look)
+        counted = f"{nodes}$^2$, nodes counted"
+        axes[1].semilogx(area, found["kappa_nodes"].mean, linestyle="none", markerfacecolor="none", label=counted, **look)
         if nodes == grids[-1]:
             band = found["kappa"]
             axes[1].fill_between(area, band.mean - band.deviation, band.mean + band.deviation, color="0.85", linewidth=0)
     for value, text in ((ASPERITIES, r"$\sqrt{2\pi}$"), (PERSSON, r"$\sqrt{8/\pi}$")):
         axes[1].axhline(value, **style.REFERENCE)
         axes[1].annotate(text, (1, value), (-3, 2), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right")
-    axes[1].set(xlabel="Contact area [%]", ylabel=r"$\kappa$ [-]")
-    axes[1].legend(title="open: nodes counted")
+    axes[1].set(xlabel="Contact area $A_r/A_n$ [%]", ylabel=r"$\kappa = (A_r/A_n)\,/\,(\bar p/(E^* g))$ [-]")
+    for panel in axes:
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     save(figure, folder, "area_load")
 
 

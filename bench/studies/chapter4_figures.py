@@ -101,24 +101,21 @@ def draw_truncation(tables: dict[str, dict[str, np.ndarray]], harmonics: list[in
 
 
 def draw_grids(errors: dict[str, dict[str, np.ndarray]], grids: list[int], folder: Path) -> None:
-    """Error of each quantity over the number of nodes: contact, then heights."""
-    figure, axes = style.new_figure(style.TWO_COLUMNS, 95, ncols=2, sharey=True)
-    panels = (
-        ("contact_area_fraction", "plastic_area_fraction", "mean_separation", "stored_energy", "dissipated_energy", "elastic_peak"),
-        ("ra_loaded", "ra_unloaded", "rsk_loaded", "rku_loaded", "rms_slope_undeformed", "rms_curvature_undeformed"),
-    )
-    curves = errors["plastic"] | {
-        "stored_energy": errors["plastic"]["elastic_energy"],
-        "elastic_peak": errors["elastic"]["p_max"],
+    """Error of some quantities over the number of nodes: of the contact, then of heights."""
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 90, ncols=2, sharey=True)
+    panels = {
+        "Contact": ("contact_area_fraction", "plastic_area_fraction", "mean_separation", "dissipated_energy"),
+        "Heights": ("ra_loaded", "rsk_loaded", "rms_slope_undeformed", "rms_curvature_undeformed"),
     }
-    labels = QUANTITIES | {"stored_energy": "stored energy", "elastic_peak": "largest elastic pressure"}
-    for panel, names in zip(axes, panels, strict=True):
-        for name, series in zip(names, style.SERIES, strict=True):
-            values = curves[name]
-            panel.loglog(grids, np.where(values > 0, values, np.nan), label=labels[name], **series)
+    for panel, (title, names) in zip(axes, panels.items(), strict=True):
+        for name, series in zip(names, style.SERIES, strict=False):
+            values = errors["plastic"][name]
+            panel.loglog(grids, 100 * np.where(values > 0, values, np.nan), label=QUANTITIES[name], **series)
         guide = np.array([grids[0], grids[-1]], dtype=float)
-        panel.loglog(guide, 0.3 * guide[0] / guide, label="order 1", **style.REFERENCE)
-        panel.set(xlabel="Nodes $N$ [-]")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=7.5, ncols=2)
-    axes[0].set_ylabel(f"Difference to {FINEST} nodes [-]")
+        panel.loglog(guide, 30 * guide[0] / guide, label="first order", **style.REFERENCE)
+        panel.set(xlabel="Nodes", title=title)
+        panel.set_xticks(grids[::2], grids[::2])
+        panel.minorticks_off()
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
+    axes[0].set_ylabel(f"Difference to {FINEST} nodes [%]")
     save(figure, folder, "chapter4_grids")

@@ -143,13 +143,13 @@ def find_rule(runner: Runner, folder: Path, claims: Claims) -> None:
 
 def draw_rule(folder: Path, groups: dict[str, list[dict[str, float]]], rules: dict[str, np.ndarray]) -> None:
     """Differences over Eyring stress, slope and film with the rules, and the rules beside the sample that judges them."""
-    figure, axes = style.new_figure(style.ONE_COLUMN, 120, nrows=2, ncols=2)
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 120, nrows=2, ncols=2)
     places = {
         "stress": ("stress", 1, "Eyring stress [MPa]", (1, 2, 5, 10, 20)),
-        "slope": ("slope", 1e3, "$A/\\Lambda$ [0.001]", (0.2, 0.5, 1, 2, 4)),
-        "speed": ("film", 1e6, "Smallest film [µm]", (0.3, 0.5, 1)),
+        "slope": ("slope", 1e3, "Ridge height over wavelength $A/\\Lambda$ [1e-3]", (0.2, 0.5, 1, 2, 4)),
+        "speed": ("film", 1e6, "Smallest film thickness [µm]", (0.3, 0.5, 1)),
     }
-    names = {"h_min": "$h_\\mathrm{min}$", "pressure": "$p$, largest, over $p_\\mathrm{h}$"}
+    names = {"h_min": "smallest film", "pressure": "pressure, largest, over $p_\\mathrm{h}$"}
     for panel, (key, (column, unit, label, ticks)) in zip(axes.flat, places.items(), strict=False):
         rows = sorted(groups[key], key=lambda row, column=column: row[column])
         x = [unit * row[column] for row in rows]
@@ -167,10 +167,13 @@ def draw_rule(folder: Path, groups: dict[str, list[dict[str, float]]], rules: di
     ends = np.array([0.005, 5.0])
     for factor in (1 / 3, 1, 3):
         panel.loglog(ends, factor * ends, color="0.5", linewidth=0.6, zorder=0)
-    panel.set(xlabel="Rule [%]", ylabel="Computed, judging sample [%]")
+    panel.set(xlabel="Difference by the rule [%]", ylabel="Computed difference [%]", xlim=ends, ylim=ends)
     panel.minorticks_off()
     handles = axes.flat[0].get_legend_handles_labels()[0]
-    for words, look in (("rule", {"color": "0.2", "linestyle": (0, (2, 2))}), ("rule, three times it, a third", {"color": "0.5"})):
+    for words, look in (
+        ("rule", {"color": "0.2", "linestyle": (0, (2, 2))}),
+        ("a third of the rule, the rule, three times the rule", {"color": "0.5"}),
+    ):
         handles.append(style.plt.Line2D([], [], linewidth=0.8, label=words, **look))
     style.legend_below(figure, handles, 2)
     save(figure, folder, "momentum_rule")

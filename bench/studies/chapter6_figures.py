@@ -12,11 +12,11 @@ from study import save, style
 HALF_WIDTH = 1.05797e-4  # m
 LINES = {"film": style.FILM, "reference": style.REFERENCE, "pressure": style.PRESSURE}
 THINNING = "Film thinning $\\xi$ [-]"
-# The axes of the dents; the thesis has l_2 in units of 0.2 um and m_2 in units of 0.1 mm.
+# The axes of the dents; the thesis has the amplitude l_2 in units of 0.2 um and the wavelength m_2 in units of 0.1 mm.
 UM, MM = 1e6 * AMPLITUDE, 1e3 * WAVELENGTH
-DEPTH, WIDTH = f"Dent amplitude {UM:g} $l_2$ [µm]", f"Dent wavelength {MM:g} $m_2$ [mm]"
-DEPTHS_UM, WIDTHS_MM = [UM * depth for depth in DEPTHS], [MM * width for width in WIDTHS]
-DEPTH_LIMITS = (UM * -0.9, UM * -6.1)
+DEPTH, WIDTH = "Dent depth [µm]", "Dent wavelength [mm]"
+DEPTHS_UM, WIDTHS_MM = [-UM * depth for depth in DEPTHS], [MM * width for width in WIDTHS]
+DEPTH_LIMITS = (UM * 0.9, UM * 6.1)
 COARSE = {"linestyle": "none", "markerfacecolor": "none", "markersize": 3.0, "alpha": 0.8}
 
 
@@ -127,10 +127,10 @@ def draw_contours(folder: Path, found: Found) -> None:
     levels = np.arange(0.1, 0.51, 0.05)
     image = axes.contourf(WIDTHS_MM, DEPTHS_UM, xi, levels=levels, cmap=style.COLOUR_MAP, extend="both")
     lines = axes.contour(WIDTHS_MM, DEPTHS_UM, xi, levels=levels, colors="black", linewidths=0.6)
-    places = [(3 * MM, UM * depth) for depth in (-1.3, -1.8, -2.3, -3, -3.8, -4.7, -5.7)]
+    places = [(3 * MM, UM * depth) for depth in (1.3, 1.8, 2.3, 3, 3.8, 4.7, 5.7)]
     for text in axes.clabel(lines, fmt="%.2f", fontsize=8, inline=True, manual=places):
         text.set_bbox({"facecolor": "white", "alpha": 0.6, "pad": 0.4, "linewidth": 0})
-    edge = [(MM * w, UM * d) for d in DEPTHS for w in WIDTHS if found["b"][Situation(5, l2=d, m2=w)].edge == "inlet"]
+    edge = [(MM * w, -UM * d) for d in DEPTHS for w in WIDTHS if found["b"][Situation(5, l2=d, m2=w)].edge == "inlet"]
     axes.plot(
         *np.array(edge).T,
         "s",
@@ -139,10 +139,10 @@ def draw_contours(folder: Path, found: Found) -> None:
         markeredgecolor="black",
         clip_on=False,
         zorder=5,
-        label="maximum at the inlet end, $X$ = −1.3",
+        label="largest at the inlet end, $X$ = −1.3",
     )
     figure.colorbar(image, ax=axes, label=THINNING)
-    axes.set(xlabel=WIDTH, ylabel=DEPTH, xlim=(0.9 * MM, 7.1 * MM), ylim=DEPTH_LIMITS[::-1])
+    axes.set(xlabel=WIDTH, ylabel=DEPTH, xlim=(0.9 * MM, 7.1 * MM), ylim=DEPTH_LIMITS)
     style.legend_below(figure, axes.get_legend_handles_labels()[0], 1)
     save(figure, folder, "figure_6_7_depth_and_width")
 
