@@ -52,6 +52,7 @@ module input_keys
       of_multigrid = 'method = auto fas_block_jacobi', &
       of_sweeps = 'method = auto fas_block_jacobi block_jacobi', &
       in_time = 'time%transient = .true.', &
+      no_moes = 'no &moes: which stands for it', &
       in_metres = 'no &moes: which has no SI units', &
       no_target = 'no accuracy%target: which chooses it'
 
@@ -175,9 +176,23 @@ module input_keys
 
    type(key_row_t), parameter :: lubricant_rows(*) = [ &
       key_row_t('lubricant', 'viscosity', real_kind, 'Pa s', is_optional, &
-         'viscosity mu_0 at ambient pressure', range='>= 1e-9, <= 1e6', &
-         used='no &moes: which stands for it', needed='no &moes', typical='2e-4 to 5', &
+         'viscosity mu_0 at ambient pressure; or viscosity_grade, or kinematic_viscosity', &
+         range='>= 1e-9, <= 1e6', used=no_moes, &
+         needed='no &moes: or viscosity_grade or kinematic_viscosity', typical='2e-4 to 5', &
          example='0.14'), &
+      key_row_t('lubricant', 'viscosity_grade', integer_kind, '-', is_optional, &
+         'ISO VG of a mineral oil: its viscosity class (ISO 3448)', range= &
+         'one of 2 3 5 7 10 15 22 32 46 68 100 150 220 320 460 680 1000 1500 2200 3200', &
+         used=no_moes, example='! 46'), &
+      key_row_t('lubricant', 'viscosity_index', real_kind, '-', '95.0', &
+         'of the data sheet (ASTM D2270); default: mineral oil', range='>= 0, <= 400', &
+         used='viscosity_grade', typical='20 to 250', example='!'), &
+      key_row_t('lubricant', 'kinematic_viscosity', reals_kind, 'mm2/s', is_optional, &
+         'at the temperature of the inlet; or two, at 40 and 100 degC; mu_0: this times density', &
+         range='>= 1e-3, <= 2e7', used=no_moes, typical='0.5 to 5000', example='! 46.0, 6.8'), &
+      key_row_t('lubricant', 'temperature', real_kind, 'degC', is_optional, &
+         'of the oil in the inlet, for viscosity_grade or two values of kinematic_viscosity', &
+         range='>= -70, <= 370', used=no_moes, typical='5 to 200', example='! 60.0'), &
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
          'rise of viscosity with pressure', words='roelands barus constant'), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
@@ -202,13 +217,14 @@ module input_keys
          needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8', &
          example='3.3e6'), &
       key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
-         'at ambient pressure, for the Reynolds number and &film inertia; default: mineral oil', &
+         'at ambient pressure, for kinematic_viscosity, Reynolds number and &film inertia; '// &
+         'default: mineral oil', &
          range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500'), &
       key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
          'for estimates of temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
          used=in_metres, typical='0.05 to 2'), &
       key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
-         '-d ln(viscosity)/dT, for estimates of what heat does; default: mineral oil', &
+         '-d ln(viscosity)/dT, for estimates of what heat does; with temperature that of the oil', &
          range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &

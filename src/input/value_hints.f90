@@ -19,10 +19,9 @@ module value_hints
          'ellipse that is five times as wide'), &
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &
-      answer_t('temperature', 'heat is not built: give viscosity and pressure_viscosity at the '// &
-         'temperature of the inlet'), &
-      answer_t('grade', 'give viscosity [Pa s] at the temperature of the inlet, for a grade '// &
-         'that of its data sheet'), &
+      answer_t('temperature', 'give temperature [degC] of the inlet in &lubricant, with '// &
+         'viscosity_grade; heat is not built'), &
+      answer_t('grade', 'give viscosity_grade in &lubricant, the ISO VG class, with temperature'), &
       answer_t('mixed', 'mixed lubrication is not built: the result tells the film over the '// &
          'roughness'), &
       answer_t('friction', 'friction is a result: /summary/friction_coefficient'), &
