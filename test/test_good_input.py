@@ -141,6 +141,22 @@ def test_template_names_every_key(asperity, problem):
             assert f" {key} = " in template or (problems and problem not in problems[1].split())
 
 
+@pytest.mark.parametrize("page", ["--keys", "--keys-markdown", "--template ehl_line", "--template dry_line"])
+def test_keys_of_methods_stand_apart(asperity, page):
+    """Behind all others of their group, commented in a template; &surface_2 refers to &surface_1."""
+    groups = re.split(r"(?m)^(?:## |! )?&(?=\w+(?: |$))", asperity(*page.split()).stdout)
+    (solver,) = (group for group in groups if group.startswith("solver"))
+    others, _, methods = solver.partition("Keys of methods; the defaults are right for nearly everyone:\n")
+    for key in ["method", "tolerance", "max_cycles"] + ["smoother", "levels", "start"] * (page != "--template dry_line"):
+        assert re.search(rf"\b{key}\b", methods)
+        assert not re.search(rf"(?m)^\W*{key}\b", others)
+    assert ("film_floor" in others) == (page != "--template dry_line")
+    assert page[:10] != "--template" or "\n   " not in methods.split("/\n")[0]
+    (second,) = (group for group in groups if group.startswith("surface_2"))
+    assert "the keys of &surface_1" in second.replace("The keys are those", "the keys")
+    assert not re.search(r"\bshape\b", second)
+
+
 def test_commented_keys_of_the_template_are_good_alternatives(asperity, tmp_path):
     template = asperity("--template", "ehl_line").stdout
     for given, other in [

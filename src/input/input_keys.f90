@@ -322,7 +322,7 @@ module input_keys
          range='> 1, <= 1000', example='! 1.5'), &
       key_row_t('domain', 'inlet', word_kind, '', "'auto'", &
          'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; ' &
-         //'auto: zero with x_inlet given', words='auto zero tail'), &
+         //'auto: zero with x_inlet given', words='auto zero tail', is_expert=.true.), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
          'grid intervals, 2^k or 3, 5, 7 times that', &
          range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target, &
@@ -346,7 +346,7 @@ module input_keys
          //'chosen: .false. with a parabola', problems=dry, example='.true.'), &
       key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", &
          'periodic: transfer function sampled, or pressure constant over each element; ' &
-         //'open: element', words='band_limited element', problems=dry), &
+         //'open: element', words='band_limited element', problems=dry, is_expert=.true.), &
       key_row_t('time', 'transient', logical_kind, '', '.false.', 'transient or steady'), &
       key_row_t('time', 'end_time', real_kind, '-', is_chosen, &
          'end of the transient, T; chosen: all that is rough has passed, or repeats itself', &
@@ -357,7 +357,7 @@ module input_keys
          range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", &
          'time discretisation: second order, or first order (thesis)', &
-         words='backward_euler bdf2', used=in_time, example='!'), &
+         words='backward_euler bdf2', used=in_time, example='!', is_expert=.true.), &
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
          'T from which extremes and film statistics count; chosen: when waves have entered ' &
          //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0')]
@@ -373,39 +373,40 @@ module input_keys
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and ' &
          //'block_jacobi: up to 8192 intervals', &
-         words='auto fas_block_jacobi block_jacobi newton_krylov newton_dense'), &
+         words='auto fas_block_jacobi block_jacobi newton_krylov newton_dense', is_expert=.true.), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", 'smoother of the multigrid cycle', &
-         words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid), &
+         words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid, is_expert=.true.), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", &
          'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a ' &
-         //'target kappa', words='auto upwind2 kappa'), &
+         //'target kappa', words='auto upwind2 kappa', is_expert=.true.), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", &
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &
-         words='fmg hertz'), &
+         words='fmg hertz', is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, &
          'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6', &
-         range='>= 1e-15, <= 1e-2', example='! 1e-8'), &
+         range='>= 1e-15, <= 1e-2', example='! 1e-8', is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, &
          'most cycles (Newton: iterations) for one solution; chosen: by the method', &
-         range='>= 1, <= 10000000', example='! 100'), &
+         range='>= 1, <= 10000000', example='! 100', is_expert=.true.), &
       key_row_t('solver', 'levels', integer_kind, '-', is_chosen, &
          'grid levels, the finest counted', range='>= 1, <= 22', used=of_multigrid, &
-         example='! 5'), &
+         example='! 5', is_expert=.true.), &
       key_row_t('solver', 'pre_sweeps', integer_kind, '-', is_chosen, &
          'smoothing sweeps before the coarse grid', range='>= 1, <= 1000', used=of_multigrid, &
-         example='! 2'), &
+         example='! 2', is_expert=.true.), &
       key_row_t('solver', 'post_sweeps', integer_kind, '-', is_chosen, &
          'smoothing sweeps after the coarse grid', range='>= 1, <= 1000', used=of_multigrid, &
-         example='! 2'), &
+         example='! 2', is_expert=.true.), &
       key_row_t('solver', 'coarse_sweeps', integer_kind, '-', is_chosen, &
          'sweeps on the coarsest grid, in place of its exact solution; with block_jacobi: ' &
-         //'sweeps a cycle', range='>= 1, <= 100000', used=of_sweeps, example='! 100'), &
+         //'sweeps a cycle', range='>= 1, <= 100000', used=of_sweeps, example='! 100', &
+         is_expert=.true.), &
       key_row_t('solver', 'relaxation', real_kind, '-', is_chosen, &
          'relaxation factor of the smoother', range='>= 1e-6, < 2', used=of_sweeps, &
-         example='! 0.8'), &
+         example='! 0.8', is_expert=.true.), &
       key_row_t('solver', 'load_relaxation', real_kind, '-', is_chosen, &
          'relaxation factor of the force balance', range='>= 1e-6, < 2', used=of_sweeps, &
-         example='! 0.5'), &
+         example='! 0.5', is_expert=.true.), &
       key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, &
          'a film below it is a film breakdown, told with place and time', range='> 0, <= 1e-3', &
          used=in_metres, typical=typical_film, example='! 5e-9'), &
@@ -414,13 +415,13 @@ module input_keys
          //'closes always ends', words='stop continue', used='film_floor', example='!'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', &
-         words='auto conjugate_gradient steepest_descent', problems=dry), &
+         words='auto conjugate_gradient steepest_descent', problems=dry, is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', &
          'bound on the violation of the contact conditions', range='>= 1e-15, <= 1e-1', &
-         problems=dry), &
+         problems=dry, is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
          'most iterations for one load', range='>= 1, <= 10000000', &
-         problems=dry)]
+         problems=dry, is_expert=.true.)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', &
@@ -454,7 +455,7 @@ module input_keys
          problems=every), &
       key_row_t('output', 'velocity_layers', integer_kind, '-', '0', &
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
-         range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres), &
+         range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error of h_min, in dry cases of the contact area, for which intervals ' &
          //'and time step are chosen', range='>= 1e-7, <= 0.1', problems=every, example='! 1e-3', &

@@ -65,6 +65,8 @@ module key_row
       !> Value in the template, behind '! ' as a comment, and in that of dry problems if it differs;
       !> empty: the default; '!': the default as a comment.
       character(len=40) :: example = '', dry_example = ''
+      !> Key of a method, whose default is right for nearly everyone: shown apart.
+      logical :: is_expert = .false.
    end type key_row_t
 
 contains
