@@ -2,9 +2,10 @@
 module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
-   use case_record, only: case_t
+   use case_record, only: case_t, path_from_namelist
    use case_validation, only: validate
    use dry_input, only: fill_dry_case
+   use file_heights, only: check_files
    use findings, only: findings_t
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
@@ -57,6 +58,7 @@ contains
          end if
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)
+         if (values%findings%count > 0) call check_files(values, path_from_namelist(case, ''))
          case%unusual = find_unusual(values)
          if (oil /= '') case%unusual = [case%unusual, unusual_t(values%line_of('lubricant', &
             'viscosity'), oil, '')]
@@ -85,8 +87,8 @@ contains
          call fill_line_case(values, case)
       else
          case%dry%values = values
-         call fill_dry_case(case%file(:index(case%file, '/', back=.true.)), case%dry)
-         values%findings = case%dry%values%findings
+         call fill_dry_case(path_from_namelist(case, ''), case%dry)
+         values = case%dry%values
          if (values%findings%count > 0) return
          call list_effective(values, case)
          call list_dry(case)
