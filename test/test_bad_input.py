@@ -31,7 +31,7 @@ def run(asperity, *arguments, seconds=SECONDS):
 def findings_of(asperity, folder, content):
     path = folder / "bad.nml"
     path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-    return [line.removeprefix(f"{path}:") for line in run(asperity, path)]
+    return [line.removeprefix(f"{path}:").replace(f"{folder}/", "") for line in run(asperity, path)]
 
 
 def changed(lines, change):

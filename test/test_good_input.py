@@ -5,7 +5,7 @@ import tomllib
 
 import h5py
 import pytest
-from cases import MOES, STEADY, TRANSIENT, ended
+from cases import MOES, STEADY, TRANSIENT, ended, text
 from conftest import ROOT
 
 INPUTS = sorted((ROOT / "input").glob("*.nml"))
@@ -87,6 +87,30 @@ def test_a_load_is_that_of_the_length_of_the_contact(solve_all):
     assert films[0] == films[1]
 
 
+SHEETS = {
+    "viscosity_grade = 46, temperature = 60": "mineral oil ISO VG 46, viscosity index 95, at 60 degC: 20.4 mm2/s, 0.0177 Pa s",
+    "viscosity_grade = 46, viscosity_index=150, temperature=40": "oil ISO VG 46, viscosity index 150, at 40 degC: 46.0 mm2/s, 0.04",
+    "kinematic_viscosity = 404, 28, temperature = 60": "oil of 404 mm2/s at 40 degC, 28 at 100 degC, at 60 degC: 132 mm2/s, 0.115",
+    "kinematic_viscosity = 20.4, density = 900": "oil of 20.4 mm2/s, 0.0184 Pa s",
+}
+
+
+@pytest.mark.parametrize("sheet", SHEETS)
+def test_an_oil_by_its_data_sheet_is_that_of_its_viscosity(run_case, tmp_path, sheet):
+    """Bit for bit, thermal_viscosity as stated; the words stand in the log and in the result."""
+    said = run_case(STEADY.replace("viscosity = 0.14", sheet), name="sheet")
+    assert f"sheet.nml:5: {SHEETS[sheet]}" in said.stderr
+    with h5py.File(tmp_path / "sheet.h5") as file:
+        oil = dict(file["input/effective/lubricant"].attrs)
+        film = file["solution/film_thickness"][()]
+        assert SHEETS[sheet] in text(file["report/note"][()])
+    assert float(SHEETS[sheet].split("mm2/s, ")[-1].split()[0]) == pytest.approx(oil["viscosity"], rel=5e-3)
+    assert (oil["thermal_viscosity"] == 0.04) == ("temperature" not in sheet)
+    run_case(STEADY.replace("viscosity = 0.14", f"viscosity = {oil['viscosity']}"), "--quiet")
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert (file["solution/film_thickness"][()] == film).all()
+
+
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
 def test_input_case_is_accepted(asperity, path):
     done = asperity("--check", path)
@@ -115,6 +139,22 @@ def test_template_names_every_key(asperity, problem):
             key = line.split("`")[1]
             problems = re.search(r"\(((?:ehl_line|dry_line|dry_area| )+)\) \|$", line)
             assert f" {key} = " in template or (problems and problem not in problems[1].split())
+
+
+@pytest.mark.parametrize("page", ["--keys", "--keys-markdown", "--template ehl_line", "--template dry_line"])
+def test_keys_of_methods_stand_apart(asperity, page):
+    """Behind all others of their group, commented in a template; &surface_2 refers to &surface_1."""
+    groups = re.split(r"(?m)^(?:## |! )?&(?=\w+(?: |$))", asperity(*page.split()).stdout)
+    (solver,) = (group for group in groups if group.startswith("solver"))
+    others, _, methods = solver.partition("Keys of methods; the defaults are right for nearly everyone:\n")
+    for key in ["method", "tolerance", "max_cycles"] + ["smoother", "levels", "start"] * (page != "--template dry_line"):
+        assert re.search(rf"\b{key}\b", methods)
+        assert not re.search(rf"(?m)^\W*{key}\b", others)
+    assert ("film_floor" in others) == (page != "--template dry_line")
+    assert page[:10] != "--template" or "\n   " not in methods.split("/\n")[0]
+    (second,) = (group for group in groups if group.startswith("surface_2"))
+    assert "the keys of &surface_1" in second.replace("The keys are those", "the keys")
+    assert not re.search(r"\bshape\b", second)
 
 
 def test_commented_keys_of_the_template_are_good_alternatives(asperity, tmp_path):

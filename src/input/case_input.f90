@@ -2,9 +2,10 @@
 module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
-   use case_record, only: case_t
+   use case_record, only: case_t, path_from_namelist
    use case_validation, only: validate
    use dry_input, only: fill_dry_case
+   use file_heights, only: check_files
    use findings, only: findings_t
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
@@ -12,7 +13,7 @@ module case_input
    use key_rules, only: find_unusual, unusual_t
    use line_case, only: plan_line_case
    use line_profiles, only: make_surface
-   use lubricant_input, only: complete_alpha, fill_lubricant
+   use lubricant_input, only: complete_alpha, derive_viscosity, fill_lubricant
    use kinds, only: wp
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
@@ -38,6 +39,7 @@ contains
       type(set_entry_t), intent(in), optional :: entries(:)
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
+      character(:), allocatable :: oil
       logical :: is_alone
 
       case%file = file
@@ -48,13 +50,18 @@ contains
          if (present(entries)) call mark_entries(entries, pieces, values%findings)
          call read_values(pieces, values)
          is_alone = .false.
+         oil = ''
          if (values%problem == lubricated) then
             call derive_speeds(values)
+            call derive_viscosity(values, oil)
             call complete_alpha(values, is_alone)
          end if
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)
+         if (values%findings%count > 0) call check_files(values, path_from_namelist(case, ''))
          case%unusual = find_unusual(values)
+         if (oil /= '') case%unusual = [case%unusual, unusual_t(values%line_of('lubricant', &
+            'viscosity'), oil, '')]
          if (is_alone) case%unusual = [case%unusual, unusual_t(values%line_of('lubricant', &
             'pressure_viscosity'), '&lubricant pressure_viscosity is given alone: Roelands '// &
             'with P0 = '//to_text(case%lubricant%roelands_p0, 3)//' Pa, z = ' &
@@ -80,8 +87,8 @@ contains
          call fill_line_case(values, case)
       else
          case%dry%values = values
-         call fill_dry_case(case%file(:index(case%file, '/', back=.true.)), case%dry)
-         values%findings = case%dry%values%findings
+         call fill_dry_case(path_from_namelist(case, ''), case%dry)
+         values = case%dry%values
          if (values%findings%count > 0) return
          call list_effective(values, case)
          call list_dry(case)

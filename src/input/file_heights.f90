@@ -11,11 +11,12 @@ module file_heights
    use input_values, only: input_values_t
    use kinds, only: wp
    use measured_heights, only: height_request_t, heights_t, put_level
+   use surface_keys, only: has_shape, surfaces
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
-   public :: hold_heights, is_filtered, level_surface, read_surface, units_hint
+   public :: check_files, hold_heights, is_filtered, level_surface, read_surface, units_hint
 
    !> Heights of a source that can be held together.
    integer(int64), parameter :: max_held = 4194304_int64
@@ -30,6 +31,23 @@ module file_heights
 
 contains
 
+   !> Reads the files of the surfaces of a case with findings that were not read before, for what is
+   !> wrong with them; paths are relative to `folder` (with its slash).
+   subroutine check_files(values, folder)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: folder
+      class(height_source_t), allocatable :: source
+      type(heights_t) :: heights
+      integer :: i
+
+      if (.not. values%has_value('case', 'problem')) return
+      do i = 1, size(surfaces)
+         if (values%has_read(i) .or. .not. values%has_value(surfaces(i), 'file')) cycle
+         if (has_shape(values, surfaces(i), 'file')) call read_surface(values, surfaces(i), &
+            folder, heights, source)
+      end do
+   end subroutine check_files
+
    !> Reads the heights of the file of the surface `group`, a path relative to `folder` (with its
    !> slash), all of them unless their source is `kept`. Finding: the file.
    subroutine read_surface(values, group, folder, heights, kept)
@@ -40,6 +58,7 @@ contains
       type(height_request_t) :: request
       type(error_t), allocatable :: error
 
+      where (surfaces == group) values%has_read = .true.
       request%file = trim(values%text_value(group, 'file'))
       if (index(request%file, '/') /= 1) request%file = folder//request%file
       request%positions = trim(values%text_value(group, 'positions'))
@@ -184,7 +203,7 @@ contains
          if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(curvature(2), 3)//' 1/m, ' &
             //to_text(abs(curvature(2))*extent(2)**2/8.0_wp, 3)//' m high in y'
       end if
-      if (words /= '') words = words//' taken off the heights of '//group//" (detrend = '" &
+      if (words /= '') words = words//' subtracted from the heights of '//group//" (detrend = '" &
          //trim(trend%word)//"')"
    end function trend_words
 

@@ -40,7 +40,7 @@ module input_keys
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
       group_row_t('solver', 'method and accuracy of the numerical solution', every), &
       group_row_t('film', "the layers of equations = 'stokes'"), &
-      group_row_t('output', 'what is measured and stored beside the solution', every), &
+      group_row_t('output', 'what is measured and stored besides the solution', every), &
       group_row_t('accuracy', &
          'error bars, and an accuracy from which the program chooses grid and time step', every)]
 
@@ -52,6 +52,7 @@ module input_keys
       of_multigrid = 'method = auto fas_block_jacobi', &
       of_sweeps = 'method = auto fas_block_jacobi block_jacobi', &
       in_time = 'time%transient = .true.', &
+      no_moes = 'no &moes: which stands for it', &
       in_metres = 'no &moes: which has no SI units', &
       no_target = 'no accuracy%target: which chooses it'
 
@@ -84,7 +85,7 @@ module input_keys
       key_row_t('case', 'model', word_kind, '', "'full'", 'full: every ingredient of the model', &
          words='full', problems=dry), &
       key_row_t('case', 'equations', word_kind, '', "'reynolds'", &
-         'of the film: reynolds; stokes: full momentum, beside Reynolds on the same grid', &
+         'of the film: reynolds; stokes: full momentum, and Reynolds on the same grid', &
          words='reynolds stokes')]
 
    type(key_row_t), parameter :: bodies_rows(*) = [ &
@@ -128,7 +129,7 @@ module input_keys
          'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', &
          range='>= 1, <= 1e15', problems=dry, typical=typical_hardness, example='4e9'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
-         'of the softer body: pressures above it, and above the shakedown limit, are told', &
+         'of the softer body: pressures above it, and above the shakedown limit, are reported', &
          range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
          'length of the contact across the flow, for load and an estimate of the flow to its '// &
@@ -175,9 +176,23 @@ module input_keys
 
    type(key_row_t), parameter :: lubricant_rows(*) = [ &
       key_row_t('lubricant', 'viscosity', real_kind, 'Pa s', is_optional, &
-         'viscosity mu_0 at ambient pressure', range='>= 1e-9, <= 1e6', &
-         used='no &moes: which stands for it', needed='no &moes', typical='2e-4 to 5', &
+         'viscosity mu_0 at ambient pressure; or viscosity_grade, or kinematic_viscosity', &
+         range='>= 1e-9, <= 1e6', used=no_moes, &
+         needed='no &moes: or viscosity_grade or kinematic_viscosity', typical='2e-4 to 5', &
          example='0.14'), &
+      key_row_t('lubricant', 'viscosity_grade', integer_kind, '-', is_optional, &
+         'ISO VG of a mineral oil: its viscosity class (ISO 3448)', range= &
+         'one of 2 3 5 7 10 15 22 32 46 68 100 150 220 320 460 680 1000 1500 2200 3200', &
+         used=no_moes, example='! 46'), &
+      key_row_t('lubricant', 'viscosity_index', real_kind, '-', '95.0', &
+         'of the data sheet (ASTM D2270); default: mineral oil', range='>= 0, <= 400', &
+         used='viscosity_grade', typical='20 to 250', example='!'), &
+      key_row_t('lubricant', 'kinematic_viscosity', reals_kind, 'mm2/s', is_optional, &
+         'at the temperature of the inlet; or two, at 40 and 100 degC; mu_0: this times density', &
+         range='>= 1e-3, <= 2e7', used=no_moes, typical='0.5 to 5000', example='! 46.0, 6.8'), &
+      key_row_t('lubricant', 'temperature', real_kind, 'degC', is_optional, &
+         'of the oil in the inlet, for viscosity_grade or two values of kinematic_viscosity', &
+         range='>= -70, <= 370', used=no_moes, typical='5 to 200', example='! 60.0'), &
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
          'rise of viscosity with pressure', words='roelands barus constant'), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
@@ -202,13 +217,14 @@ module input_keys
          needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8', &
          example='3.3e6'), &
       key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
-         'at ambient pressure, for the Reynolds number and &film inertia; default: mineral oil', &
+         'at ambient pressure, for kinematic_viscosity, Reynolds number and &film inertia; '// &
+         'default: mineral oil', &
          range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500'), &
       key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
          'for estimates of temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
          used=in_metres, typical='0.05 to 2'), &
       key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
-         '-d ln(viscosity)/dT, for estimates of what heat does; default: mineral oil', &
+         '-d ln(viscosity)/dT, for estimates of what heat does; with temperature that of the oil', &
          range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
@@ -254,15 +270,15 @@ module input_keys
          'unit of the heights in the file; auto: what the file says, else m', &
          words='auto '//length_words, used='shape = file', problems=every, example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
-         'taken off the heights (line: plane of an area); auto: line, none where heights ' &
+         'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
          problems=every, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
-         'cut-off lambda_c: longer waves are taken off by the Gaussian filter of ISO 16610-21', &
+         'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
          range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
-         'cut-off lambda_s: shorter waves are smoothed out by the same filter', &
+         'cut-off lambda_s: shorter waves are removed by the same filter', &
          range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
@@ -306,7 +322,7 @@ module input_keys
          range='> 1, <= 1000', example='! 1.5'), &
       key_row_t('domain', 'inlet', word_kind, '', "'auto'", &
          'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; ' &
-         //'auto: zero with x_inlet given', words='auto zero tail'), &
+         //'auto: zero with x_inlet given', words='auto zero tail', is_expert=.true.), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
          'grid intervals, 2^k or 3, 5, 7 times that', &
          range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target, &
@@ -330,7 +346,7 @@ module input_keys
          //'chosen: .false. with a parabola', problems=dry, example='.true.'), &
       key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", &
          'periodic: transfer function sampled, or pressure constant over each element; ' &
-         //'open: element', words='band_limited element', problems=dry), &
+         //'open: element', words='band_limited element', problems=dry, is_expert=.true.), &
       key_row_t('time', 'transient', logical_kind, '', '.false.', 'transient or steady'), &
       key_row_t('time', 'end_time', real_kind, '-', is_chosen, &
          'end of the transient, T; chosen: all that is rough has passed, or repeats itself', &
@@ -345,7 +361,7 @@ module input_keys
          range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", &
          'time discretisation: second order, or first order (thesis)', &
-         words='backward_euler bdf2', used=in_time, example='!'), &
+         words='backward_euler bdf2', used=in_time, example='!', is_expert=.true.), &
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
          'T from which extremes and film statistics count; chosen: when waves have entered ' &
          //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0')]
@@ -354,61 +370,62 @@ module input_keys
       key_row_t('film', 'layers', integer_kind, '-', '20', 'layers across the film', &
          range='>= 4, <= 200', used='case%equations = stokes', example='!'), &
       key_row_t('film', 'inertia', logical_kind, '', '.false.', &
-         'with the convective terms (Navier-Stokes), for which density counts', &
+         'includes the convective terms (Navier-Stokes), which depend on density', &
          used='case%equations = stokes', example='!')]
 
    type(key_row_t), parameter :: solver_rows(*) = [ &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and ' &
          //'block_jacobi: up to 8192 intervals', &
-         words='auto fas_block_jacobi block_jacobi newton_krylov newton_dense'), &
+         words='auto fas_block_jacobi block_jacobi newton_krylov newton_dense', is_expert=.true.), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", 'smoother of the multigrid cycle', &
-         words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid), &
+         words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid, is_expert=.true.), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", &
          'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a ' &
-         //'target kappa', words='auto upwind2 kappa'), &
+         //'target kappa', words='auto upwind2 kappa', is_expert=.true.), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", &
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &
-         words='fmg hertz'), &
+         words='fmg hertz', is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, &
          'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6', &
-         range='>= 1e-15, <= 1e-2', example='! 1e-8'), &
+         range='>= 1e-15, <= 1e-2', example='! 1e-8', is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, &
          'most cycles (Newton: iterations) for one solution; chosen: by the method', &
-         range='>= 1, <= 10000000', example='! 100'), &
+         range='>= 1, <= 10000000', example='! 100', is_expert=.true.), &
       key_row_t('solver', 'levels', integer_kind, '-', is_chosen, &
          'grid levels, the finest counted', range='>= 1, <= 22', used=of_multigrid, &
-         example='! 5'), &
+         example='! 5', is_expert=.true.), &
       key_row_t('solver', 'pre_sweeps', integer_kind, '-', is_chosen, &
          'smoothing sweeps before the coarse grid', range='>= 1, <= 1000', used=of_multigrid, &
-         example='! 2'), &
+         example='! 2', is_expert=.true.), &
       key_row_t('solver', 'post_sweeps', integer_kind, '-', is_chosen, &
          'smoothing sweeps after the coarse grid', range='>= 1, <= 1000', used=of_multigrid, &
-         example='! 2'), &
+         example='! 2', is_expert=.true.), &
       key_row_t('solver', 'coarse_sweeps', integer_kind, '-', is_chosen, &
          'sweeps on the coarsest grid, in place of its exact solution; with block_jacobi: ' &
-         //'sweeps a cycle', range='>= 1, <= 100000', used=of_sweeps, example='! 100'), &
+         //'sweeps a cycle', range='>= 1, <= 100000', used=of_sweeps, example='! 100', &
+         is_expert=.true.), &
       key_row_t('solver', 'relaxation', real_kind, '-', is_chosen, &
          'relaxation factor of the smoother', range='>= 1e-6, < 2', used=of_sweeps, &
-         example='! 0.8'), &
+         example='! 0.8', is_expert=.true.), &
       key_row_t('solver', 'load_relaxation', real_kind, '-', is_chosen, &
          'relaxation factor of the force balance', range='>= 1e-6, < 2', used=of_sweeps, &
-         example='! 0.5'), &
+         example='! 0.5', is_expert=.true.), &
       key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, &
-         'a film below it is a film breakdown, told with place and time', range='> 0, <= 1e-3', &
-         used=in_metres, typical=typical_film, example='! 5e-9'), &
+         'a film below it is a film breakdown, reported with place and time', &
+         range='> 0, <= 1e-3', used=in_metres, typical=typical_film, example='! 5e-9'), &
       key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", &
          'at a film breakdown: end as not converged, or go on with a mark; a film that ' &
          //'closes always ends', words='stop continue', used='film_floor', example='!'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', &
-         words='auto conjugate_gradient steepest_descent', problems=dry), &
+         words='auto conjugate_gradient steepest_descent', problems=dry, is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', &
          'bound on the violation of the contact conditions', range='>= 1e-15, <= 1e-1', &
-         problems=dry), &
+         problems=dry, is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
          'most iterations for one load', range='>= 1, <= 10000000', &
-         problems=dry)]
+         problems=dry, is_expert=.true.)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', &
@@ -423,7 +440,7 @@ module input_keys
          words='pressure gap height_undeformed height_loaded height_unloaded plastic_deformation', &
          problems=dry, example="! 'pressure', 'gap'"), &
       key_row_t('output', 'precision', word_kind, '', "'double'", &
-         'of the numbers of stored fields; single takes half of the file', words='double single', &
+         'of the stored fields; single halves the file', words='double single', &
          problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
          'wall time between checkpoints, from which asperity --resume goes on', &
@@ -438,11 +455,11 @@ module input_keys
       key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
          'stores the fields and series that are dimensionless in SI too, in /si'), &
       key_row_t('output', 'xdmf', logical_kind, '', '.false.', &
-         'writes NAME.xdmf beside NAME.h5: what ParaView needs to show the fields', &
+         'writes NAME.xdmf next to NAME.h5, with which ParaView shows the fields', &
          problems=every), &
       key_row_t('output', 'velocity_layers', integer_kind, '-', '0', &
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
-         range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres), &
+         range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error of h_min, in dry cases of the contact area, for which intervals ' &
          //'and time step are chosen', range='>= 1e-7, <= 0.1', problems=every, example='! 1e-3', &

@@ -19,6 +19,9 @@ module input_manual
    integer, parameter :: indent = 4
    !> Column of the units.
    integer, parameter :: unit_column = 44
+   !> What stands above the keys of methods.
+   character(*), parameter :: for_experts = &
+      'Keys of methods; the defaults are right for nearly everyone'
    !> The paragraphs before the tables of the page.
    character(*), parameter :: introduction = 'A case is a Fortran namelist file in SI units. '// &
       '`asperity --template ehl_line` writes a complete one with' // nl &
@@ -34,8 +37,8 @@ module input_manual
       // '  element, `amplitude(2:4) = ...` three.' // nl &
       // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
       'error: nothing is ignored.' // nl &
-      // '- A value outside the typical magnitudes of its key is told, in one line: most '// &
-      'often its unit is another one.' // nl &
+      // '- A value outside the typical magnitudes of its key is reported in one line: '// &
+      'most often its unit is wrong.' // nl &
       // '- The file is UTF-8 text; LF, CR LF or CR ends a line. Paths in it are relative to '// &
       'the file.' // nl &
       // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &
@@ -47,7 +50,8 @@ contains
    !> Every group and key: type, unit, default, range or words, meaning; at most 100 columns.
    pure function keys_text() result(text)
       character(:), allocatable :: text
-      integer :: group, i
+      integer, allocatable :: rows(:)
+      integer :: group, i, kind
 
       text = 'Groups and keys of a namelist. Of each key: type [unit], default, range or '// &
          'words, meaning,' // nl &
@@ -57,12 +61,29 @@ contains
          text = text // nl
          text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' &
             // trim(group_rows(group)%meaning), page_width, 0) // nl
-         do i = 1, size(key_rows)
-            if (key_rows(i)%group == group_rows(group)%group) text = &
-               text // terminal_entry(key_rows(i))
+         if (group_rows(group)%group == 'surface_2') text = text // &
+            '  The keys are those of &surface_1.' // nl
+         do kind = 1, 2
+            rows = rows_of(group, kind == 2)
+            if (kind == 2 .and. size(rows) > 0) text = text // '  ' // for_experts // ':' // nl
+            do i = 1, size(rows)
+               text = text // terminal_entry(key_rows(rows(i)))
+            end do
          end do
       end do
    end function keys_text
+
+   !> Rows of the keys of `group`: those of methods if `is_expert`, else the others; none of
+   !> &surface_2, which refers to &surface_1.
+   pure function rows_of(group, is_expert) result(rows)
+      integer, intent(in) :: group
+      logical, intent(in) :: is_expert
+      integer, allocatable :: rows(:)
+      integer :: i
+
+      rows = pack([(i, i=1, size(key_rows))], key_rows%group == group_rows(group)%group &
+         .and. (key_rows%is_expert .eqv. is_expert) .and. key_rows%group /= 'surface_2')
+   end function rows_of
 
    !> The lines of one key.
    pure function terminal_entry(row) result(text)
@@ -95,8 +116,7 @@ contains
       type(key_row_t), intent(in) :: row
       character(:), allocatable :: text
 
-      text = ''
-      if (row%meaning(:5) /= 'as in') text = rules_text(row)
+      text = rules_text(row)
       if (row%moes_default /= '') text = '; with &moes default '//trim(row%moes_default)//text
       if (row%problems /= every) text = text // ' (' // trim(row%problems) // ')'
    end function conditions_text
@@ -113,7 +133,8 @@ contains
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
       character(:), allocatable :: text, heading
-      integer :: group, i
+      integer, allocatable :: rows(:)
+      integer :: group, i, kind
 
       text = '# Input: the namelist' // nl // nl &
          // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
@@ -122,15 +143,17 @@ contains
          heading = trim(group_rows(group)%meaning)
          heading(1:1) = achar(iachar(heading(1:1)) - 32)   ! a capital letter
          text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl // heading // '.'
-         if (group_rows(group)%group == 'surface_2') then
-            text = text // ' The keys are those of &surface_1.' // nl
-            cycle
-         end if
-         text = text // nl // nl // '| key | type | unit | default | range or words | '// &
-            'meaning |' // nl // '|---|---|---|---|---|---|' // nl
-         do i = 1, size(key_rows)
-            if (key_rows(i)%group == group_rows(group)%group) text = &
-               text // markdown_entry(key_rows(i))
+         if (group_rows(group)%group == 'surface_2') text = text // &
+            ' The keys are those of &surface_1.'
+         text = text // nl
+         do kind = 1, 2
+            rows = rows_of(group, kind == 2)
+            if (kind == 2 .and. size(rows) > 0) text = text // nl // for_experts // ':' // nl
+            if (size(rows) > 0) text = text // nl // '| key | type | unit | default | range or '// &
+               'words | meaning |' // nl // '|---|---|---|---|---|---|' // nl
+            do i = 1, size(rows)
+               text = text // markdown_entry(key_rows(rows(i)))
+            end do
          end do
       end do
    end function keys_markdown
@@ -160,29 +183,36 @@ contains
             'of all is free.' // nl
       do i = 1, size(group_rows)
          if (.not. has_word(group_rows(i)%problems, problem)) cycle
-         template = template // nl // group_text(problem, trim(group_rows(i)%group), &
-            trim(group_rows(i)%meaning))
+         template = template // nl // group_text(problem, i)
       end do
    end function template_text
 
    !> One group; commented out altogether if no key of it is active.
-   pure function group_text(problem, group, meaning) result(text)
-      character(*), intent(in) :: problem, group, meaning
+   pure function group_text(problem, group) result(text)
+      character(*), intent(in) :: problem
+      integer, intent(in) :: group
       character(:), allocatable :: text, example, lines, mark
-      integer :: i
+      integer, allocatable :: rows(:)
+      integer :: i, kind
 
       lines = ''
       mark = '! '
-      do i = 1, size(key_rows)
-         if (key_rows(i)%group /= group .or. .not. has_word(key_rows(i)%problems, problem)) cycle
-         example = example_of(key_rows(i), problem)
-         if (example(1:1) /= '!') mark = ''
-         lines = lines // key_text(key_rows(i), example)
+      do kind = 1, 2
+         rows = rows_of(group, kind == 2)
+         rows = pack(rows, [(has_word(key_rows(rows(i))%problems, problem), i=1, size(rows))])
+         if (kind == 2 .and. size(rows) > 0) lines = lines // '   ! ' // for_experts // ':' // nl
+         do i = 1, size(rows)
+            example = example_of(key_rows(rows(i)), problem)
+            if (example(1:1) /= '!') mark = ''
+            lines = lines // key_text(key_rows(rows(i)), example)
+         end do
       end do
-      text = '! ' // meaning // nl // mark // '&' // group // nl // lines // mark // '/' // nl
+      if (lines == '') lines = '!  the keys of &surface_1' // nl
+      text = '! ' // trim(group_rows(group)%meaning) // nl // mark // '&' &
+         // trim(group_rows(group)%group) // nl // lines // mark // '/' // nl
    end function group_text
 
-   !> The value of a key, behind '! ' if it is a comment; of a dry &surface_2 all are.
+   !> The value of a key, behind '! ' if it is a comment; those of methods are.
    pure function example_of(row, problem) result(example)
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: problem
@@ -193,11 +223,10 @@ contains
       if (row%key == 'problem') example = "'"//problem//"'"
       if (example == '') example = trim(row%default)
       if (example == '!') example = '! '//trim(row%default)
-      if (problem == lubricated .or. row%group /= 'surface_2') return
-      if (example(1:1) /= '!') example = '! '//example
+      if (row%is_expert .and. example(1:1) /= '!') example = '! '//example
    end function example_of
 
-   !> Two lines: the meaning; key, value, unit, default, words.
+   !> Two lines: the meaning; key, value, unit, default, words. Of methods the second alone.
    pure function key_text(row, example) result(text)
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: example
@@ -216,7 +245,8 @@ contains
       if (index(trim(row%words), ' ') > 0) note = note // merge(' any of ', ' one of ', row%kind &
          == words_kind) // word_list(row%words)
       if (note /= '') line = line // repeat(' ', max(0, unit_column - len(line))) // ' !' // note
-      text = '   ! ' // trim(row%meaning) // rules_text(row) // nl // line // nl
+      text = line // nl
+      if (.not. row%is_expert) text = '   ! ' // trim(row%meaning) // rules_text(row) // nl // text
    end function key_text
 
 end module input_manual

@@ -3,7 +3,7 @@
 module key_row
    use kinds, only: wp
    use number_text, only: read_real
-   use text, only: joined
+   use text, only: joined, to_text
    implicit none (type, external)
    private
 
@@ -47,8 +47,8 @@ module key_row
       !> Default as namelist text, or one of the three words above.
       character(len=32) :: default
       character(len=120) :: meaning
-      !> Range as a comma-separated list of comparisons, each of which must hold.
-      character(len=56) :: range = ''
+      !> Range as a comma-separated list of comparisons, each of which must hold (`holds`).
+      character(len=96) :: range = ''
       !> Words that are built, separated by blanks; of a logical those that it may have beside it.
       character(len=96) :: words = ''
       !> Words that are known but not built yet, separated by blanks.
@@ -65,6 +65,8 @@ module key_row
       !> Value in the template, behind '! ' as a comment, and in that of dry problems if it differs;
       !> empty: the default; '!': the default as a comment.
       character(len=40) :: example = '', dry_example = ''
+      !> Key of a method, whose default is right for nearly everyone: shown apart.
+      logical :: is_expert = .false.
    end type key_row_t
 
 contains
@@ -77,6 +79,7 @@ contains
       expected = trim(expectations(row%kind))
       if (row%kind == logical_kind .and. row%words /= '') expected = expected // ' or'
       if (row%words /= '') expected = trim(adjustl(expected // ' ' // word_list(row%words)))
+      if (index(row%range, 'one of') == 1) expected = expected // ','
       if (row%range /= '') expected = expected // ' ' // trim(row%range)
       if (row%unit /= '') expected = expected // ' [' // trim(row%unit) // ']'
    end function expected_value
@@ -165,7 +168,8 @@ contains
       inside = inside .or. .not. abs(value) > 0.0_wp
    end function is_typical
 
-   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two (times 3 or 5 or 7)".
+   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0", "a power of two (times 3 or 5 or 7)", or
+   !> "one of 2 3 5".
    pure logical function holds(value, comparison)
       real(wp), intent(in) :: value
       character(*), intent(in) :: comparison
@@ -175,6 +179,10 @@ contains
 
       blank = index(comparison, ' ')
       holds = .false.
+      if (index(comparison, 'one of') == 1) then
+         if (abs(value) < 1.0e9_wp) holds = has_word(comparison, to_text(nint(value)))
+         return
+      end if
       if (comparison == 'a power of two (times 3 or 5 or 7)') then
          if (value < 1.0_wp .or. value >= 1.0e9_wp) return
          number = nint(value)

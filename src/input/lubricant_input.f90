@@ -2,21 +2,138 @@
 module lubricant_input
    use errors, only: error_t
    use input_keys, only: find_key, key_rows
-   use input_values, only: input_values_t
+   use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use lubricant, only: density_constant, density_laws, lubricant_t, &
       viscosity_constant, viscosity_laws, viscosity_roelands
    use number_text, only: read_real
+   use oil_viscosity, only: largest_viscosity, least_viscosity, new_walther, viscosity_at_100, &
+      viscosity_of_class, walther_t
+   use quantity_text, only: number_text
    use roelands_relation, only: complete_roelands, roelands_alpha, roelands_log_shift
    use scaling, only: rheologies, rheology_newtonian
-   use text, only: to_text
+   use text, only: joined, to_text
    use validity, only: materials_t
    implicit none (type, external)
    private
 
-   public :: check_lubricant, complete_alpha, fill_lubricant
+   public :: check_lubricant, complete_alpha, derive_viscosity, fill_lubricant
+
+   !> The ways to give the viscosity.
+   character(len=19), parameter :: ways(3) = [character(len=19) :: 'viscosity', &
+      'viscosity_grade', 'kinematic_viscosity']
 
 contains
+
+   !> Gives mu_0 [Pa s], and -d ln(mu_0)/dT [1/K] where it is not given, from what the data sheet
+   !> of the oil states. `words`: what was derived; empty: nothing. Findings: mu_0 is given in two
+   !> ways; a temperature is missing or not used; what `read_sheet` finds.
+   subroutine derive_viscosity(values, words)
+      type(input_values_t), intent(inout) :: values
+      character(:), allocatable, intent(out) :: words
+      type(value_t) :: sheet
+      character(:), allocatable :: key
+      logical :: given(size(ways))
+      integer :: i
+
+      words = ''
+      given = [(values%is_given('lubricant', trim(ways(i))), i=1, size(ways))]
+      if (values%has_group('moes') .or. .not. any(given)) return
+      key = trim(ways(findloc(given, .true., dim=1, back=.true.)))
+      sheet = values%slot('lubricant', ways(3))
+      if (.not. (given(2) .or. size(sheet%reals) > 1)) then
+         call values%refuse_unused('lubricant', 'temperature', &
+            'without viscosity_grade or two values of kinematic_viscosity')
+      else if (count(given) == 1 .and. .not. values%is_given('lubricant', 'temperature')) then
+         call values%refuse_missing('lubricant', 'temperature', 'with '//key)
+      end if
+      if (count(given) > 1) then
+         call values%refuse('lubricant', key, 'found together with '//trim(ways(findloc(given, &
+            .true., dim=1)))//', expected one of '//joined(ways, ', ', last=' and '))
+      else if (.not. given(1)) then
+         call read_sheet(values, key, words)
+      end if
+      associate (slot => values%slots(find_key('lubricant', ways(1))))
+         if (.not. slot%is_given) slot%line = values%line_of('lubricant', key)
+         slot%is_given = .true.
+      end associate
+   end subroutine derive_viscosity
+
+   !> Gives mu_0 and its slope by the values of `key`: a class of viscosity, or one or two kinematic
+   !> viscosities. `words` as above. Findings: values of no oil; values outside the standards.
+   subroutine read_sheet(values, key, words)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: key
+      character(:), allocatable, intent(inout) :: words
+      real(wp), parameter :: at(2) = [40.0_wp, 100.0_wp], mm2 = 1.0e-6_wp
+      type(value_t) :: sheet
+      character(:), allocatable :: fault, oil
+      real(wp) :: index, nu(2), viscosity
+
+      sheet = values%slot('lubricant', key)
+      if (.not. (sheet%has_value .and. values%has_value('lubricant', 'density') &
+         .and. values%has_value('lubricant', 'viscosity_index'))) return
+      fault = ''
+      if (key == 'viscosity_grade') then
+         index = values%real_value('lubricant', 'viscosity_index')
+         nu(1) = viscosity_of_class(sheet%integer)
+         nu(2) = viscosity_at_100(nu(1), index)
+         oil = 'oil ISO VG '//to_text(sheet%integer)//', viscosity index '//number_text(index, 3)
+         if (.not. values%is_given('lubricant', 'viscosity_index')) oil = 'mineral '//oil
+         if (nu(2) < least_viscosity) fault = 'found '//to_text(sheet%integer)//', expected an '// &
+            'oil of at least 2 mm2/s at 100 degC, where the viscosity index begins, or '// &
+            'kinematic_viscosity'
+      else
+         nu = [sheet%reals(1), sheet%reals(size(sheet%reals))]
+         oil = 'oil of '//number_text(nu(1), 3)//' mm2/s'
+         if (size(sheet%reals) > 1) oil = oil//' at 40 degC, '//number_text(nu(2), 3)// &
+            ' at 100 degC'
+         if (size(sheet%reals) > 2) then
+            fault = 'found '//to_text(size(sheet%reals))//' values, expected one, at the '// &
+               'temperature of the inlet, or two, at 40 and 100 degC'
+         else if (size(sheet%reals) == 2 .and. .not. (nu(1) > nu(2) &
+            .and. nu(2) >= least_viscosity)) then
+            fault = 'found an '//oil//', expected less at 100 than at 40 degC, and at least 2 mm2/s'
+         end if
+      end if
+      if (fault /= '') then
+         call values%refuse('lubricant', key, fault)
+      else
+         viscosity = nu(1)
+         if (nu(1) > nu(2)) call follow_line(values, key, new_walther(nu, at), viscosity, oil)
+         if (viscosity <= 0.0_wp) return
+         viscosity = mm2*viscosity*values%real_value('lubricant', 'density')
+         call values%give('lubricant', 'viscosity', key, viscosity)
+         words = oil//', '//to_text(viscosity, 3)//' Pa s'
+      end if
+   end subroutine read_sheet
+
+   !> Computes the kinematic `viscosity` [mm2/s] at the temperature of the inlet by a `line`, adds
+   !> both to the words about the `oil`, and gives the slope. Finding, and 0: the temperature is
+   !> outside the range of the line.
+   subroutine follow_line(values, key, line, viscosity, oil)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: key
+      type(walther_t), intent(in) :: line
+      real(wp), intent(out) :: viscosity
+      character(:), allocatable, intent(inout) :: oil
+      character(:), allocatable :: found
+      real(wp) :: t
+
+      viscosity = 0.0_wp
+      if (.not. values%has_value('lubricant', 'temperature')) return
+      t = values%real_value('lubricant', 'temperature')
+      viscosity = line%viscosity(t)
+      found = number_text(t, 3)//' degC: '//number_text(viscosity, 3)//' mm2/s'
+      oil = oil//', at '//found
+      if (viscosity < least_viscosity .or. viscosity > largest_viscosity) then
+         viscosity = 0.0_wp
+         call values%refuse('lubricant', 'temperature', 'found '//found//', expected a '// &
+            'temperature [degC] with 2 to 2e7 mm2/s, the range of ASTM D341')
+      else if (.not. values%is_given('lubricant', 'thermal_viscosity')) then
+         call values%give('lubricant', 'thermal_viscosity', key, line%thermal_slope(t))
+      end if
+   end subroutine follow_line
 
    !> Gives P0 of Roelands its usual value if alpha is the only parameter given: `is_alone`.
    subroutine complete_alpha(values, is_alone)
@@ -76,7 +193,7 @@ contains
             // " [Pa s] with viscosity_law = 'roelands'")
       else
          call values%refuse('lubricant', 'pressure_viscosity', 'found '// to_text(number(2), 5) // &
-            ' beside roelands_p0 and roelands_z, expected ' // to_text(roelands_alpha(number(1), &
+            ' with roelands_p0 and roelands_z, expected ' // to_text(roelands_alpha(number(1), &
             number(3), number(4)), 5) // ' [1/Pa] by (2.27), or only two of the three')
       end if
    end subroutine check_roelands
