@@ -16,8 +16,10 @@ module case_validation
    implicit none (type, external)
    private
 
-   public :: validate
+   public :: check_times, validate
 
+   !> Most time steps of a transient.
+   real(wp), parameter :: max_steps = 1.0e8_wp
    !> Fewest intervals of the coarsest grid.
    integer, parameter :: min_intervals = 4
    !> Longest title [bytes]: HDF5 keeps attributes of up to 64 kB.
@@ -43,11 +45,32 @@ contains
       call check_surface(values, 'surface_1', 'speed_1')
       call check_surface(values, 'surface_2', 'speed_2')
       if (values%problem /= lubricated) return
-      if (values%logical_value('time', 'transient') .and. values%word_value('domain', 'inlet') &
-         == 'tail') call values%refuse('domain', 'inlet', &
-         "found 'tail', expected 'auto' or 'zero' with transient = .true.")
       call check_solver(values)
+      if (.not. values%logical_value('time', 'transient')) return
+      if (values%word_value('domain', 'inlet') == 'tail') call values%refuse('domain', 'inlet', &
+         "found 'tail', expected 'auto' or 'zero' with transient = .true.")
+      if (values%has_value('time', 'end_time')) call check_times(values, &
+         values%real_value('time', 'end_time'), values%real_value('time', 'time_step'))
    end subroutine validate
+
+   !> Findings about a transient that ends at `end_time` [T]: the given step, or the time from which
+   !> quantities count, is later; too many steps of length `step`, where that is known (not 0).
+   subroutine check_times(values, end_time, step)
+      type(input_values_t), intent(inout) :: values
+      real(wp), intent(in) :: end_time, step
+      character(len=15), parameter :: keys(*) = [character(len=15) :: 'time_step', &
+         'statistics_from']
+      integer :: i
+
+      do i = 1, size(keys)
+         if (values%real_value('time', trim(keys(i))) > end_time) call values%refuse('time', &
+            trim(keys(i)), 'found '//to_text(values%real_value('time', trim(keys(i))))// &
+            ', expected at most end_time = '//to_text(end_time)//' [-]')
+      end do
+      if (step > 0.0_wp .and. end_time > max_steps*step) call values%refuse('time', trim(merge( &
+         'duration', 'end_time', values%is_given('time', 'duration'))), 'found '// &
+         to_text(end_time/step, 3)//' time steps, expected at most '//to_text(max_steps, 1))
+   end subroutine check_times
 
    !> Finds groups that are missing, and groups that &moes replaces or excludes.
    subroutine check_groups(values)

@@ -4,6 +4,7 @@
 !> they get a note only.)
 module line_case
    use case_record, only: case_t
+   use case_validation, only: check_times
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
    use input_values, only: input_values_t
@@ -25,8 +26,6 @@ module line_case
 
    !> No end time that is chosen is later [T].
    real(wp), parameter :: latest_end = 1000.0_wp
-   !> Most time steps of a transient.
-   real(wp), parameter :: max_steps = 1.0e8_wp
 
 contains
 
@@ -48,7 +47,7 @@ contains
       end if
       given = case%time
       call choose_time_step(case%contact, case%time)
-      if (case%time%is_transient) call check_time(values, given, case%time)
+      if (case%time%is_transient) call check_times(values, case%time%end_time, case%time%time_step)
       if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
          /case%scaling%film
       if (case%scaling%is_dimensional .and. .not. case%solver%target > 0.0_wp) then
@@ -57,24 +56,6 @@ contains
       end if
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
-
-   !> Findings about a transient whose end is known: the step that was `given`, or the time from
-   !> which quantities count, is later than it; too many steps. `time`: with the step that is used.
-   subroutine check_time(values, given, time)
-      type(input_values_t), intent(inout) :: values
-      type(time_settings_t), intent(in) :: given, time
-      character(:), allocatable :: limit
-
-      limit = ', expected at most end_time = '//to_text(time%end_time)//' [-]'
-      if (given%time_step > time%end_time) call values%refuse('time', 'time_step', 'found '// &
-         to_text(given%time_step)//limit)
-      if (given%statistics_from > time%end_time) call values%refuse('time', 'statistics_from', &
-         'found '//to_text(given%statistics_from)//limit)
-      if (time%end_time > max_steps*time%time_step) call values%refuse('time', trim(merge( &
-         'duration', 'end_time', values%is_given('time', 'duration'))), 'found '// &
-         to_text(time%end_time/time%time_step, 3)//' time steps, expected at most '// &
-         to_text(max_steps, 1))
-   end subroutine check_time
 
    !> The contact of a case, with the domain that is given or chosen.
    subroutine build_contact(case)
