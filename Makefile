@@ -37,7 +37,7 @@ DEMO := results/demo
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
 
-build: prepare ## the program, build/bin/asperity, beside it asperity-heights (NATIVE=1: for this processor only)
+build: prepare ## the programs build/bin/asperity and asperity-heights (NATIVE=1: for this processor only)
 	@tools/fpm_build.sh --flag "$(RELEASE)"
 	@fpm install --flag "$(RELEASE)" --prefix build > build/install.log
 
@@ -58,11 +58,11 @@ test: build generate ## all tests: unit tests, then end-to-end tests of build/bi
 	@tools/fpm_build.sh --tests --flag "$(RELEASE)"
 	@$(PYTHON) tools/run_tests.py build/bin/asperity fpm test --flag "$(RELEASE)" -- -v
 
-test-debug: debug generate ## the same with the checked build (ARGS=--paths: of the end-to-end tests those marked `path`)
+test-debug: debug generate ## the same with the checked build (ARGS=--paths: only end-to-end tests marked `path`)
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
 	@$(PYTHON) tools/run_tests.py $(ARGS) build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
 
-golden: build ## everything that small cases leave and print, beside what is stored (ARGS=--store: keep it; ARGS=--count: instructions)
+golden: build ## files and output of small cases against stored ones (ARGS=--store: store them; ARGS=--count: instructions)
 	$(PYTHON) test/golden.py $(ARGS)
 
 fuzz: build ## attacks with damaged, hostile and odd files; writes the table of docs/testing.md (ARGS="KIND --seed S": without it)
@@ -80,7 +80,7 @@ unit-debug: prepare generate ## the unit tests alone, checked build
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
 	@fpm test --flag "$(DEBUG)" -- $(ARGS)
 
-lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, errors that nobody looks at, laws without their case
+lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, ignored errors, unhandled cases
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
 	$(PYTHON) tools/use_graph.py --most 18
@@ -114,10 +114,10 @@ chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, state
 chapter6: build ## thesis, chapter 6: every overtaking of ridges and dents, figures, statements (ARGS=--quick)
 	$(PYTHON) bench/studies/chapter6.py $(ARGS)
 
-amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, beside published values (ARGS=--quick)
+amplitude: build ## amplitude reduction of a waviness, rolling and sliding, against published values (ARGS=--quick)
 	$(PYTHON) bench/studies/amplitude.py $(ARGS)
 
-trends: build ## how film and waviness depend on each input, beside (2.3) and the fit of Moes (ARGS=--quick)
+trends: build ## dependence of film and waviness on each input, against (2.3) and the fit of Moes (ARGS=--quick)
 	$(PYTHON) bench/studies/trends.py $(ARGS)
 
 thesis: chapter5 chapter6 amplitude trends ## the lubricated half of the thesis: the four above, and their figures into docs/images/
@@ -126,10 +126,10 @@ thesis: chapter5 chapter6 amplitude trends ## the lubricated half of the thesis:
 regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, into postproc/data/ (ARGS=--quick)
 	$(PYTHON) bench/studies/moes_films.py $(ARGS)
 
-formulas: build ## film formulas of handbooks beside computed films: how far they are off (ARGS=--quick)
+formulas: build ## bias of handbook film formulas against computed films (ARGS=--quick)
 	$(PYTHON) bench/studies/film_formulas.py $(ARGS)
 
-scenes: build ## the ten scenes of input/scenes/: verdicts beside fine grids; makes docs/scenes.md and its figures
+scenes: build ## the ten scenes of input/scenes/: verdicts against fine grids; writes docs/scenes.md and its figures
 	-$(PYTHON) bench/scenes.py --page
 
 chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)
@@ -150,7 +150,7 @@ dry: chapter3 chapter4 chapter7 area ## the dry half of the thesis: chapters 3, 
 bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
 
-bench-dry: build ## dry areas beside other programs (ARGS="--peers PYTHON": the python of an environment with tamaas, ContactMechanics)
+bench-dry: build ## dry areas against other programs (ARGS="--peers PYTHON": the python of an environment with tamaas, ContactMechanics)
 	$(PYTHON) bench/dry.py $(ARGS)
 
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
@@ -160,15 +160,15 @@ chart: bench-program ## error against wall time of all methods, in results/chart
 orders: bench-program ## table of the observed orders in time, in results/orders/ (ARGS=--quick: coarser)
 	$(PYTHON) bench/orders.py $(ARGS)
 
-accuracy: bench-program ## are the error bars honest, what does a wanted accuracy cost, in results/accuracy/ (ARGS=--quick: shorter)
+accuracy: bench-program ## truth of the error bars, cost of a target accuracy, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/targets.py $(ARGS)
 	$(PYTHON) bench/families.py $(ARGS)
 
-accuracy-time: build bench-program ## the same for transients: error bars and wanted accuracy of passages (ARGS=--quick: fewer)
+accuracy-time: build bench-program ## the same for passages (ARGS=--quick: fewer)
 	$(PYTHON) bench/targets.py --in-time $(ARGS)
 	$(PYTHON) bench/families.py passages --output results/accuracy/passages $(ARGS)
 
-stability: bench-program ## maps of where each method converges, in results/stability/ (ARGS=--quick: shorter)
+stability: bench-program ## maps of convergence of each method, in results/stability/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/stability.py $(ARGS)
 	$(PYTHON) bench/stability.py --dry $(ARGS)
 
@@ -186,16 +186,16 @@ site: ## the pages as a site with search, build/site/index.html; a broken link i
 	   build/site-tools/bin/pip install -q --disable-pip-version-check -r tools/requirements-site.txt; }
 	@NO_MKDOCS_2_WARNING=1 build/site-tools/bin/mkdocs build -q -f tools/site.yml && echo build/site/index.html
 
-notebooks: build ## the notebooks again, with their pictures and numbers
+notebooks: build ## executes the notebooks again
 	PYTHONPATH=$(CURDIR)/python jupyter execute --inplace python/notebooks/*.ipynb
 
-wheel: build ## a Python package that carries the program, for any Linux of this kind of processor, in dist/
+wheel: build ## a Python package with the program, for any Linux on this kind of processor, in dist/
 	@rm -rf build/wheel dist
 	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps --wheel-dir build/wheel .
 	auditwheel repair --wheel-dir dist build/wheel/*.whl
 	@ls -s --block-size=1M dist/*.whl
 
-clean: ## remove everything that make has made
+clean: ## removes everything that make has written
 	rm -rf build dist results test/generated docs/api .pc
 
 generate:

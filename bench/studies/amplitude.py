@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Amplitude reduction of harmonic waviness: pure rolling (table and master curve), rolling-sliding, and how far it is linear.
+"""Amplitude reduction of harmonic waviness: pure rolling (table and master curve), rolling-sliding, range of linearity.
 
-The ratios of vanishing amplitude are the linear response in the frequency domain, each with its error; time marching by the program
-checks them, and shows how far they hold.
+The linear response in the frequency domain gives the ratios of vanishing amplitude, each with its error; time marching by the
+program checks them and their range.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Contact area of rough areas against the load: is it proportional, and with which constant?
+"""Contact area of rough areas against the load: proportionality and its constant.
 
-Ar/An = kappa pbar/(E* g), g the rms gradient, E* = E'/2. Asperity theory (Bush, Gibson and Thomas, Wear 35, 1975, 87) gives
-kappa = sqrt(2 pi) = 2.51 in the limit of light load, Persson's theory sqrt(8/pi) = 1.60. Self-affine surfaces with roll-off,
-several seeds, the same surfaces on three grids (Fourier resampling), elastic and with hardnesses. The error is stated from seeds
-and resolution. Greenwood and Williamson's asperities beside them.
+Ar/An = kappa pbar/(E* g), g the rms gradient, E* = E'/2. Asperity theory (Bush, Gibson and Thomas, Wear 35, 1975, 87) gives kappa
+= sqrt(2 pi) = 2.51 in the limit of light load, Persson's theory sqrt(8/pi) = 1.60. Self-affine surfaces with roll-off, several
+seeds, the same surfaces on three grids (Fourier resampling), elastic and with hardnesses. Errors follow from seeds and
+resolution. Compared with Greenwood and Williamson's asperities.
 """
 
 from __future__ import annotations

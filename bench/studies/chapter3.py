@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Chapter 3 of the thesis: what a hardness changes. Elastic against elastic-perfectly plastic contact of the four profiles and of a
-rough area, against a rigid and an elastic counterbody, under rising and falling load."""
+"""Chapter 3 of the thesis: effect of a hardness on the contact of the four profiles and of a rough area, against a rigid and an
+elastic counterbody, under rising and falling load.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Chapter 4 of the thesis: which harmonics must a measurement resolve to trust the contact area, and how fine must the grid be?
+"""Chapter 4 of the thesis: harmonics and nodes that the contact area needs.
 
-Four rough profiles cut to their harmonics 1 ... n (4.1) at one load, elastic and elastic-perfectly plastic; the same over synthetic
-realisations; and a cut profile on ever finer grids (Fourier resampling), every quantity against the finest. The figures and
-statements of the chapter are those of one profile, D.
+Four rough profiles cut to their harmonics 1 ... n (4.1) at one load, elastic and elastic-perfectly plastic; synthetic
+realisations of them; and a cut profile on finer and finer grids (Fourier resampling), every quantity against the finest. Figures
+and statements of the chapter are those of profile D.
 """
 
 from __future__ import annotations

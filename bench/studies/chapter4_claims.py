@@ -1,4 +1,4 @@
-"""What chapter 4 says of a profile cut to its first n harmonics, each statement as a question to the curves over n."""
+"""The statements of chapter 4 on a profile cut to its first n harmonics, each as a test of the curves over n."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Chapter 5 of the thesis: a smooth contact (Case 1) and a ridge that passes on the slow (2) or the fast surface (3).
 
-Error tables 5.2 and 5.3 after the definitions (5.5) to (5.8) beside the printed values, what the text leaves open (alpha and P0,
+Error tables 5.2 and 5.3 by the definitions (5.5) to (5.8) against the printed values, the open choices of the text (alpha and P0,
 the pair of grids of the spatial error), figures 5.1 to 5.3, and the statements of the chapter.
 """
 

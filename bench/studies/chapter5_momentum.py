@@ -1,4 +1,4 @@
-"""Chapter 5, the other side: the full momentum equations of the film beside the Reynolds equation, smooth and steady.
+"""Chapter 5: the full momentum equations of the film against Reynolds' equation, smooth and steady.
 
 Case 1 on several grids and numbers of layers, with inertia, with the speeds exchanged, and with other Eyring stresses.
 """

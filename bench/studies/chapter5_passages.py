@@ -1,7 +1,7 @@
-"""Chapter 5, the other side in time: Cases 2 and 3 by the full momentum equations beside Reynolds' equation.
+"""Chapter 5 in time: Cases 2 and 3 by the full momentum equations against Reynolds' equation.
 
-Both march through the same time steps on the same grid, so that their errors nearly cancel in the difference; what is left of them
-is measured with half of the intervals, half of the layers and twice the step.
+Both use the same time steps and grid, so that their errors nearly cancel in the difference; half of the intervals, half of the
+layers and twice the step measure the rest.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Table 5.3 of the thesis by every reading of (5.5) and (5.6) that the text allows: which of them gives the printed numbers?
+"""Table 5.3 of the thesis by every reading of (5.5) and (5.6) that the text allows, against the printed numbers.
 
-Besides, the smallest film and the largest pressure of the passages with their errors.
+Also smallest film and largest pressure of the passages with their errors.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""Where Reynolds' equation ends: contacts with a ridge at rest by both equations, and a rule for their difference.
+"""Limits of Reynolds' equation: contacts with a ridge at rest by both equations, and a rule for their difference.
 
-Eyring stress, slope and length of the ridge, speed (film) and load at random; a rule is fitted to one sample and judged by another.
+Eyring stress, slope and length of the ridge, speed (film) and load are random; a rule is fitted to one sample and judged by
+another.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 """Chapter 6 of the thesis: ridges and dents that overtake each other, about 100 transients in two forms.
 
 Form (a) is the thesis's grid (256 intervals, backward Euler, dT = dX), form (b) a fine one (512, BDF2, dT = dX/2). The error of
-(a) is its distance to (b); that of (b) is a third of what halving the step plus a third of what halving the grid has changed.
+(a) is its distance from (b); that of (b) is a third of the changes by halving the step and by halving the grid.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Chapter 6 besides its figures of film thinning: the loads of Figure 6.10 as printed, and internal cavitation."""
+"""Chapter 6, supplements: the loads of Figure 6.10 as printed, and internal cavitation."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Chapter 7 of the thesis and Paper C: four rough profiles pressed on a rigid plane, and the same over many realisations of each.
+"""Chapter 7 of the thesis and Paper C: four rough profiles pressed on a rigid plane, and many realisations of each.
 
-The measured profiles of the thesis are not published; stand-ins with the parameters of Table 7.1 take their place (Figures 7.1 to
-7.4, C.2 and C.4 to C.7). One profile is one draw: each statement is therefore counted over synthetic realisations too.
+The measured profiles of the thesis are not published; stand-ins with the parameters of Table 7.1 replace them (Figures 7.1 to
+7.4, C.2 and C.4 to C.7). A profile is one draw: each statement is also counted over synthetic realisations.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What chapter 7 and Paper C say of the four profiles, each statement as a question that four sweeps answer with yes or no."""
+"""The statements of chapter 7 and Paper C on the four profiles, each as a yes-or-no test of four sweeps."""
 
 from __future__ import annotations
 

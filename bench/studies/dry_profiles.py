@@ -1,4 +1,4 @@
-"""What chapters 3, 4 and 7 share: the four profiles, their realisations, loads, and how statements are judged over draws."""
+"""Common parts of chapters 3, 4 and 7: the four profiles, their realisations, loads, and the judgement of statements over draws."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""How far film formulas of handbooks are off: those of Dowson-Higginson, Dowson-Toyoda and Moes beside random smooth contacts.
+"""Bias of film formulas: Dowson-Higginson, Dowson-Toyoda and Moes against random smooth contacts.
 
-Steel in mineral and synthetic oils, rolling, each contact with the viscosity of Roelands and Barus, with constant density and with
-that of Dowson and Higginson; each film to 0.3 % of the smallest. Of each bias the range in which nine of ten contacts lie, and the
-whole one; that of h_central with that density also without it. The tables are in docs/theory.md and src/physics/film_formulas.f90.
+Steel in mineral and synthetic oils, rolling, each contact with the viscosity of Roelands and Barus, with constant density and
+with that of Dowson and Higginson; each film to 0.3 % of the smallest. Each bias is given as the range of nine tenths of the
+contacts and the whole range; that of h_central with that density also without it. The tables are in docs/theory.md and
+src/physics/film_formulas.f90.
 """
 
 from __future__ import annotations

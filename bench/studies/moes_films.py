@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Films of the smooth contact over Moes' numbers M and L, for the regime chart (postproc/regime.py): postproc/data/moes_films.csv.
 
-Newtonian oil of constant density and Barus viscosity, to which M and L are all that matters; each film to 0.3 % of its smallest.
+A Newtonian oil of constant density and Barus viscosity, which depends on M and L only; each film to 0.3 % of its smallest.
 """
 
 from __future__ import annotations

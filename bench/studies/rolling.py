@@ -1,7 +1,7 @@
-"""Waviness in pure rolling beside Table 1 of Venner, Couhier, Lubrecht and Greenwood (1997): M = 100, L = 11 (speed sum).
+"""Waviness in pure rolling against Table 1 of Venner, Couhier, Lubrecht and Greenwood (1997): M = 100, L = 11 (speed sum).
 
 Time marching by the program, and the linear response of the same contact in the frequency domain (linear_response.py), which has
-no time step and, along the characteristics, another discretisation of what the oil carries.
+no time step and, along the characteristics, another discretisation of advection.
 """
 
 from __future__ import annotations

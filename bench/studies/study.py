@@ -1,4 +1,4 @@
-"""What the studies share: cases made from the namelists of input/, runs side by side, tables, command line."""
+"""Common parts of the studies: cases from the namelists of input/, runs side by side, tables, command line."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Section 2.1 of the thesis: how film and waviness depend on load, speed, radius, modulus, viscosity and its pressure coefficient.
+"""Section 2.1 of the thesis: dependence of film and waviness on load, speed, radius, modulus, viscosity and its pressure
+coefficient.
 
-Exponents d ln h/d ln q of smooth contacts, by central differences of films that the program computes, beside those of the fit of
-Moes; and the exponents of (2.3), d ln(A_d/A_i)/d ln q over d ln(A_d/A_i)/d ln Lambda of the linear response, pure rolling.
+Exponents d ln h/d ln q of smooth contacts, by central differences of computed films, against those of the fit of Moes; and the
+exponents of (2.3), d ln(A_d/A_i)/d ln q over d ln(A_d/A_i)/d ln Lambda of the linear response, pure rolling.
 """
 
 from __future__ import annotations
