@@ -8,6 +8,7 @@ module result_table
    use errors, only: error_t
    use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use iteration_report, only: ending_text, has_converged, has_not_converged
    use kinds, only: wp
    use missing_value, only: not_known
    use quantities, only: quantity_rows
@@ -24,10 +25,10 @@ module result_table
 
    !> Quantities of /summary that can be a column; the text has those with `is_short`.
    character(len=31), parameter :: names(*) = [character(len=31) :: quantity_rows%name, &
-      limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, &
+      'lambda_ratio', limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, &
       dry_table(contact_area)%name, dry_table(plastic_area)%name, dry_table(mean_separation)%name]
-   logical, parameter :: is_short(*) = [quantity_rows%short /= '', .false., .false., .true., &
-      .false., .true.]
+   logical, parameter :: is_short(*) = [quantity_rows%short /= '', .true., .false., .false., &
+      .true., .false., .true.]
    character(len=*), parameter :: nl = new_line('a')
    !> Widest cell of the text; the layout from which on every result has a seal.
    integer, parameter :: cell_width = 512, sealed_layout = 3
@@ -38,7 +39,7 @@ module result_table
       !> False: only `reason` is known.
       logical :: is_read = .false.
       logical :: is_converged = .false.
-      character(:), allocatable :: problem, reason
+      character(:), allocatable :: problem, outcome, reason
       !> In SI; not known where the file has none.
       real(wp) :: values(size(names)), errors(size(names))
       !> Units of the values; empty: the file has none.
@@ -87,12 +88,14 @@ contains
 
       row%file = file
       row%problem = ''
+      row%outcome = ''
       row%values = not_known()
       row%errors = not_known()
       row%units = ''
       call read_progress(file, steps, time)
       if (steps > 0) then
          row%is_read = .true.
+         row%outcome = has_not_converged
          row%reason = counted(steps, 'time')//' to T '//number_text(time, 4)//': the run goes '// &
             'on, or was stopped'
          return
@@ -107,6 +110,11 @@ contains
          'found no result of '//program_name)
       row%problem = reader%text('/', 'problem')
       row%is_converged = reader%integer_value('/', 'converged') == 1
+      row%outcome = reader%text_of('/', 'outcome')
+      if (row%outcome == '') then   ! of an earlier version
+         row%outcome = has_not_converged
+         if (row%is_converged) row%outcome = has_converged
+      end if
       row%reason = reader%text('/', 'reason')
       do i = 1, size(names)
          path = '/summary/'//trim(names(i))
@@ -203,8 +211,8 @@ contains
       words = ''
       if (.not. row%is_read) then
          words = 'NOT READ: '//row%reason
-      else if (.not. row%is_converged) then
-         words = 'NOT CONVERGED: '//row%reason
+      else if (row%outcome /= has_converged) then
+         words = ending_text(row%outcome, row%reason)
       end if
    end function remark
 
@@ -218,7 +226,7 @@ contains
       integer :: i, k
 
       columns = csv_columns(rows)
-      line = 'file,problem,converged,reason'
+      line = 'file,problem,converged,outcome,reason'
       do k = 1, size(columns)
          name = trim(names(columns(k)%number))
          associate (unit => ' ['//trim(columns(k)%units)//']')
@@ -230,7 +238,7 @@ contains
          if (allocated(error)) return
          associate (row => rows(i))
             line = csv_cell(row%file)//','//csv_cell(row%problem)//','//state(row, '')//',' &
-               //csv_cell(row%reason)
+               //row%outcome//','//csv_cell(row%reason)
             do k = 1, size(columns)
                associate (number => columns(k)%number)
                   if (row%units(number) == columns(k)%units) then
@@ -286,7 +294,8 @@ contains
       integer :: k
 
       line = '{"file": '//json_text(row%file)//', "problem": '//json_text(row%problem) &
-         //', "converged": '//state(row, 'null')//', "reason": '//json_text(row%reason)
+         //', "converged": '//state(row, 'null')//', "outcome": '//json_text(row%outcome) &
+         //', "reason": '//json_text(row%reason)
       do k = 1, size(names)
          if (row%units(k) == '') cycle
          line = line//', "'//trim(names(k))//'": {"value": '//exact(row%values(k), 'null') &
