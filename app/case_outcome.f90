@@ -1,7 +1,7 @@
 !> How a case ended: exit status and reason, for the program's own status and for `--outcomes`.
 module case_outcome
    use errors, only: error_t, output_error
-   use iteration_report, only: report_t
+   use iteration_report, only: has_converged, report_t
    use progress_log, only: progress_log_t
    use standard_streams, only: write_text
    use text, only: to_text
@@ -10,8 +10,8 @@ module case_outcome
 
    public :: case_outcome_t, count_outcome, give_up, outcome_line, outcome_of
 
-   !> Exit status of one case: converged and written; failed inside; not converged, but written; not
-   !> written; interrupted.
+   !> Exit status of one case: converged and written; failed inside; not converged, or outside the
+   !> model, but written; not written; interrupted.
    integer, parameter, public :: status_converged = 0, status_failed = 1, &
       status_not_converged = 2, status_not_written = 3, &
       status_interrupted = 4
@@ -41,7 +41,7 @@ contains
       type(report_t), intent(in) :: report
       type(case_outcome_t) :: outcome
 
-      if (report%converged) return
+      if (report%outcome() == has_converged) return
       outcome%status = status_not_converged
       if (allocated(report%reason)) outcome%reason = trim(report%reason)
    end function outcome_of

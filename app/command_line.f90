@@ -27,6 +27,8 @@ module command_line
       integer :: threads = 1
       !> True: no progress.
       logical :: is_quiet = .false.
+      !> True: the closing tables are whole.
+      logical :: is_verbose = .false.
       !> True: go on from checkpoints.
       logical :: is_resume = .false.
       !> True: a line for each case on standard output.
@@ -39,7 +41,8 @@ module command_line
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
       '--check', '--resume', '--outcomes', '--set', '--keep-going', '--format', &
-      '--profiles', '--quiet', '--template', '--keys', '--version', '--help']
+      '--profiles', '--quiet', '--verbose', '--template', '--keys', &
+      '--version', '--help']
    !> Most threads that can be asked for.
    integer, parameter :: max_threads = 9999
    character(*), parameter :: see_help = '; see asperity --help'
@@ -77,6 +80,8 @@ contains
             end if
          case ('--quiet')
             command%is_quiet = .true.
+         case ('--verbose')
+            command%is_verbose = .true.
          case ('--template', '--output', '--threads', '--set', '--format')
             i = i + 1
             call read_option_value(command, word, argument(i), error)
@@ -229,6 +234,8 @@ contains
             '(status 1)' // nl &
          // '  --check        read and check the namelists, compute nothing' // nl &
          // '  --quiet        no progress; errors only' // nl &
+         // '  --verbose      more than twelve lines at the end: dimensionless values, '// &
+            'handbook films, residuals, every limit' // nl &
          // '  --outcomes     a line for each case on standard output when it ends: status, '// &
             'namelist, reason (tabs between)' // nl &
          // '  --threads N    threads of areas (default 1), at most as many as processors; of '// &
@@ -248,10 +255,11 @@ contains
             'side on 8 cores' // nl // nl &
          // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; '// &
             '2 a case did not converge' // nl &
-         // '(written, marked, with the reason); 3 a result could not be written; 4 '// &
-            'interrupted by a signal, checkpoint' // nl &
-         // 'written. Results go to files, summaries to standard output, progress and errors '// &
-            'to standard error.' // nl
+         // 'or left the model (written, marked, with the reason); 3 a result could not be '// &
+            'written; 4 interrupted by a' // nl &
+         // 'signal, checkpoint written. Results go to files, summaries to standard output, '// &
+            'progress and errors to' // nl &
+         // 'standard error.' // nl
    end function help_text
 
 end module command_line

@@ -5,19 +5,22 @@ module result_end
       status_not_written
    use case_record, only: case_t
    use closing_table, only: close_case, closing_words_t, spike_lines
-   use decision_section, only: decision_lines
+   use decision_section, only: decision_lines, solved_text
    use errors, only: error_t
    use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines, formulas_of
-   use adequacy_section, only: model_line
+   use adequacy_section, only: model_line, model_sentence
    use inlet_change, only: film_loss
    use iteration_report, only: report_t
    use kinds, only: wp
+   use quantity_text, only: number_text
    use line_state, only: line_state_t
+   use missing_value, only: exceeds
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
    use text, only: to_text
    use validity, only: circumstances_t, limits_of
+   use validity_table, only: least_lambda_ratio, mixed_lubrication
    implicit none (type, external)
    private
 
@@ -49,11 +52,11 @@ contains
    end subroutine end_result
 
    !> Hands the limits of a converged solution to the writer of its result, and of a steady one what
-   !> formulas need.
+   !> formulas need; the report says where asperities carry load.
    subroutine judge_limits(case, state, report, listener)
       type(case_t), intent(in) :: case
       type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
+      type(report_t), intent(inout) :: report
       type(run_observer_t), intent(inout) :: listener
       type(circumstances_t) :: of
 
@@ -69,6 +72,12 @@ contains
       if (listener%writer%bars%inlet%is_known) of%film_loss = film_loss(listener%writer%bars%inlet)
       of%has_momentum = case%layers > 0
       listener%writer%limits = limits_of(of, state)
+      associate (ratio => listener%writer%limits(mixed_lubrication)%value)
+         report%is_mixed = exceeds(-ratio, -least_lambda_ratio)
+         if (report%is_mixed) report%reason = 'outside the model: mixed lubrication, the '// &
+            'smallest film is '//number_text(ratio, 2)//' times the composite roughness; '// &
+            'asperities carry load that is not computed'
+      end associate
       if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits
 
@@ -92,13 +101,18 @@ contains
          return
       end if
       associate (writer => listener%writer)
-         if (.not. listener%log%is_quiet) then
+         if (listener%log%is_verbose) then
             words%spike = spike_lines(writer%summary, case%solver%target_p_max > 0.0_wp, &
                .not. case%time%is_transient, case%domain%intervals > 0)
             words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
             if (allocated(writer%adequacy%rows)) words%model = &
                model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
             words%decision = decision_lines(writer%choice, writer%adequacy)
+         else
+            if (allocated(writer%adequacy%rows)) words%model = &
+               model_sentence(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
+            if (allocated(writer%choice%rows)) words%decision = 'auto      ' &
+               //solved_text(writer%choice)
          end if
          call close_case(listener%log, writer%summary, report, writer%name%path, &
             writer%run%passage%times, writer%limits, words)

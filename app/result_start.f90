@@ -109,36 +109,34 @@ contains
       case%time%resume_from = checkpoint%march
    end subroutine go_on
 
-   !> Whether `path` is the complete result of this very case by this very program, and whether it
-   !> has converged, or the reason; other files of that run are removed. The result is locked
-   !> meanwhile. Errors: another run does; it cannot be the name of a result.
-   subroutine find_complete_result(path, case, is_complete, is_converged, reason, error)
+   !> Whether `path` is the complete result of this very case by this very program, its outcome and
+   !> the reason; other files of that run are removed. The result is locked meanwhile. Errors:
+   !> another run does; it cannot be the name of a result.
+   subroutine find_complete_result(path, case, is_complete, outcome, reason, error)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
-      logical, intent(out) :: is_complete, is_converged
-      character(:), allocatable, intent(out) :: reason
+      logical, intent(out) :: is_complete
+      character(:), allocatable, intent(out) :: outcome, reason
       type(error_t), allocatable, intent(out) :: error
       type(result_name_t) :: name
 
       is_complete = .false.
-      is_converged = .false.
       call hold_name(name, path, error)
       if (allocated(error)) return
-      call judge_result(path, case, is_complete, is_converged, reason)
+      call judge_result(path, case, is_complete, outcome, reason)
       call name%give_back(is_complete)
    end subroutine find_complete_result
 
-   !> Whether `path` is the complete result of this very case by this very program, and whether it
-   !> has converged, or the reason.
-   subroutine judge_result(path, case, is_complete, is_converged, reason)
+   !> Whether `path` is the complete result of this very case by this very program, its outcome and
+   !> the reason.
+   subroutine judge_result(path, case, is_complete, outcome, reason)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
-      logical, intent(out) :: is_complete, is_converged
-      character(:), allocatable, intent(out) :: reason
+      logical, intent(out) :: is_complete
+      character(:), allocatable, intent(out) :: outcome, reason
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: error
 
-      is_converged = .false.
       is_complete = seal_fault(path) == ''
       if (.not. is_complete) return
       call open_hdf5_input(reader, path, error)
@@ -148,7 +146,7 @@ contains
       if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
       if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
       if (is_complete) is_complete = has_same_heights(reader, case)
-      is_converged = reader%integer_value('/', 'converged') == 1
+      outcome = reader%text('/', 'outcome')
       reason = reader%text('/', 'reason')
       call reader%close(error)
       if (allocated(error)) is_complete = .false.

@@ -9,6 +9,7 @@ module result_table
    use errors, only: error_t, fail, input_error
    use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use iteration_report, only: ending_text, has_converged, has_not_converged
    use kinds, only: wp
    use missing_value, only: not_known
    use quantities, only: quantity_rows
@@ -23,12 +24,13 @@ module result_table
 
    public :: print_results
 
-   !> Quantities of /summary that can be a column; the text has those with `is_short`.
+   !> Quantities of /summary that can be a column, and their heads in the text, whose lines fit a
+   !> terminal: empty where it has none.
    character(len=31), parameter :: names(*) = [character(len=31) :: quantity_rows%name, &
-      limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, &
+      'lambda_ratio', limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, &
       dry_table(contact_area)%name, dry_table(plastic_area)%name, dry_table(mean_separation)%name]
-   logical, parameter :: is_short(*) = [quantity_rows%short /= '', .false., .false., .true., &
-      .false., .true.]
+   character(len=10), parameter :: heads(*) = [character(len=10) :: merge(quantity_rows%short, &
+      '         ', quantity_rows%name /= 'p_central'), 'lambda', '', '', 'contact', '', 'separation']
    !> Arrays of /solution that can be a column of --profiles, beside x.
    character(len=20), parameter :: profiles(*) = [character(len=20) :: 'x', 'pressure', &
       'film_thickness', 'gap', 'viscosity', 'density', 'slip_factor', 'shear_stress_1', &
@@ -44,7 +46,7 @@ module result_table
       !> False: only `reason` is known.
       logical :: is_read = .false.
       logical :: is_converged = .false.
-      character(:), allocatable :: problem, reason
+      character(:), allocatable :: problem, outcome, reason
       !> In SI; not known where the file has none.
       real(wp) :: values(size(names)), errors(size(names))
       !> Units of the values; empty: the file has none.
@@ -143,12 +145,14 @@ contains
 
       row%file = file
       row%problem = ''
+      row%outcome = ''
       row%values = not_known()
       row%errors = not_known()
       row%units = ''
       call read_progress(file, steps, time)
       if (steps > 0) then
          row%is_read = .true.
+         row%outcome = has_not_converged
          row%reason = counted(steps, 'time')//' to T '//number_text(time, 4)//': the run goes '// &
             'on, or was stopped'
          return
@@ -163,6 +167,11 @@ contains
          'found no result of '//program_name)
       row%problem = reader%text('/', 'problem')
       row%is_converged = reader%integer_value('/', 'converged') == 1
+      row%outcome = reader%text_of('/', 'outcome')
+      if (row%outcome == '') then   ! of an earlier version
+         row%outcome = has_not_converged
+         if (row%is_converged) row%outcome = has_converged
+      end if
       row%reason = reader%text('/', 'reason')
       do i = 1, size(names)
          path = '/summary/'//trim(names(i))
@@ -199,7 +208,7 @@ contains
       integer, allocatable :: columns(:), widths(:)
       integer :: i, j, k
 
-      columns = pack([(k, k=1, size(names))], is_short .and. [(any(rows%units(k) /= ''), &
+      columns = pack([(k, k=1, size(names))], heads /= '' .and. [(any(rows%units(k) /= ''), &
          k=1, size(names))])
       allocate (cells(size(rows) + 1, 2*size(columns) + 1))
       cells = ''
@@ -209,7 +218,8 @@ contains
       end do
       do j = 1, size(columns)
          k = columns(j)
-         cells(1, 2*j) = names(k)
+         cells(1, 2*j) = heads(k)
+         cells(1, 2*j + 1) = '+- %'
          of_column: do i = 1, size(rows)
             if (rows(i)%units(k) == '') cycle of_column
             cells(i + 1, 2*j) = shown_value(rows(i)%values(k), rows(i)%units(k))
@@ -220,7 +230,7 @@ contains
       do i = 1, size(cells, 1)
          line = ''
          do j = 1, size(cells, 2)
-            line = line//cells(i, j)(:widths(j))//'  '
+            line = line//cells(i, j)(:widths(j))//repeat(' ', 1 + mod(j, 2))
          end do
          if (i > 1) line = line//remark(rows(i - 1))
          call write_text(trim(line)//nl, error)
@@ -247,8 +257,8 @@ contains
       character(:), allocatable :: shown
 
       shown = ''
-      if (ieee_is_finite(error) .and. abs(value) > 0.0_wp) shown = '+- ' &
-         //number_text(100*abs(error/value), 2)//' %'
+      if (ieee_is_finite(error) .and. abs(value) > 0.0_wp) shown = &
+         number_text(100*abs(error/value), 2)
    end function shown_error
 
    !> What a row says beside its numbers.
@@ -259,8 +269,8 @@ contains
       words = ''
       if (.not. row%is_read) then
          words = 'NOT READ: '//row%reason
-      else if (.not. row%is_converged) then
-         words = 'NOT CONVERGED: '//row%reason
+      else if (row%outcome /= has_converged) then
+         words = ending_text(row%outcome, row%reason)
       end if
    end function remark
 
@@ -274,7 +284,7 @@ contains
       integer :: i, k
 
       columns = csv_columns(rows)
-      line = 'file,problem,converged,reason'
+      line = 'file,problem,converged,outcome,reason'
       do k = 1, size(columns)
          name = trim(names(columns(k)%number))
          associate (unit => ' ['//trim(columns(k)%units)//']')
@@ -286,7 +296,7 @@ contains
          if (allocated(error)) return
          associate (row => rows(i))
             line = csv_cell(row%file)//','//csv_cell(row%problem)//','//state(row, '')//',' &
-               //csv_cell(row%reason)
+               //row%outcome//','//csv_cell(row%reason)
             do k = 1, size(columns)
                associate (number => columns(k)%number)
                   if (row%units(number) == columns(k)%units) then
@@ -342,7 +352,8 @@ contains
       integer :: k
 
       line = '{"file": '//json_text(row%file)//', "problem": '//json_text(row%problem) &
-         //', "converged": '//state(row, 'null')//', "reason": '//json_text(row%reason)
+         //', "converged": '//state(row, 'null')//', "outcome": '//json_text(row%outcome) &
+         //', "reason": '//json_text(row%reason)
       do k = 1, size(names)
          if (row%units(k) == '') cycle
          line = line//', "'//trim(names(k))//'": {"value": '//exact(row%values(k), 'null') &

@@ -6,7 +6,7 @@ module run_case
    use command_line, only: command_t
    use errors, only: error_t
    use film_momentum, only: follow_momentum, prepare_momentum
-   use iteration_report, only: report_t
+   use iteration_report, only: ending_text, has_converged, report_t
    use key_row, only: lubricated
    use line_contact, only: line_contact_t
    use line_model, only: choose_lean_model, measure_model, print_full_cost
@@ -34,26 +34,27 @@ contains
       type(case_outcome_t), intent(out) :: outcome
       type(progress_log_t) :: log
       type(error_t), allocatable :: error
-      character(:), allocatable :: path, reason
-      logical :: is_complete, is_converged
+      character(:), allocatable :: earlier, path, reason
+      logical :: is_complete
 
       log = new_progress_log(command%is_quiet, command%has_outcomes)
+      log%is_verbose = command%is_verbose
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
       is_complete = .false.
-      if (command%is_resume) call find_complete_result(path, case, is_complete, is_converged, &
+      if (command%is_resume) call find_complete_result(path, case, is_complete, earlier, &
          reason, error)
       if (allocated(error)) then
          call give_up(error, log, outcome)
          return
       end if
       if (is_complete) then
-         if (is_converged) then
+         if (earlier == has_converged) then
             call log%say(case%file//': '//path//' is complete: nothing to do')
          else
-            call log%say_error(case%file//': '//path//' is there, NOT CONVERGED: '//reason// &
-               '; without --resume it is computed again')
+            call log%say_error(case%file//': '//path//' is there, ' &
+               //ending_text(earlier, reason)//'; without --resume it is computed again')
             outcome = case_outcome_t(status_not_converged, reason)
          end if
          return

@@ -21,7 +21,8 @@ EPILOG = """example:
 
 The same command continues after an interruption; --replace takes up a changed sweep.
 
-status: 0 all converged; 1 wrong sweep or usage; 2 some not converged; 3 some failed, or a file cannot be written; 4 interrupted"""
+status: 0 all converged; 1 wrong sweep or usage; 2 some not converged or outside the model; 3 some failed, or a file
+cannot be written; 4 interrupted"""
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -34,11 +34,12 @@ status: 0 written; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
 BLOCK = 500
 # Fewer cases than this are read by one process: to start another takes as long as to read that many.
 FEW = 1000
-DONE, UNCONVERGED, FAILURE, NOT_RUN = "done", "not converged", "failed", "not run"
+DONE, UNCONVERGED, OUTSIDE, FAILURE, NOT_RUN = "done", "not converged", "outside the model: mixed", "failed", "not run"
+STATUSES = (DONE, UNCONVERGED, OUTSIDE, FAILURE, NOT_RUN)
 TEXT = h5py.string_dtype()
 # Columns that gathered.csv has only on request: what the program, its scales and its iterations were.
 DETAILS = ("program", "report_", "scaling_", "validity_")
-MEANINGS = {"status": "done, not converged, failed or not run", "reason": "why it is not done", "program": "version and commit"}
+MEANINGS = {"status": ", ".join(STATUSES), "reason": "why it is not done", "program": "version and commit"}
 
 
 @dataclass
@@ -147,8 +148,8 @@ def write_table(folder: CaseFolder, file: h5py.File, jobs: int) -> Counter:
     name = os.path.realpath(folder.path).rpartition("/")[2].encode("utf-8", "backslashreplace").decode()
     file.attrs["title"] = f"{name}: {len(folder.names)} cases"
     file.attrs["programs"] = "; ".join(sorted(program for program in programs if program))
-    for status in (DONE, UNCONVERGED, FAILURE, NOT_RUN):
-        file.attrs[status.replace(" ", "_")] = count[status]
+    for status in STATUSES:
+        file.attrs[status.partition(":")[0].replace(" ", "_")] = count[status]
     if (folder.path / SWEEP).exists():
         file.attrs["sweep"] = read_text(folder.path / SWEEP)
     return count
@@ -204,7 +205,7 @@ def outcome_of(cases: Path, case: str, reader: RowReader, failures: dict[str, st
             return FAILURE, failures[case], "", {}
         is_missing = str(error) == "no result"
         return (NOT_RUN if is_missing else FAILURE), str(error), "", {}
-    status, reason = (DONE, "") if row.converged else (UNCONVERGED, row.reason)
+    status, reason = (DONE, "") if row.outcome == "converged" else (row.outcome, row.reason)
     return status, reason, row.program, row.values
 
 
@@ -255,7 +256,7 @@ def gather_folder(path: Path, jobs: int | None = None, is_whole: bool = False) -
         if jobs is None:
             jobs = 1 if len(folder.names) < FEW else len(os.sched_getaffinity(0))
         count = gather(folder, jobs, is_whole)
-    words = ", ".join(f"{count[status]} {status}" for status in (DONE, UNCONVERGED, FAILURE, NOT_RUN) if count[status])
+    words = ", ".join(f"{count[status]} {status}" for status in STATUSES if count[status])
     print(f"{path / 'gathered.h5'}: {words}")
     return 0
 

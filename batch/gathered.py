@@ -59,8 +59,8 @@ class Gathered:
 
     @property
     def is_unconverged(self) -> np.ndarray:
-        """Cases with a result that did not."""
-        return self.columns["status"] == "not converged"
+        """Cases with a result that did not, or is outside the model."""
+        return np.isin(self.columns["status"], ["not converged", "outside the model: mixed"])
 
     @property
     def is_missing(self) -> np.ndarray:

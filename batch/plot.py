@@ -20,7 +20,7 @@ EPILOG = """examples:
   plot.py study --x bodies.speed_1 --y h_min --colour load.hertz_pressure --facet lubricant.viscosity
   plot.py study --kind map --x bodies.speed_1 --y h_min --colour load.hertz_pressure
 
-A map has --x and --colour as axes and the first --y as colour. Circles: not converged. Crosses: no result.
+A map has --x and --colour as axes and the first --y as colour. Circles: not converged or outside the model. Crosses: no result.
 
 status: 0 drawn; 1 wrong file or usage; 3 cannot write"""
 FORMATS = ("png", "pdf", "svg")

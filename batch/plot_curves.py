@@ -212,7 +212,7 @@ def failure_marks(table: Gathered) -> list:
     """Entries of the legend for cases that did not converge, or have no result."""
     marks = []
     for rows, words, mark, face in (
-        (table.is_unconverged, "not converged", "o", "none"),
+        (table.is_unconverged, ", ".join(sorted(set(table.columns["status"][table.is_unconverged]))), "o", "none"),
         (table.is_missing, "no result", "x", FAILURE),
     ):
         if rows.any():

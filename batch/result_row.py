@@ -38,7 +38,7 @@ class RowError(Exception):
 class Row:
     """What a result says."""
 
-    converged: bool
+    outcome: str
     reason: str
     program: str
     values: dict[str, float | str] = field(default_factory=dict)
@@ -79,8 +79,10 @@ class RowReader:
         if self._value(h5d.open(file, b"/input/namelist")).encode() != namelist.read_bytes():
             raise RowError("the result is that of an earlier form of this case; batch/run.py computes it again")
         words = [self._text_attribute(file, name) for name in (b"version", b"git_commit")]
-        converged = self._attribute(file, b"converged") == 1.0
-        row = Row(converged, self._text_attribute(file, b"reason"), " ".join(words))
+        outcome = "converged" if self._attribute(file, b"converged") == 1.0 else "not converged"
+        if h5a.exists(file, b"outcome"):  # not of earlier versions
+            outcome = self._text_attribute(file, b"outcome")
+        row = Row(outcome, self._text_attribute(file, b"reason"), " ".join(words))
         for name, prefix in GROUPS.items():
             if name.split(b"/")[0] in file and name in file:  # the second asks inside the first
                 self._read_group(h5g.open(file, name), prefix, row.values)

@@ -28,8 +28,8 @@ EPILOG = """example:
 
 The same command continues after Ctrl-C, a crash or a power cut: complete results of the same case and program are kept.
 
-status: 0 all converged; 1 wrong folder or usage, nothing has run; 2 some not converged; 3 some failed, or a file cannot be written;
-4 interrupted"""
+status: 0 all converged; 1 wrong folder or usage, nothing has run; 2 some not converged or outside the model; 3 some
+failed, or a file cannot be written; 4 interrupted"""
 # Cases that share a process, at most; each process checks all of its cases first.
 CHUNK = 50
 # Seconds between two progress lines on a terminal, and in a log.
@@ -37,6 +37,9 @@ TERMINAL_SECONDS, LOG_SECONDS = 0.2, 30.0
 # Reasons that the closing table shows.
 SHOWN = 10
 WORDS = {CONVERGED: "done", NOT_CONVERGED: "not converged", FAILED: "failed", INTERRUPTED: "not run"}
+# Such a case has the status of one that did not converge, and a reason that begins so.
+OUTSIDE = "outside the model"
+BAD = (WORDS[NOT_CONVERGED], OUTSIDE, WORDS[FAILED])
 
 
 def chunks(cases: list[str], jobs: int) -> Iterator[list[str]]:
@@ -67,15 +70,15 @@ class Progress:
             self.earlier += 1
 
     def count(self) -> Counter:
-        """Cases of each status."""
-        return Counter(status for status, _ in self.ended.values())
+        """Cases by what became of them."""
+        return Counter(words_of(*ended) for ended in self.ended.values())
 
     @property
     def line(self) -> str:
         """Cases ended, what went wrong, remaining time."""
         count = self.count()
         words = f"{len(self.ended)} of {len(self.cases)} cases"
-        words += "".join(f", {count[status]} {WORDS[status]}" for status in (NOT_CONVERGED, FAILED) if count[status])
+        words += "".join(f", {count[bad]} {bad}" for bad in BAD if count[bad])
         fresh, left = len(self.ended) - self.earlier, len(self.cases) - len(self.ended)
         if fresh and left:
             words += f", {duration((time.time() - self.start) / fresh * left)} left"
@@ -95,20 +98,20 @@ class Progress:
     def table(self) -> str:
         """How many cases ended in which way, and why."""
         count = self.count()
-        count[INTERRUPTED] = len(self.cases) - len(self.ended)
+        count[WORDS[INTERRUPTED]] = len(self.cases) - len(self.ended)
         lines = []
-        for status, words in WORDS.items():
-            if not count[status] and status != CONVERGED:
+        for words in (WORDS[CONVERGED], *BAD, WORDS[INTERRUPTED]):
+            if not count[words] and words != WORDS[CONVERGED]:
                 continue
-            lines.append(f"  {words:<14}{count[status]:7d}")
-            if status in (NOT_CONVERGED, FAILED):
-                lines += self._reasons(status)
+            lines.append(f"  {words:<17}{count[words]:4d}")
+            if words in BAD:
+                lines += self._reasons(words)
         if self.earlier:
             lines.append(f"  {self.earlier} of these were complete before")
         return "\n".join(lines)
 
-    def _reasons(self, status: int) -> Iterator[str]:
-        found = sorted((case, reason) for case, (ended, reason) in self.ended.items() if ended == status)
+    def _reasons(self, words: str) -> Iterator[str]:
+        found = sorted((case, ended[1]) for case, ended in self.ended.items() if words_of(*ended) == words)
         for case, reason in found[:SHOWN]:
             yield f"    {case}  {reason}"
         if len(found) > SHOWN:
@@ -120,6 +123,11 @@ class Progress:
         if len(self.ended) < len(self.cases):
             return INTERRUPTED
         return max((status for status, _ in self.ended.values()), default=CONVERGED)
+
+
+def words_of(status: int, reason: str) -> str:
+    """What became of a case."""
+    return OUTSIDE if reason.startswith(OUTSIDE) else WORDS[status]
 
 
 def duration(seconds: float) -> str:

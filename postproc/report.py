@@ -204,6 +204,7 @@ def content_of(path: Path, folder: Path) -> dict[str, object]:
             "problem": PROBLEMS[problem],
             "state": "in time" if is_transient else "steady" if problem == "ehl_line" else "",
             "is_converged": bool(file.attrs["converged"]),
+            "is_outside": attribute(file, "outcome").startswith("outside"),
             "reason": attribute(file, "reason"),
             "note": text_of(values_of(file["report/note"])) if "report/note" in file else "",
             "contact": [

@@ -44,6 +44,7 @@ SYMBOLS = {
 WORDS = {
     "h_min": "Smallest film thickness",
     "h_central": "Central film thickness",
+    "lambda_ratio": "Lambda ratio",
     "p_max": "Largest pressure",
     "p_central": "Central pressure",
     "friction_coefficient": "Friction coefficient (sliding)",

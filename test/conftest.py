@@ -112,10 +112,10 @@ def solved_case(run_case, tmp_path):
 
 @pytest.fixture
 def told_case(run_case, tmp_path):
-    """Runs a case: told_case(text) are the contents of its result, and what is said."""
+    """Runs a case: told_case(text) are the contents of its result, and all that is said."""
 
     def call(content, *options, status=0, name="case"):
-        done = run_case(content, *options, status=status, name=name)
+        done = run_case(content, "--verbose", *options, status=status, name=name)
         return contents(tmp_path / f"{name}.h5"), done.stderr + done.stdout
 
     return call

@@ -114,7 +114,7 @@ def run(program, folder, command):
 
 def outcome(program, name):
     """Everything that a case leaves: texts and statuses by step, and its files."""
-    files, steps = MORE.get(name) or ({f"{name}.nml": ONE[name]}, [f"asperity {name}.nml"])
+    files, steps = MORE.get(name) or ({f"{name}.nml": ONE[name]}, [f"asperity {name}.nml --verbose"])
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place).resolve()
         for file, text in (files | HEIGHTS).items():

@@ -19,7 +19,8 @@ def verdict(group):
 @pytest.mark.path
 def test_every_ingredient_has_changes_and_a_verdict(asperity, tmp_path):
     write(tmp_path, "case.nml", CASE_1)
-    done = asperity("case.nml")
+    assert "  model     at 4.4 % nothing simpler will do\n" in asperity("case.nml").stdout
+    done = asperity("case.nml", "--verbose")
     assert "model     needed at" in done.stdout
     assert "elasticity" in done.stdout
     with h5py.File(tmp_path / "case.h5") as file:

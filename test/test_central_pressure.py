@@ -100,7 +100,8 @@ def test_corner_below_the_largest_pressure_is_told(asperity, tmp_path, speed, lo
     }
     groups["lubricant"] |= {"rheology": "eyring", "eyring_stress": stress}
     (tmp_path / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
-    coarse = asperity("case.nml")
+    coarse = asperity("case.nml", "--verbose")
+    assert "spike" in asperity("case.nml").stdout
     assert "pressure spike" in spike_words(coarse)
     error = row(coarse.stdout.splitlines(), "p_max")
     assert error is None or error > 1
@@ -122,12 +123,14 @@ def spike_words(done):
 
 
 def test_spike_is_explained_and_the_advice_does_what_it_says(asperity):
-    words = spike_words(asperity(MINIMAL))
+    words = spike_words(asperity(MINIMAL, "--verbose"))
+    assert "spike, not resolved: rises on finer grids" in asperity(MINIMAL).stdout
     assert "p_max is the top of a pressure spike" in words
     assert "p_central is the pressure beside it" in words
     advice = words.partition("known to 1 %: ")[2].split()
     assert advice[::2] == ["--set", "--set"]
-    fine = asperity(MINIMAL, *advice)
+    fine = asperity(MINIMAL, "--verbose", *advice)
+    assert "spike" not in asperity(MINIMAL, *advice).stdout
     assert row(fine.stdout.splitlines(), "p_max") < 1
     assert spike_words(fine) == ""
 
@@ -142,15 +145,16 @@ def test_spike_is_explained_and_the_advice_does_what_it_says(asperity):
     ],
 )
 def test_words_about_a_spike_fit_the_case(asperity, settings, expected):
-    done = ended(asperity(MINIMAL, *[word for setting in settings.split() for word in ("--set", setting)]))
+    done = ended(asperity(MINIMAL, "--verbose", *[word for setting in settings.split() for word in ("--set", setting)]))
     assert expected in spike_words(done)
     assert ("--set" in spike_words(done)) == ("transient" not in settings)
 
 
 def test_no_words_about_a_spike_where_there_is_none(asperity, tmp_path):
     (tmp_path / "case.nml").write_text(asperity("--template", "ehl_line").stdout, encoding="utf-8")
-    assert spike_words(asperity("case.nml")) == ""
-    coarse = asperity(MINIMAL, "--set", "bodies.speed_1=20", "--set", "bodies.speed_2=20", "--set", "load.hertz_pressure=1e8")
+    assert spike_words(asperity("case.nml", "--verbose")) == ""
+    speeds = ("--set", "bodies.speed_1=20", "--set", "bodies.speed_2=20")
+    coarse = asperity(MINIMAL, "--verbose", *speeds, "--set", "load.hertz_pressure=1e8")
     assert spike_words(coarse) == ""
     (tmp_path / "case.nml").write_text(asperity("--template", "ehl_line").stdout, encoding="utf-8")
     lines = asperity("case.nml").stdout.splitlines()

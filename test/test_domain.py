@@ -16,7 +16,7 @@ FIGURES = ("h_min", "h_central", "p_max")
 def solve(asperity, folder, case):
     """Runs a case that converges: figures with value and error of the domain, note (or None), x_outlet [half-widths], log."""
     write(folder, "case.nml", case)
-    done = asperity("case.nml")
+    done = asperity("case.nml", "--verbose")
     assert done.returncode == 0
     with h5py.File(folder / "case.h5") as file:
         figures = {name: (file["summary"][name][()], file["summary"][name].attrs["error_domain"]) for name in FIGURES}

@@ -60,7 +60,7 @@ def random_contacts(number):
 @pytest.mark.parametrize("density", ["constant", "dowson_higginson"])
 @pytest.mark.parametrize("contact", [USUAL, *random_contacts(8)])
 def test_formulas_stand_beside_the_film(run_case, tmp_path, contact, density):
-    done = run_case(ROLLER.format(**contact, density=density) + "&accuracy target = 3e-3 /\n", name="a")
+    done = run_case(ROLLER.format(**contact, density=density) + "&accuracy target = 3e-3 /\n", "--verbose", name="a")
     films, _, _ = by_hand(**contact)
     lines = done.stdout.splitlines()
     with h5py.File(tmp_path / "a.h5") as file:
@@ -105,7 +105,9 @@ def test_density_explains_the_gap_in_the_middle(solved_case):
 def test_dimensionless_contacts_have_them_too(run_case, tmp_path):
     films, m, l = by_hand(**USUAL)  # noqa: E741
     oil = f"&lubricant viscosity_law = 'roelands', pressure_viscosity = {USUAL['alpha']}, density_law = 'constant' /\n"
-    done = run_case(f"&case problem = 'ehl_line' /\n&moes moes_m = {m!r}, moes_l = {l!r}, velocity = 'mean' /\n{oil}", name="a")
+    done = run_case(
+        f"&case problem = 'ehl_line' /\n&moes moes_m = {m!r}, moes_l = {l!r}, velocity = 'mean' /\n{oil}", "--verbose", name="a"
+    )
     half_width = 4 * USUAL["pressure"] * USUAL["radius"] / 226e9
     with h5py.File(tmp_path / "a.h5") as file:
         for name, film in films.items():
@@ -127,14 +129,14 @@ NONE = {
 
 @pytest.mark.parametrize("name", NONE)
 def test_none_where_they_are_not_meant(run_case, tmp_path, name):
-    assert "Dowson" not in run_case(NONE[name], name="a").stdout
+    assert "Dowson" not in run_case(NONE[name], "--verbose", name="a").stdout
     with h5py.File(tmp_path / "a.h5") as file:
         assert "formulas" not in file
 
 
 def test_an_oil_that_thins_has_no_known_bias(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
-    done = asperity("a.nml")
+    done = asperity("a.nml", "--verbose")
     assert "Dowson-Higginson, of oil that does not thin" in done.stdout
     with h5py.File(tmp_path / "a.h5") as file:
         assert set(file["formulas"]) == set(QUANTITY)

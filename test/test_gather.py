@@ -39,6 +39,30 @@ def rows_of(folder):
         return {row["case"]: row for row in csv.DictReader(file)}
 
 
+ROUGH = """base = "base.nml"
+[vary]
+bodies.roughness_1 = [1e-7, 1e-6]
+[set]
+domain.intervals = 256
+"""
+
+
+def test_film_below_the_roughness_has_a_status_of_its_own(tmp_path, program):
+    folder = swept(tmp_path, program, ROUGH)
+    done = call("run.py", "small", folder=tmp_path, program=program)
+    assert done.returncode == 2
+    assert "  done                1\n  outside the model   1\n    case_0002  outside the model: mixed lubr" in done.stdout
+    assert "2 of 2 cases, 1 outside the model\n" in done.stderr
+    assert gather(folder, program) == "small/gathered.h5: 1 done, 1 outside the model: mixed\n"
+    rows = rows_of(folder)
+    assert rows["case_0001"]["status"] == "done"
+    assert rows["case_0002"]["status"] == "outside the model: mixed"
+    ratios = [float(rows[f"case_000{i}"]["lambda_ratio [1]"]) for i in (1, 2)]
+    assert ratios[0] == pytest.approx(10 * ratios[1], rel=1e-12)
+    options = ("small/gathered.h5", "--x", "bodies.roughness_1", "--y", "lambda_ratio", "--format", "svg")
+    assert call("plot.py", *options, folder=tmp_path, program=program).returncode == 0
+
+
 def test_rows_hold_parameters_and_every_number_of_the_summary_with_its_error(folder, program):
     said = gather(folder, program)
     assert said == "small/gathered.h5: 3 done, 1 not converged\n"

@@ -430,7 +430,7 @@ def test_a_target_out_of_reach_is_told(run_case, tmp_path):
     """Trial runs end at a bound of their work; the run is then done as well as they know, and says what is predicted."""
     case = TRANSIENT.replace(", time_step = 0.05", "").replace("end_time = 1.0", "end_time = 0.1")
     case = "\n".join(line for line in case.splitlines() if not line.startswith("&domain"))
-    done = run_case(case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n")
+    done = run_case(case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n", "--verbose")
     with h5py.File(tmp_path / "case.h5") as file:
         note, h_min = text(file["report/note"][()]), file["summary/h_min"]
         predicted = h_min.attrs["error_grid"] / h_min[()]

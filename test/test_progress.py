@@ -7,6 +7,7 @@ import subprocess
 
 import pytest
 from cases import AT_REST, STEADY, TRANSIENT, write
+from conftest import ROOT
 
 # The ridge leaves the contact before the end.
 WHOLE = TRANSIENT.replace("end_time = 1.0, time_step = 0.05", "end_time = 2.0, time_step = 0.025")
@@ -33,21 +34,38 @@ def test_log_has_few_plain_lines(run_case):
 @pytest.mark.path
 def test_closing_table(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
-    lines = asperity("a.nml").stdout.splitlines()
-    lines = lines[next(i for i, line in enumerate(lines) if "converged, " in line) :]
+    short = asperity("a.nml").stdout.splitlines()
+    lines = asperity("a.nml", "--verbose").stdout.splitlines()
+    assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", short[0])
+    assert short[1:5] == [lines[1], *(line[:26] + line[39:] for line in lines[3:6])]
+    assert [line.split()[0] for line in short[5:]] == ["friction", "inlet", "limit", "limit", "model", "lambda", "result"]
     assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", lines[0])
+    assert lines.pop(1) == "  contact   p_h 601.7 MPa, b 105.8 um, U 0.6000 m/s, slide-to-roll 1.667"
     assert lines[1].split() == ["SI", "dimensionless"]
-    names = ["h_min", "h_central", "p_max", "friction", "formulas", "residual", "inlet", "limit", "limit", "model", "result"]
+    names = ["h_min", "h_central", "p_max", "friction", "residual", "formulas", "inlet", "limit", "limit", "model", "result"]
     lines = lines[:2] + [line for line in lines[2:] if not line.startswith(12 * " ")]
     assert [line.split()[0] for line in lines[2:]] == names
     assert re.match(r"  h_min +\S+ nm +0\.\d+ +\+- \S+ %$", lines[2])
     assert re.match(r"  p_max +\S+ MPa +0\.\d+ +\+- \S+ %$", lines[4])
-    assert re.match(r"  formulas  h_min \S+ nm, \+\d+ %: Dowson-Higginson", lines[6])
+    assert re.match(r"  formulas  h_min \S+ nm, \+\d+ %: Dowson-Higginson", lines[7])
     assert re.match(r"  inlet +starves the film by \S+ %", lines[8])
     assert re.match(r"  limit +sliding heats by \S+ K", lines[9])
     assert re.match(r"  limit +heat of the inlet", lines[10])
     assert lines[11].startswith("  model     needed at ")
     assert lines[-1].split() == ["result", "a.h5"]
+
+
+@pytest.mark.parametrize("name", ["case1", "case3_demo", "minimal", "moes_barus", "overtaking", "rolling_sinusoid"])
+def test_table_is_short(asperity, name):
+    """At most twelve lines, and of what is not in them their number."""
+    lines = asperity(ROOT / "input" / f"{name}.nml").stdout.splitlines()
+    assert 7 <= len(lines) <= 12
+    assert max(map(len, lines)) <= 80
+    assert lines[1].split()[:2] == ["contact", "M" if name == "moes_barus" else "p_h"]
+    assert [line.split()[0] for line in lines[2:4]] == ["h_min", "h_central"]
+    assert ("+-" in lines[2]) and (" at T " in lines[2]) == (name in ("case3_demo", "overtaking", "rolling_sinusoid"))
+    assert ("  lambda ratio 11.02 " in "\n".join(lines)) == (name == "rolling_sinusoid")
+    assert any(re.match(r"  more      \d lines with --verbose", line) for line in lines) == (name == "overtaking")
 
 
 def test_reasons_are_told_once(run_case):
@@ -91,7 +109,7 @@ def test_terminal_shows_one_updating_line(program, tmp_path):
     os.close(reader)
     assert running.returncode == 0
     lines = shown.decode().replace("\r\n", "\n").split("\n")
-    assert len(lines) == 14  # the updating line with the table's first line, twelve more, and what follows the last
+    assert len(lines) == 13  # the updating line with the table's first line, eleven more, and what follows the last
     assert "\r" in lines[0]
     assert "cycle 1" in lines[0]
     assert lines[0].split("\r")[-1].startswith("a.nml: converged")

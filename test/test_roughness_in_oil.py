@@ -39,7 +39,7 @@ def write_hdf5(path, heights, spacing=SPACING, **options):
 
 def run(asperity, tmp_path, text, name="case"):
     write(tmp_path, f"{name}.nml", text)
-    done = asperity(f"{name}.nml")
+    done = asperity(f"{name}.nml", "--verbose")
     assert done.returncode == 0, done.stderr
     return tmp_path / f"{name}.h5", done.stderr + done.stdout
 

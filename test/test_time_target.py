@@ -18,7 +18,7 @@ def test_an_error_above_the_target_is_noted(asperity, tmp_path):
     for i in range(COUNT):
         case = family.draw(source, i).case
         (tmp_path / "case.nml").write_text(namelists.namelist(case), encoding="utf-8")
-        done = asperity("case.nml")
+        done = asperity("case.nml", "--verbose")
         assert done.returncode == 0, done.stderr
         target = case["accuracy"]["target"]
         with h5py.File(tmp_path / "case.h5") as file:

@@ -16,7 +16,7 @@ PERIOD = 1e-4 / 1.05797e-4 / (11 / 6)
 def run(asperity, folder, surface, end, others="", extra=""):
     """The result of a passage through Case 1, and what is said."""
     write(folder, "a.nml", STEADY + surface + TIME.format(end, others) + extra)
-    done = asperity("a.nml")
+    done = asperity("a.nml", "--verbose")
     assert done.returncode == 0, done.stderr
     return h5py.File(folder / "a.h5"), " ".join((done.stderr + done.stdout).split())
 
@@ -36,7 +36,7 @@ def test_a_chosen_end_shows_everything(asperity, tmp_path, surface, expected):
     x = np.linspace(0, 1e-3, 201)
     write(tmp_path, "z.csv", "x_m,z_m\n" + "".join(f"{a},{1e-8 * np.sin(6e4 * a)}\n" for a in x))
     write(tmp_path, "a.nml", STEADY + surface + "&time transient = .true., time_step = 0.04 /\n")
-    done = asperity("a.nml")
+    done = asperity("a.nml", "--verbose")
     assert done.returncode == 0, done.stderr
     assert "end_time" not in done.stderr
     with h5py.File(tmp_path / "a.h5") as file:
@@ -151,13 +151,13 @@ def test_steps_too_long_for_an_estimate_are_told(asperity, tmp_path):
     note = "the error is not estimated: the finest moving wave passes in 20.6 time steps, an estimate needs 32, or steps of dX"
     write(tmp_path, "long.nml", case.format(0.025))
     write(tmp_path, "silent.nml", case.format(0.025) + "&accuracy error_bars = .false. /\n")
-    done, silent = asperity("long.nml"), asperity("silent.nml")
+    done, silent = asperity("long.nml", "--verbose"), asperity("silent.nml")
     told = " ".join(done.stdout.split())
     assert note in told
     assert (done.returncode, silent.returncode, "not estimated" in silent.stdout + silent.stderr) == (0, 0, False)
     step = float(told.split(f"{note}: time_step = ")[1].split()[0])
     write(tmp_path, "short.nml", case.format(step))
-    assert "not estimated" not in asperity("short.nml").stdout
+    assert "not estimated" not in asperity("short.nml", "--verbose").stdout
     with h5py.File(tmp_path / "long.h5") as before, h5py.File(tmp_path / "short.h5") as after:
         assert [np.isfinite(file["summary/h_min"].attrs["error_estimate"]) for file in (before, after)] == [False, True]
 

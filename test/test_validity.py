@@ -1,11 +1,12 @@
 """Limits of the model: every row of /adequacy/validity is passed by one scene and kept by a milder one, and told in one line."""
 
 import json
+import re
 
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, MOES, STEADY, STOKES, TRANSIENT, write
+from cases import AT_REST, MOES, STEADY, STOKES, TRANSIENT, ended, text, write
 
 AUTO = STEADY.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "")
 ROLLING = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.6, speed_2 = 0.6")
@@ -64,7 +65,7 @@ SCENES = {
 
 def limit_of(asperity, folder, name, row, case):
     write(folder, f"{name}.nml", case)
-    done = asperity(f"{name}.nml")
+    done = asperity(f"{name}.nml", "--verbose")
     assert done.returncode == 0, done.stderr
     with h5py.File(folder / f"{name}.h5") as file:
         group = file["adequacy/validity"]
@@ -94,6 +95,59 @@ def test_each_limit_on_either_side(asperity, tmp_path, row):
     assert label["exceeded"] == 0
     assert (value > label["threshold"]) == below
     assert words not in log
+
+
+# Rms heights of both surfaces, and whether asperities carry load: the films are 0.43 um.
+ROUGHNESS = {
+    "film below": (STEADY, "roughness_1 = 0.3e-6, roughness_2 = 0.4e-6", True),
+    "film above": (STEADY, "roughness_1 = 0.3e-6, roughness_2 = 0.2e-6", False),
+    "one surface": (STEADY, "roughness_2 = 0.2e-6", False),
+    "passage": (TRANSIENT, "roughness_1 = 0.5e-6", True),
+}
+
+
+@pytest.mark.path
+@pytest.mark.parametrize("name", ROUGHNESS)
+def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, name):
+    """The same outcome in the file, the closing table, the outcomes, the table of results, and of --resume."""
+    case, words, is_mixed = ROUGHNESS[name]
+    write(tmp_path, "a.nml", changed(case, ("speed_2 = 1.1", f"speed_2 = 1.1, {words}")))
+    done = ended(asperity("a.nml"), 2 if is_mixed else 0)
+    with h5py.File(tmp_path / "a.h5") as file:
+        outcome, reason = text(file.attrs["outcome"]), text(file.attrs["reason"])
+        ratio, film = file["summary/lambda_ratio"], file["summary/h_min"]
+        assert file.attrs["converged"] == 1
+        rms = np.linalg.norm([float(number) for number in re.findall(r"\d\S+e-6", words)])
+        assert ratio[()] == pytest.approx(film[()] / rms, rel=1e-12)
+        assert ratio.attrs["error_estimate"] / ratio[()] == pytest.approx(
+            film.attrs["error_estimate"] / film[()], rel=1e-12, nan_ok=True
+        )
+        assert file["adequacy/validity/mixed_lubrication"][()] == ratio[()]
+        assert (ratio[()] < 1) == is_mixed
+    lines = done.stdout.splitlines()
+    (row,) = [line.split() for line in lines if line.startswith("  lambda ratio ")]
+    assert float(row[2]) == pytest.approx(ratio_of(tmp_path / "a.h5"), rel=1e-3)
+    assert outcome == ("outside the model: mixed" if is_mixed else "converged")
+    assert len(lines) <= 12
+    row = json.loads(asperity("table", "a.h5", "--format", "json").stdout)
+    assert (row["converged"], row["outcome"], row["reason"]) == (True, outcome, reason)
+    told = asperity("table", "a.h5").stdout
+    for again in (asperity("a.nml", "--quiet", "--outcomes"), asperity("a.nml", "--quiet", "--outcomes", "--resume")):
+        assert again.stdout == f"{done.returncode}\ta.nml\t{reason if is_mixed else ''}\n"
+        assert ("outside the model" in again.stderr) == is_mixed
+    if is_mixed:
+        assert reason.startswith("outside the model: mixed lubrication, the smallest film is 0.")
+        assert " ".join(lines[:3]).replace("   ", " ").startswith(f"a.nml: {reason}, ")
+        assert told.endswith(f"{reason}\n")
+        assert "times the composite roughness: mixed lubrication" not in done.stdout
+    else:
+        assert "  limit     the film is" in done.stdout
+        assert "outside" not in told
+
+
+def ratio_of(path):
+    with h5py.File(path) as file:
+        return file["summary/lambda_ratio"][()]
 
 
 @pytest.mark.path

@@ -12,7 +12,7 @@ DX = 5.5 / 256 * 1.05797e-4
 
 def solved(asperity, tmp_path, content):
     write(tmp_path, "case.nml", content)
-    done = asperity("case.nml")
+    done = asperity("case.nml", "--verbose")
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "case.h5") as file:
         h_min = file["summary/h_min"]

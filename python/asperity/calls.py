@@ -65,7 +65,7 @@ def run(
     True shows a bar of tqdm.
 
     Raises FileNotFoundError, InputError with all findings, AsperityError if the program ends without a result. A case that does
-    not converge gives its result with `converged` False, and a NotConvergedWarning with the reason.
+    not converge, or whose `outcome` is outside the model, gives its result and a NotConvergedWarning with the reason.
     """
     kept = tempfile.TemporaryDirectory(prefix="asperity-") if folder is None else None
     target = Path(kept.name) if kept else Path(folder or "").absolute()
@@ -80,7 +80,7 @@ def run(
     if status not in (CONVERGED, NOT_CONVERGED) or not written:
         raise AsperityError(end_of(status, lines))
     result = read(target / Path(written[-1]).name, keep=kept)
-    if not result.converged:
+    if result.outcome != "converged":
         warnings.warn(result.reason, NotConvergedWarning, stacklevel=2)
     return result
 

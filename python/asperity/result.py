@@ -32,6 +32,7 @@ _GAP = "gap"
 _SHOWN = (
     "h_min",
     "h_central",
+    "lambda_ratio",
     "p_max",
     "friction_coefficient",
     "contact_area_fraction",
@@ -61,6 +62,8 @@ class Result:
             self.groups = [name for name, item in file.items() if isinstance(item, h5py.Group)]
         self.problem, self.title, self.reason = (str(attributes.get(name, "")) for name in ("problem", "title", "reason"))
         self.converged = str(attributes.get("converged")) == "1"
+        default = "converged" if self.converged else "not converged"  # results of earlier versions
+        self.outcome = str(attributes.get("outcome", default))
         self.program = f"asperity {attributes.get('version', '')} {attributes.get('git_commit', '')}"
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -95,7 +98,7 @@ class Result:
 
     def __repr__(self) -> str:
         """Problem, outcome and quantities of the summary."""
-        state = "converged" if self.converged else f"NOT CONVERGED: {self.reason}"
+        state = {"converged": "converged", "not converged": f"NOT CONVERGED: {self.reason}"}.get(self.outcome, self.reason)
         numbers = {str(name): item for name, item in self.summary.items() if item.ndim == 0 and item.dtype.kind in "fiu"}
         found = [(name, _shown(item)) for name, item in numbers.items() if _is_shown(name, numbers)]
         width = max((len(name) for name, _ in found), default=0)

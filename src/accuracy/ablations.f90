@@ -60,7 +60,7 @@ contains
             'rigid bodies', can_reduce=.true.)]
       end associate
       if (is_transient .and. any(is_rough)) list = [list, ingredient_t(squeeze, 'squeeze', &
-         'steady solutions with the waves at their places')]
+         'a steady solution at each time')]
       if (all(is_rough)) list = [list, &
          ingredient_t(one_surface, 'roughness_1', 'surface 1 smooth', surface=1), &
          ingredient_t(one_surface, 'roughness_2', 'surface 2 smooth', surface=2)]

@@ -35,6 +35,8 @@ module validity
    type, public :: materials_t
       !> H [Pa], `length` of the contact across the flow [m].
       real(wp) :: hardness = 0.0_wp, length = 0.0_wp
+      !> Rms heights of surfaces 1 and 2 that are smooth in the film [m]; 0: not given.
+      real(wp) :: roughness(2) = 0.0_wp
       !> sqrt(k rho c) of both bodies [W s^0.5/(m^2 K)].
       real(wp) :: effusivity = 0.0_wp
       !> Of the oil: ambient density [kg/m^3], conductivity [W/(m K)], -d ln mu/dT [1/K].
@@ -137,9 +139,10 @@ contains
          given => of%materials)
          select case (i)
          case (mixed_lubrication)
-            length = composite_rms(of%contact)
+            length = hypot(composite_rms(of%contact), norm2(given%roughness)/scaling%film)
             if (length > 0.0_wp) limit%value = summary%of(h_min)%value/length
-            if (.not. length > 0.0_wp) limit%missing = 'no roughness: neither sinusoid nor profile'
+            if (.not. length > 0.0_wp) limit%missing = &
+               'no roughness: neither sinusoid nor profile, nor &bodies roughness_1, roughness_2'
          case (hardness, shakedown)
             call compare_strength(i, of, limit)
          case (limiting_stress)

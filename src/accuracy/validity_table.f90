@@ -11,6 +11,9 @@ module validity_table
       limiting_stress = 4, hardness = 5, shakedown = 6, shear_heating = 7, inlet_heating = 8, &
       side_flow = 9, stokes_number = 10, surface_slope = 11, film_over_wave = 12, turbulence = 13
 
+   !> Film over composite rms height below which asperities carry load.
+   real(wp), parameter, public :: least_lambda_ratio = 1.0_wp
+
    !> One limit.
    type, public :: limit_row_t
       !> Name in /adequacy/validity.
@@ -32,7 +35,7 @@ module validity_table
          'rule of the inlet, 71 contacts against twice the domain, above 5 % measured; '// &
             'threshold: estimate'), &
       limit_row_t('mixed_lubrication', '1', 3.0_wp, .true., &
-         'smallest film over composite rms height of sinusoids and profiles', &
+         'smallest film over composite rms height of both surfaces', &
          'full film above 3: Hamrock, Schmid and Jacobson, Fundamentals of Fluid Film '// &
             'Lubrication, 2004'), &
       limit_row_t('viscosity_data', 'Pa', 1.03e9_wp, .false., &

@@ -65,7 +65,7 @@ module input_keys
       typical_pressure = '5e4 to 1e10', typical_wave = '5e-8 to 0.02', &
       typical_film = '1e-10 to 5e-5'
 
-   character(len=1), parameter :: axes(2) = ['x', 'y']
+   character(len=1), parameter :: axes(2) = ['x', 'y'], numbers(2) = ['1', '2']
    !> Counter of the implied loops below; it never has a value.
    integer :: i
 
@@ -131,6 +131,10 @@ module input_keys
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
          'of the softer body: pressures above it, and above the shakedown limit, are reported', &
          range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
+      [(key_row_t('bodies', 'roughness_'//numbers(i), real_kind, 'm', is_optional, &
+         'rms height Rq of surface '//numbers(i)//', smooth in the film: for the lambda ratio '// &
+         'only', range='> 0, <= 1e-3', used='surface_'//numbers(i)//'%shape = smooth feature: '// &
+         'whose heights give it', typical='1e-9 to 1e-5', example='! 0.1e-6'), i=1, 2)], &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
          'length of the contact across the flow, for load and an estimate of the flow to its '// &
          'sides', range='>= 1e-9, <= 1e6', needed='load%load: with load', typical='1e-4 to 5', &

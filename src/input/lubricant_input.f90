@@ -246,6 +246,8 @@ contains
          'viscosity_law'), .true., 1) - 1
       materials%hardness = values%real_value('bodies', 'hardness')
       materials%length = values%real_value('bodies', 'contact_length')
+      materials%roughness = [values%real_value('bodies', 'roughness_1'), &
+         values%real_value('bodies', 'roughness_2')]
       materials%effusivity = values%real_value('bodies', 'thermal_effusivity')
       materials%density = values%real_value('lubricant', 'density')
       materials%conductivity = values%real_value('lubricant', 'thermal_conductivity')

@@ -106,6 +106,9 @@ contains
       if (.not. any(shapes == 'file' .or. shapes == 'synthetic')) then
          if (any(shapes == 'smooth')) call values%refuse(group, 'shape', &
             "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
+         if (any(shapes == 'sinusoid') .and. any(shapes == 'feature')) call values%refuse_unused( &
+            'bodies', 'roughness_'//group(len(group):), &
+            "with shape = 'sinusoid', whose heights give it")
          call check_lengths(values, group)
       else if (size(shapes) > 1) then
          call values%refuse(group, 'shape', "found '"//trim(shapes(1)) &

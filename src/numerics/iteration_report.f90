@@ -7,7 +7,7 @@ module iteration_report
    implicit none (type, external)
    private
 
-   public :: breakdown_t, cycle_numbers_t, report_t
+   public :: breakdown_t, cycle_numbers_t, ending_text, report_t
 
    !> Number of phases whose wall time is kept apart.
    integer, parameter, public :: phase_count = 6
@@ -85,12 +85,18 @@ module iteration_report
       integer :: uncut_steps = 0
    end type fit_t
 
+   !> Outcomes of a run.
+   character(*), parameter, public :: has_converged = 'converged', &
+      has_not_converged = 'not converged', is_outside = 'outside the model: mixed'
+
    !> Outcome, history and cost of one solve.
    type :: report_t
       !> Residual and load error are below `tolerance_effective` (of the last solve, and of every
       !> time step).
       logical :: converged = .false.
-      !> Why the solver ended; 'converged', or what stood in the way.
+      !> The equations are solved, but asperities carry load that they do not contain.
+      logical :: is_mixed = .false.
+      !> Why the solver ended; 'converged', what stood in the way, or why the model does not hold.
       character(:), allocatable :: reason
       !> Method that was used, 'auto' resolved, and its numbers, in a transient those of the time
       !> steps.
@@ -122,9 +128,31 @@ module iteration_report
       procedure :: residual_history, load_error_history
       !> Takes over a history that was kept, in place of the present one.
       procedure :: restore
+      !> One of the outcomes above.
+      procedure :: outcome
    end type report_t
 
 contains
+
+   !> The outcome of a run.
+   pure function outcome(self)
+      class(report_t), intent(in) :: self
+      character(:), allocatable :: outcome
+
+      outcome = has_not_converged
+      if (self%converged) outcome = has_converged
+      if (self%converged .and. self%is_mixed) outcome = is_outside
+   end function outcome
+
+   !> An `outcome` with its `reason`, which names it where a run is outside the model.
+   pure function ending_text(outcome, reason) result(words)
+      character(*), intent(in) :: outcome, reason
+      character(:), allocatable :: words
+
+      words = outcome
+      if (outcome == is_outside) words = reason
+      if (outcome == has_not_converged) words = 'NOT CONVERGED: '//reason
+   end function ending_text
 
    !> Appends one cycle: `residual` and `load_error` [-] become the last ones, `cycles` grows by
    !> one. Storage doubles when full.

@@ -14,7 +14,7 @@ module adequacy_section
    implicit none (type, external)
    private
 
-   public :: model_line, write_adequacy, write_changes, write_influence
+   public :: model_line, model_sentence, write_adequacy, write_changes, write_influence
 
    character(*), parameter, public :: from_estimates = 'error estimates of the result'
 
@@ -129,5 +129,24 @@ contains
       end subroutine add
 
    end function model_line
+
+   !> The same in a sentence: what simpler models would do at that accuracy, and which may.
+   pure function model_sentence(rows, accuracy) result(line)
+      type(judged_t), intent(in) :: rows(:)
+      real(wp), intent(in) :: accuracy
+      character(:), allocatable :: line
+      logical :: is_enough(size(rows)), is_open(size(rows))
+
+      line = ''
+      if (all(rows%is_numerical)) return
+      is_enough = (rows%verdict == verdict_small .or. rows%verdict == verdict_irrelevant) .and. &
+         .not. rows%is_numerical
+      is_open = rows%verdict == verdict_unknown .and. .not. rows%is_numerical
+      line = 'nothing simpler will do'
+      if (any(is_enough)) line = 'each of these alone will do: '//joined(pack(rows%text, &
+         is_enough), ', ')
+      if (any(is_open)) line = line//'; perhaps '//joined(pack(rows%text, is_open), ', ')
+      line = 'model     at '//number_text(100*accuracy, 2)//' % '//line
+   end function model_sentence
 
 end module adequacy_section

@@ -2,10 +2,10 @@
 module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_dataset, only: label_t
-   use iteration_report, only: breakdown_t, report_t
+   use iteration_report, only: breakdown_t, ending_text, has_converged, report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
-   use missing_value, only: exceeds
+   use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
    use quantities, only: friction_coefficient, h_central, h_min, p_central, p_max, quantity_rows
@@ -15,18 +15,23 @@ module closing_table
    use text, only: counted
    use validity, only: limit_t
    use validity_section, only: limit_sentence
-   use validity_table, only: starvation
+   use validity_table, only: mixed_lubrication, starvation
    implicit none (type, external)
    private
 
    public :: breakdown_sentence, close_case, closing_words_t, spike_lines
 
    !> Rows of the closing table: the pressure away from a spike before that of the spike.
-   integer, parameter :: table_rows(*) = [h_min, h_central, p_central, p_max, friction_coefficient]
+   integer, parameter :: lambda_ratio = 0, table_rows(*) = [h_min, h_central, lambda_ratio, &
+      p_central, p_max, friction_coefficient]
    !> A largest pressure with a smaller relative error is shown alone.
    real(wp), parameter :: well_known = 0.01_wp
    !> Columns before the words of a row.
    integer, parameter :: margin = 12
+
+   !> Lines of the table, unless it is to be whole.
+   integer, parameter :: most_lines = 12
+   character(*), parameter :: nl = new_line('a')
 
    !> What others say in the closing table; not allocated or empty: nothing.
    type :: closing_words_t
@@ -36,8 +41,9 @@ module closing_table
 
 contains
 
-   !> The outcome, and the closing table: quantities in SI and dimensionless with their errors,
-   !> residuals, limits of the model that are passed, what others say (`words`), path of the result.
+   !> The outcome, and the closing table: contact, quantities with their errors, limits of the model
+   !> that are passed, what others say (`words`), path of the result. Of more than `most_lines` the
+   !> last are left out, unless the log is verbose.
    subroutine close_case(log, summary, report, path, times, limits, words)
       type(progress_log_t), intent(inout) :: log
       type(line_summary_t), intent(in) :: summary
@@ -46,76 +52,160 @@ contains
       type(passage_times_t), intent(in) :: times
       type(limit_t), intent(in), optional :: limits(:)
       type(closing_words_t), intent(in), optional :: words
-      character(:), allocatable :: outcome
-      integer :: i
+      character(:), allocatable :: head, body
+      real(wp) :: ratio
 
+      ratio = not_known()
+      if (present(limits)) ratio = limits(mixed_lubrication)%value
       call log%clear()
-      outcome = wrapped(log%name//': '//outcome_text(report, log%is_quiet), columns)
-      if (.not. report%converged .and. log%prints_errors_apart()) call log%write_line(outcome)
+      head = wrapped(log%name//': '//outcome_text(report, log%is_quiet), columns)
+      if (report%outcome() /= has_converged .and. log%prints_errors_apart()) call &
+         log%write_line(head)
       if (log%is_quiet) return
-      call log%add_to_summary(outcome)
+      head = head//nl
       ! else no start was found: there is nothing to show
-      if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
-         call log%add_to_summary('            SI              dimensionless')
-         do i = 1, size(table_rows)
-            if (is_in_table(summary, table_rows(i))) call log%add_to_summary( &
-               row_of_table(table_rows(i), summary, log%scaling, report%steps > 0))
-         end do
-         if (present(words)) then
-            call add_words(log, words%spike)
-            call add_words(log, words%formulas)
-         end if
-         call log%add_to_summary('  residual  '//number_text(report%residual, 2) &
-            //'   load error '//number_text(report%load_error, 2)//'   bound ' &
-            //number_text(report%tolerance_effective, 2))
-      end if
-      if (present(limits)) then
-         do i = 1, size(limits)
-            if (limits(i)%is_passed) call log%add_to_summary('  '//wrapped(merge('inlet     ', &
-               'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
-         end do
-      end if
-      if (times%counts_from > 0.0_wp) call log%add_to_summary('  times     '//times_text(times))
+      if (exceeds(summary%of(p_max)%value, 0.0_wp)) head = head//rows_of(summary, ratio, report, &
+         log)
+      body = ''
       if (present(words)) then
-         call add_words(log, words%model)
-         call add_words(log, words%decision)
+         call add_words(body, words%spike)
+         call add_words(body, words%formulas)
       end if
-      if (allocated(report%note)) call log%add_to_summary('  '//wrapped('note      ' &
-         //report%note, columns - 2))
-      call log%add_to_summary('  result    '//path)
+      if (present(limits)) body = body//limit_lines(limits, report%is_mixed)
+      if (log%is_verbose .and. times%counts_from > 0.0_wp) call add_words(body, 'times     ' &
+         //times_text(times))
+      if (allocated(report%note)) call add_words(body, 'note      '//report%note)
+      if (present(words)) then
+         call add_words(body, words%model)
+         call add_words(body, words%decision)
+      end if
+      if (present(limits) .and. log%scaling%is_dimensional .and. .not. ieee_is_finite(ratio) &
+         .and. lines_of(head//body) < most_lines - 1) call add_words(body, &
+         'lambda    ratio not known without &bodies roughness_1, roughness_2')
+      if (.not. log%is_verbose) call shorten(body, most_lines - 1 - lines_of(head))
+      call log%add_to_summary(head//body//'  result    '//path)
       call log%print_summary()
    end subroutine close_case
 
-   !> The row of quantity `i` of a steady contact or of one in time.
-   function row_of_table(i, summary, scaling, is_transient) result(line)
+   !> The contact and the quantities; in a verbose log in two units, with the residuals.
+   function rows_of(summary, ratio, report, log) result(rows)
+      type(line_summary_t), intent(in) :: summary
+      real(wp), intent(in) :: ratio
+      type(report_t), intent(in) :: report
+      type(progress_log_t), intent(in) :: log
+      character(:), allocatable :: rows
+      integer :: i
+
+      rows = contact_line(log%scaling)
+      if (log%is_verbose) rows = rows//'            SI              dimensionless'//nl
+      do i = 1, size(table_rows)
+         if (is_in_table(summary, ratio, table_rows(i))) rows = rows &
+            //trim(row_of_table(table_rows(i), summary, ratio, log, report%steps > 0))//nl
+      end do
+      if (log%is_verbose) rows = rows//'  residual  '//number_text(report%residual, 2) &
+         //'   load error '//number_text(report%load_error, 2)//'   bound ' &
+         //number_text(report%tolerance_effective, 2)//nl
+   end function rows_of
+
+   !> A sentence for each limit that is passed, without that which the outcome names if `is_mixed`.
+   function limit_lines(limits, is_mixed) result(lines)
+      type(limit_t), intent(in) :: limits(:)
+      logical, intent(in) :: is_mixed
+      character(:), allocatable :: lines
+      integer :: i
+
+      lines = ''
+      do i = 1, size(limits)
+         if (.not. limits(i)%is_passed .or. (is_mixed .and. i == mixed_lubrication)) cycle
+         call add_words(lines, merge('inlet     ', 'limit     ', i == starvation) &
+            //limit_sentence(i, limits(i)))
+      end do
+   end function limit_lines
+
+   !> Leaves as many lines of `body` as there is `room` for, and says that there are more.
+   subroutine shorten(body, room)
+      character(:), allocatable, intent(inout) :: body
+      integer, intent(in) :: room
+      integer :: i, place
+
+      if (lines_of(body) <= max(room, 1)) return
+      place = 0
+      do i = 1, room - 1
+         place = place + index(body(place + 1:), nl)
+      end do
+      body = body(:place)//'  more      '//counted(lines_of(body(place + 1:)), 'line') &
+         //' with --verbose'//nl
+   end subroutine shorten
+
+   !> Line ends in `text`.
+   pure integer function lines_of(text)
+      character(*), intent(in) :: text
+      integer :: i
+
+      lines_of = count([(text(i:i) == nl, i=1, len(text))])
+   end function lines_of
+
+   !> The contact, as one is described.
+   function contact_line(scaling) result(line)
+      type(scaling_t), intent(in) :: scaling
+      character(:), allocatable :: line
+
+      if (scaling%is_dimensional) then
+         line = 'p_h '//prefixed_text(scaling%hertz_pressure, 'Pa')//', b ' &
+            //prefixed_text(scaling%half_width, 'm')//', U ' &
+            //number_text(0.5_wp*scaling%speed_sum, 4)//' m/s, slide-to-roll ' &
+            //number_text(scaling%slide_to_roll, 4)
+      else
+         line = 'M '//number_text(scaling%moes_m, 4)//', L '//number_text(scaling%moes_l, 4) &
+            //' (mean velocity)'
+      end if
+      line = '  contact   '//line//nl
+   end function contact_line
+
+   !> The row of quantity `i` of a steady contact or of one in time, or of the lambda `ratio`.
+   function row_of_table(i, summary, ratio, log, is_transient) result(row)
       integer, intent(in) :: i
       type(line_summary_t), intent(in) :: summary
-      type(scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: ratio
+      type(progress_log_t), intent(in) :: log
       logical, intent(in) :: is_transient
-      character(:), allocatable :: line
-      character(len=72) :: row
+      character(len=columns) :: row
+      character(len=11) :: number
       type(label_t) :: scale
+      integer :: bar
 
-      associate (quantity => summary%of(i))
-         scale = row_label(trim(quantity_rows(i)%field), scaling)
+      bar = 24   ! column of the error
+      if (log%scaling%is_dimensional) bar = 27
+      if (log%is_verbose) bar = 40
+      if (i == lambda_ratio) then
+         row = '  lambda ratio '//number_text(ratio, 4)
+      else
+         scale = row_label(trim(quantity_rows(i)%field), log%scaling)
          row = '  '//quantity_rows(i)%short
-         row(13:) = '-'
+         row(margin + 1:) = '-'
+         number = number_text(summary%of(i)%value, 6)
+         if (number(11:) /= ' ') number = number_text(summary%of(i)%value, 5)
          if (scale%si_units /= '1') then
-            row(13:) = prefixed_text(quantity%value*scale%si_scale, scale%si_units)
-         else if (scaling%is_dimensional) then
-            row(13:) = number_text(quantity%value*scale%si_scale, 4)
+            row(margin + 1:) = prefixed_text(summary%of(i)%value*scale%si_scale, scale%si_units)
+         else if (log%scaling%is_dimensional) then
+            row(margin + 1:) = number_text(summary%of(i)%value*scale%si_scale, 4)
+         else if (.not. log%is_verbose) then
+            row(margin + 1:) = number
          end if
-         row(29:) = number_text(quantity%value, 6)
-         if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
+         if (log%is_verbose) row(bar - 11:) = number
+      end if
+      associate (quantity => summary%of(merge(h_min, i, i == lambda_ratio)))
          if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
-            row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2)//' %'
+            row(bar:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
+               //' %'
          else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
-            row(40:) = '+- not known'
+            row(bar:) = '+- not known'
          end if
-         if (is_transient .and. ieee_is_finite(quantity%time)) row(53:) = 'at T ' &
+         if (is_transient .and. ieee_is_finite(quantity%time)) row(bar + 13:) = 'at T ' &
             //number_text(quantity%time, 4)
       end associate
-      line = trim(row)
+      if (i == p_max .and. .not. log%is_verbose) row(merge(bar + 25, bar + 13, is_transient):) = &
+         spike_remark(summary, is_transient)
    end function row_of_table
 
    !> How a run has ended, and what it took unless it failed and `is_short`.
@@ -124,11 +214,10 @@ contains
       logical, intent(in) :: is_short
       character(:), allocatable :: outcome
 
-      outcome = 'converged'
-      if (.not. report%converged) outcome = 'NOT CONVERGED'
-      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
-         //trim(report%reason)
-      if (.not. report%converged .and. is_short) return
+      outcome = ''
+      if (allocated(report%reason)) outcome = trim(report%reason)
+      outcome = ending_text(report%outcome(), outcome)
+      if (report%outcome() /= has_converged .and. is_short) return
       outcome = outcome//', '//counted(report%cycles, 'cycle')
       if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
       if (report%fit%uncut_steps > 0) outcome = outcome//' (' &
@@ -138,28 +227,30 @@ contains
          //prefixed_text(report%cost%peak_memory, 'B')
    end function outcome_text
 
-   !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
-   !> central pressure where the largest one is well known.
-   pure logical function is_in_table(summary, i)
+   !> Whether a quantity of the table has its row: not an unknown lambda `ratio`, nor friction where
+   !> nothing slides, nor the central pressure where the largest one is well known.
+   pure logical function is_in_table(summary, ratio, i)
       type(line_summary_t), intent(in) :: summary
+      real(wp), intent(in) :: ratio
       integer, intent(in) :: i
 
       is_in_table = .true.
+      if (i == lambda_ratio) is_in_table = ieee_is_finite(ratio)
       if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, 0.0_wp)
       if (i == p_central) is_in_table = is_central_shown(summary)
    end function is_in_table
 
    !> Adds what others say: lines that begin with a blank as they are, others wrapped.
-   subroutine add_words(log, lines)
-      type(progress_log_t), intent(inout) :: log
-      character(:), allocatable, intent(in) :: lines
+   subroutine add_words(body, lines)
+      character(:), allocatable, intent(inout) :: body
+      character(*), intent(in), optional :: lines
 
-      if (.not. allocated(lines)) return
+      if (.not. present(lines)) return
       if (len_trim(lines) == 0) return
       if (lines(1:1) == ' ') then
-         call log%add_to_summary(lines)
+         body = body//lines//nl
       else
-         call log%add_to_summary('  '//wrapped(lines, columns - 2, margin))
+         body = body//'  '//wrapped(lines, columns - 2, margin)//nl
       end if
    end subroutine add_words
 
@@ -186,6 +277,29 @@ contains
       end associate
    end function is_central_shown
 
+   !> The pressure of a spike that the grid does not resolve; 0: none, or p_max is well known.
+   pure real(wp) function unresolved_spike(summary) result(spike)
+      type(line_summary_t), intent(in) :: summary
+
+      spike = merge(summary%crests%corner, 0.0_wp, summary%crests%corner_top > 0.0_wp)
+      if (ieee_is_finite(summary%crests%spike)) spike = summary%crests%spike
+      if (.not. is_central_shown(summary)) spike = 0.0_wp
+   end function unresolved_spike
+
+   !> What a spike means, behind the largest pressure; empty: there is none.
+   pure function spike_remark(summary, is_transient) result(remark)
+      type(line_summary_t), intent(in) :: summary
+      logical, intent(in) :: is_transient
+      character(:), allocatable :: remark
+
+      remark = ''
+      if (.not. unresolved_spike(summary) > 0.0_wp) return
+      remark = 'spike, not resolved'
+      if (.not. is_transient) remark = remark//': rises on finer grids'
+      if (unresolved_spike(summary) < summary%of(p_max)%value) remark = &
+         'a narrow spike may exceed it'
+   end function spike_remark
+
    !> Which pressure to take and how to have the other, as lines of the table; empty where no spike
    !> is the reason. `is_asked`: &accuracy target_p_max is given; `is_steady`: else it cannot be;
    !> `has_intervals`: &domain intervals is given, which does not go with it.
@@ -193,13 +307,10 @@ contains
       type(line_summary_t), intent(in) :: summary
       logical, intent(in) :: is_asked, is_steady, has_intervals
       character(:), allocatable :: lines
-      real(wp) :: spike
 
       lines = ''
-      spike = merge(summary%crests%corner, 0.0_wp, summary%crests%corner_top > 0.0_wp)
-      if (ieee_is_finite(summary%crests%spike)) spike = summary%crests%spike
-      if (.not. is_central_shown(summary) .or. .not. spike > 0.0_wp) return
-      if (spike < summary%of(p_max)%value) then
+      if (.not. unresolved_spike(summary) > 0.0_wp) return
+      if (unresolved_spike(summary) < summary%of(p_max)%value) then
          lines = 'a pressure spike near the outlet is narrower than this grid, and on finer' &
             //' ones may rise above p_max'
       else

@@ -36,6 +36,8 @@ module progress_log
       integer :: unit = error_unit
       !> Only failures are reported.
       logical :: is_quiet = .false.
+      !> Closing tables are whole.
+      logical :: is_verbose = .false.
       !> One updating line instead of lines.
       logical :: is_updating = .false.
       !> Summaries go to standard output, not to `unit`.

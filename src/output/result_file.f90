@@ -219,6 +219,7 @@ contains
       reason = ''
       if (allocated(report%reason)) reason = trim(report%reason)
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
+      call write_attribute(self%file, '/', 'outcome', report%outcome())
       call write_attribute(self%file, '/', 'reason', reason)
       call write_users(self%file)
       call self%file%close(error)

@@ -12,7 +12,7 @@ module result_sections
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
-   use quantities, only: quantity_count, quantity_rows, sliding_rows
+   use quantities, only: h_min, quantity_count, quantity_rows, sliding_rows
    use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t
    use text, only: joined
@@ -58,13 +58,14 @@ contains
 
    !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
    !> time in `<name>_time`; `missing`: why a quantity whose estimate is NaN has none. Beside them
-   !> how far the film is from the limit of Reynolds' equation.
-   subroutine write_summary(file, summary, scaling, is_transient, missing)
+   !> how far the film is from the limit of Reynolds' equation, and `lambda_ratio` if it is known.
+   subroutine write_summary(file, summary, scaling, is_transient, missing, lambda_ratio)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: is_transient
       character(*), intent(in) :: missing
+      real(wp), intent(in) :: lambda_ratio
       character(:), allocatable :: extreme
       integer :: i
 
@@ -88,6 +89,10 @@ contains
                quantity, 8.0_wp*scaling%moes_m/pi, new_label('', '1'))
          end associate
       end do
+      if (ieee_is_finite(lambda_ratio)) call write_value('/summary/lambda_ratio', &
+         'smallest film over composite rms height of both surfaces', lambda_ratio, &
+         new_label('', '1'), lambda_ratio*abs(summary%of(h_min)%error_estimate &
+         /summary%of(h_min)%value), missing)
       call write_limit(stokes_number, summary%limits%stokes_number)
       call write_limit(surface_slope, summary%limits%surface_slope)
 

@@ -14,6 +14,7 @@ module result_writer
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of, copy_values
+   use missing_value, only: not_known
    use model_decision, only: model_choice_t
    use field_sections, only: write_film_passage, write_momentum, write_solution, &
       write_statistics, write_velocity
@@ -21,6 +22,7 @@ module result_writer
    use result_sections, only: write_summary, write_times
    use validity, only: limit_t
    use validity_section, only: write_validity
+   use validity_table, only: mixed_lubrication
    implicit none (type, external)
    private
 
@@ -99,6 +101,7 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: missing
+      real(wp) :: lambda_ratio
 
       call self%begin_end()
       call write_solution(self%file, state, self%scaling, self%has_si)
@@ -112,7 +115,10 @@ contains
       missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), self%summary)
       if (report%converged .and. .not. self%run%passage%times%is_settled()) missing = &
          'the start is in the quantities, see /report/note'
-      call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
+      lambda_ratio = not_known()
+      if (allocated(self%limits)) lambda_ratio = self%limits(mixed_lubrication)%value
+      call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing, &
+         lambda_ratio)
       if (self%is_transient) call write_times(self%file, self%run%passage%times)
       call write_statistics(self%file, self%run%statistics, self%scaling, &
          self%run%passage%times%statistics_from())
