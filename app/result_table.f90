@@ -30,7 +30,8 @@ module result_table
       'lambda_ratio', limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, &
       dry_table(contact_area)%name, dry_table(plastic_area)%name, dry_table(mean_separation)%name]
    character(len=10), parameter :: heads(*) = [character(len=10) :: merge(quantity_rows%short, &
-      '         ', quantity_rows%name /= 'p_central'), 'lambda', '', '', 'contact', '', 'separation']
+      '         ', quantity_rows%name /= 'p_central'), 'lambda', '', '', 'contact', '', &
+      'separation']
    !> Arrays of /solution that can be a column of --profiles, beside x.
    character(len=20), parameter :: profiles(*) = [character(len=20) :: 'x', 'pressure', &
       'film_thickness', 'gap', 'viscosity', 'density', 'slip_factor', 'shear_stress_1', &

@@ -96,7 +96,7 @@ def auto_table(path: Path, text: str, folder: Path) -> str:
     lean = folder / f"{path.stem}_auto.nml"
     chosen = re.sub(r"^ *intervals *=.*\n", "", text, flags=re.MULTILINE).replace("   problem =", "   model = 'auto'\n   problem =")
     lean.write_text(f"{chosen}&accuracy\n   target = {TARGET}\n/\n", encoding="utf-8")
-    lines = text_of(ASPERITY, lean, "--output", folder, folder=folder).splitlines()
+    lines = text_of(ASPERITY, lean, "--verbose", "--output", folder, folder=folder).splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("  auto "))
     last = next(i for i, line in enumerate(lines) if i > first and not line.startswith("      "))
     solved = [line.split(": ", 1)[1] for line in lines if line.startswith(f"{lean.name}: solves ")]

@@ -86,6 +86,7 @@ MOVING = STOKES.replace("x_outlet = 1.5", "x_outlet = 2.0") + feature(1, 5e-8, -
 ONE = {
     # steady
     "smooth": PLAIN,
+    "mixed": PLAIN.replace("speed_2", "roughness_1 = 8e-7, speed_2"),
     "smooth_chosen": CASE_1,
     "moes_barus": MOES.format(m=10.0, l=5.0, velocity="mean") + DOMAIN,
     "moes_sum": MOES.format(m=30.0, l=8.0, velocity="sum"),

@@ -64,12 +64,20 @@ def test_results_have_units_errors_and_times(folder):
     assert re.fullmatch(r"[\d.]+ µm", dry.row("Mean separation")[1])
 
 
-def test_no_solution_is_said_first(asperity, tmp_path):
-    (tmp_path / "bad.nml").write_text(STEADY + "&solver max_cycles = 1 /\n")
+BAD = {
+    "Not converged:": STEADY + "&solver max_cycles = 1 /\n",
+    "<b>Outside the model: mixed lubrication, the smallest film": STEADY.replace("speed_2", "roughness_1 = 1e-6, speed_2"),
+}
+
+
+@pytest.mark.parametrize("words", BAD)
+def test_no_solution_is_said_first(asperity, tmp_path, words):
+    (tmp_path / "bad.nml").write_text(BAD[words])
     assert asperity("bad.nml").returncode == 2
     assert report(tmp_path / "bad.h5", "--output", tmp_path / "page.html").returncode == 0
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert text.index("Not converged:") < text.index("Results")
+    assert text.index(words) < text.index("Results")
+    assert ("<td>Lambda ratio</td>" in text) == ("mixed" in words)
 
 
 def test_other_files_are_refused(tmp_path):

@@ -74,11 +74,9 @@ contains
       if (present(limits)) body = body//limit_lines(limits, report%is_mixed)
       if (log%is_verbose .and. times%counts_from > 0.0_wp) call add_words(body, 'times     ' &
          //times_text(times))
+      if (present(words)) call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
-      if (present(words)) then
-         call add_words(body, words%model)
-         call add_words(body, words%decision)
-      end if
+      if (present(words)) call add_words(body, words%model)
       if (present(limits) .and. log%scaling%is_dimensional .and. .not. ieee_is_finite(ratio) &
          .and. lines_of(head//body) < most_lines - 1) call add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
