@@ -1,4 +1,4 @@
-"""Tilt and form of measured heights are taken off, and what was taken off is said."""
+"""Tilt and form of measured heights are subtracted, and what was subtracted is said."""
 
 import h5py
 import numpy as np
@@ -45,7 +45,7 @@ def test_tilt_is_taken_off_and_told(asperity, tmp_path, domain):
     assert tilted_separation == pytest.approx(separation, rel=1e-9, abs=0)
     assert surface["detrend"] == b"line"
     assert surface["heights_tilt"] == pytest.approx(1.25e-3, rel=1e-9)
-    assert "tilt 0.00125, 5.00E-06 m over 0.00400 m taken off the heights of surface_1 (detrend = 'line')" in note
+    assert "tilt 0.00125, 5.00E-06 m over 0.00400 m subtracted from the heights of surface_1 (detrend = 'line')" in note
 
 
 @pytest.mark.parametrize(("word", "degree"), [("none", -1), ("mean", 0), ("line", 1), ("parabola", 2)])
@@ -57,10 +57,10 @@ def test_every_word(asperity, tmp_path, word, degree):
     np.testing.assert_allclose(heights, expected, rtol=0, atol=1e-17)
     assert surface["detrend"] == word.encode()
     assert ("heights_mean" in surface) == (degree >= 0)
-    assert ("taken off" in note) == (degree >= 1)
+    assert ("subtracted" in note) == (degree >= 1)
     if degree == 2:
         assert surface["heights_curvature"] == pytest.approx(-8e-6 / (LENGTH / 2) ** 2, rel=1e-9)
-        assert "curvature -2.00 1/m, 4.00E-06 m high taken off" in note
+        assert "curvature -2.00 1/m, 4.00E-06 m high subtracted" in note
 
 
 def test_heights_that_close_are_repeated_as_they_are(asperity, tmp_path):
@@ -84,7 +84,7 @@ def test_plane_of_an_area(asperity, tmp_path):
     with solve(asperity, tmp_path, "shape = 'file', file = 'z.h5', dataset = 'z'", [1e7], "", problem="dry_area") as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)
         tilts = file["input/effective/surface_1"].attrs["heights_tilt"]
-        assert "m in y taken off the heights of surface_1" in text(file["report/note"][()])
+        assert "m in y subtracted from the heights of surface_1" in text(file["report/note"][()])
     assert tilts == pytest.approx([4e-7 / 29e-6, -6e-7 / 19e-6], rel=0.1)
 
 
@@ -104,7 +104,7 @@ def test_tilt_in_oil(asperity, tmp_path, nodes):
             file.create_dataset("z", data=z + tilt * x + tilt).attrs["spacing"] = LENGTH / (nodes - 1)
         done = ended(asperity("case.nml"))
         words = " ".join((done.stdout + done.stderr).split())
-        assert words.count("m over 0.00400 m taken off the heights of surface_1") == (2 if tilt else 0)
+        assert words.count("m over 0.00400 m subtracted from the heights of surface_1") == (2 if tilt else 0)
         with h5py.File(tmp_path / "case.h5") as file:
             fields.append(file["solution/roughness_1"][()])
             assert file["input/effective/surface_1"].attrs["heights_tilt"] == pytest.approx(tilt / 2e-3, abs=1e-12)

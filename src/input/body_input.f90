@@ -171,7 +171,7 @@ contains
             ' with plane = .true., expected a radius > 0 [m]')
       else if (values%logical_value('bodies', 'plane')) then
          call values%refuse('bodies', 'plane', &
-            'found .true., expected one of radius_1 and radius_2 beside it')
+            'found .true., expected exactly one of radius_1 and radius_2 with it')
       end if
       if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', &
          'radius_2'))) return

@@ -64,7 +64,7 @@ contains
                   'found together with &moes, expected one of the two: &moes is a smooth '// &
                   'contact without SI units')
             else if (row%is_needed .and. .not. (has_moes .and. row%yields_to_moes)) then
-               call values%refuse(row%group, '', 'found no such group, expected &' &
+               call values%refuse(row%group, '', 'missing, expected &' &
                   //trim(row%group)//' ... / ('//trim(row%meaning)//')')
             end if
          end associate

@@ -28,7 +28,7 @@ contains
 
       allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp, stat=status)
       if (status /= 0) then
-         call dry%values%refuse('domain', '', 'found no memory for the heights of the grid')
+         call dry%values%refuse('domain', '', 'not enough memory for the heights of the grid')
          return
       end if
       do i = 1, size(surfaces)
@@ -203,7 +203,7 @@ contains
       most = dry%grid%nx/2 - 1
       if (dry%grid%ny > 1) most = min(most, dry%grid%ny/2 - 1)
       if (.not. dry%is_periodic) then
-         fault = 'found a truncation with periodic = .false., expected .true.'
+         fault = 'found harmonics with periodic = .false., expected .true.'
       else if (harmonics > most) then
          fault = 'found ' // to_text(harmonics) // ', expected at most ' // to_text(most) &
             // ', half the nodes less one'

@@ -203,7 +203,7 @@ contains
          if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(curvature(2), 3)//' 1/m, ' &
             //to_text(abs(curvature(2))*extent(2)**2/8.0_wp, 3)//' m high in y'
       end if
-      if (words /= '') words = words//' taken off the heights of '//group//" (detrend = '" &
+      if (words /= '') words = words//' subtracted from the heights of '//group//" (detrend = '" &
          //trim(trend%word)//"')"
    end function trend_words
 

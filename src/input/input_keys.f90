@@ -40,7 +40,7 @@ module input_keys
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
       group_row_t('solver', 'method and accuracy of the numerical solution', every), &
       group_row_t('film', "the layers of equations = 'stokes'"), &
-      group_row_t('output', 'what is measured and stored beside the solution', every), &
+      group_row_t('output', 'what is measured and stored besides the solution', every), &
       group_row_t('accuracy', &
          'error bars, and an accuracy from which the program chooses grid and time step', every)]
 
@@ -85,7 +85,7 @@ module input_keys
       key_row_t('case', 'model', word_kind, '', "'full'", 'full: every ingredient of the model', &
          words='full', problems=dry), &
       key_row_t('case', 'equations', word_kind, '', "'reynolds'", &
-         'of the film: reynolds; stokes: full momentum, beside Reynolds on the same grid', &
+         'of the film: reynolds; stokes: full momentum, and Reynolds on the same grid', &
          words='reynolds stokes')]
 
    type(key_row_t), parameter :: bodies_rows(*) = [ &
@@ -129,7 +129,7 @@ module input_keys
          'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', &
          range='>= 1, <= 1e15', problems=dry, typical=typical_hardness, example='4e9'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
-         'of the softer body: pressures above it, and above the shakedown limit, are told', &
+         'of the softer body: pressures above it, and above the shakedown limit, are reported', &
          range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
          'length of the contact across the flow, for load and an estimate of the flow to its '// &
@@ -270,15 +270,15 @@ module input_keys
          'unit of the heights in the file; auto: what the file says, else m', &
          words='auto '//length_words, used='shape = file', problems=every, example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
-         'taken off the heights (line: plane of an area); auto: line, none where heights ' &
+         'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
          problems=every, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
-         'cut-off lambda_c: longer waves are taken off by the Gaussian filter of ISO 16610-21', &
+         'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
          range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
-         'cut-off lambda_s: shorter waves are smoothed out by the same filter', &
+         'cut-off lambda_s: shorter waves are removed by the same filter', &
          range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
@@ -366,7 +366,7 @@ module input_keys
       key_row_t('film', 'layers', integer_kind, '-', '20', 'layers across the film', &
          range='>= 4, <= 200', used='case%equations = stokes', example='!'), &
       key_row_t('film', 'inertia', logical_kind, '', '.false.', &
-         'with the convective terms (Navier-Stokes), for which density counts', &
+         'includes the convective terms (Navier-Stokes), which depend on density', &
          used='case%equations = stokes', example='!')]
 
    type(key_row_t), parameter :: solver_rows(*) = [ &
@@ -408,8 +408,8 @@ module input_keys
          'relaxation factor of the force balance', range='>= 1e-6, < 2', used=of_sweeps, &
          example='! 0.5', is_expert=.true.), &
       key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, &
-         'a film below it is a film breakdown, told with place and time', range='> 0, <= 1e-3', &
-         used=in_metres, typical=typical_film, example='! 5e-9'), &
+         'a film below it is a film breakdown, reported with place and time', &
+         range='> 0, <= 1e-3', used=in_metres, typical=typical_film, example='! 5e-9'), &
       key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", &
          'at a film breakdown: end as not converged, or go on with a mark; a film that ' &
          //'closes always ends', words='stop continue', used='film_floor', example='!'), &
@@ -436,7 +436,7 @@ module input_keys
          words='pressure gap height_undeformed height_loaded height_unloaded plastic_deformation', &
          problems=dry, example="! 'pressure', 'gap'"), &
       key_row_t('output', 'precision', word_kind, '', "'double'", &
-         'of the numbers of stored fields; single takes half of the file', words='double single', &
+         'of the stored fields; single halves the file', words='double single', &
          problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
          'wall time between checkpoints, from which asperity --resume goes on', &
@@ -451,7 +451,7 @@ module input_keys
       key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
          'stores the fields and series that are dimensionless in SI too, in /si'), &
       key_row_t('output', 'xdmf', logical_kind, '', '.false.', &
-         'writes NAME.xdmf beside NAME.h5: what ParaView needs to show the fields', &
+         'writes NAME.xdmf next to NAME.h5, with which ParaView shows the fields', &
          problems=every), &
       key_row_t('output', 'velocity_layers', integer_kind, '-', '0', &
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &

@@ -37,8 +37,8 @@ module input_manual
       // '  element, `amplitude(2:4) = ...` three.' // nl &
       // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
       'error: nothing is ignored.' // nl &
-      // '- A value outside the typical magnitudes of its key is told, in one line: most '// &
-      'often its unit is another one.' // nl &
+      // '- A value outside the typical magnitudes of its key is reported in one line: '// &
+      'most often its unit is wrong.' // nl &
       // '- The file is UTF-8 text; LF, CR LF or CR ends a line. Paths in it are relative to '// &
       'the file.' // nl &
       // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &

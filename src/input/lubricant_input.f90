@@ -193,7 +193,7 @@ contains
             // " [Pa s] with viscosity_law = 'roelands'")
       else
          call values%refuse('lubricant', 'pressure_viscosity', 'found '// to_text(number(2), 5) // &
-            ' beside roelands_p0 and roelands_z, expected ' // to_text(roelands_alpha(number(1), &
+            ' with roelands_p0 and roelands_z, expected ' // to_text(roelands_alpha(number(1), &
             number(3), number(4)), 5) // ' [1/Pa] by (2.27), or only two of the three')
       end if
    end subroutine check_roelands

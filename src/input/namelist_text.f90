@@ -197,7 +197,7 @@ contains
             exit
          end if
       end do
-      if (name /= '') call findings%add(line, name, '', 'found no end of the group, expected '// &
+      if (name /= '') call findings%add(line, name, '', 'not closed, expected '// &
          'a closing /')
    end subroutine find_group_end
 

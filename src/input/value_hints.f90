@@ -13,20 +13,20 @@ module value_hints
    end type answer_t
 
    type(answer_t), parameter :: answers(*) = [ &
-      answer_t('point_', 'contacts of balls with oil are not built: ehl_line is right for '// &
-         'rollers, dry_area presses a ball without oil'), &
-      answer_t('ellip', 'elliptic contacts with oil are not built: ehl_line is right for an '// &
-         'ellipse that is five times as wide'), &
+      answer_t('point_', 'lubricated point contacts are not built: ehl_line is for '// &
+         'rollers, dry_area for a dry ball'), &
+      answer_t('ellip', 'lubricated elliptic contacts are not built: ehl_line serves an '// &
+         'ellipse five times as wide as long'), &
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &
       answer_t('temperature', 'give temperature [degC] of the inlet in &lubricant, with '// &
          'viscosity_grade; heat is not built'), &
       answer_t('grade', 'give viscosity_grade in &lubricant, the ISO VG class, with temperature'), &
-      answer_t('mixed', 'mixed lubrication is not built: the result tells the film over the '// &
+      answer_t('mixed', 'mixed lubrication is not built: the result gives the film over the '// &
          'roughness'), &
       answer_t('friction', 'friction is a result: /summary/friction_coefficient'), &
       answer_t('grease', 'grease is not built: give the base oil, and x_inlet for starvation'), &
-      answer_t('load_', 'loads that change are not built: run a case for each, by a sweep'), &
+      answer_t('load_', 'varying loads are not built: run a sweep with a case for each load'), &
       answer_t('wear', 'wear and running-in are not built'), &
       answer_t('rpm', 'give the speeds of the surfaces [m/s]: 2 pi rpm/60 times the radius'), &
       answer_t('omega', 'give the speeds of the surfaces [m/s]: omega times the radius'), &
