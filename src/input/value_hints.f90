@@ -17,6 +17,7 @@ module value_hints
          'rollers, dry_area for a dry ball'), &
       answer_t('ellip', 'lubricated elliptic contacts are not built: ehl_line serves an '// &
          'ellipse five times as wide as long'), &
+      answer_t('parabola', 'with oil the radii of &bodies give it'), &
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &
       answer_t('temperature', 'give temperature [degC] of the inlet in &lubricant, with '// &
