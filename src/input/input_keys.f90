@@ -234,8 +234,7 @@ module input_keys
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
          'file, synthetic; or ridge or dent (5.4), sinusoid A cos(2 pi (x-xc)/Lambda), one ' &
-         //'word for each element', words='smooth feature sinusoid file synthetic', &
-         later_words='parabola'), &
+         //'word for each element', words='smooth feature sinusoid file synthetic'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, &
          'height A of each element; a ridge is positive, a dent negative', range='>= -1, <= 1', &
          used=of_features, needed=of_features, problems=every, typical='1e-9 to 1e-4', &
@@ -478,7 +477,7 @@ module input_keys
    type(key_row_t), parameter :: surface_2_rows(*) = [(key_row_t('surface_2', &
       surface_1_rows(i)%key, surface_1_rows(i)%kind, surface_1_rows(i)%unit, &
       surface_1_rows(i)%default, 'as in &surface_1', surface_1_rows(i)%range, &
-      surface_1_rows(i)%words, surface_1_rows(i)%later_words, surface_1_rows(i)%used, &
+      surface_1_rows(i)%words, surface_1_rows(i)%used, &
       surface_1_rows(i)%needed, problems=surface_1_rows(i)%problems, &
       typical=surface_1_rows(i)%typical, example=surface_1_rows(i)%example, &
       dry_example=surface_1_rows(i)%dry_example), i=1, size(surface_1_rows))]

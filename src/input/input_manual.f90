@@ -35,7 +35,7 @@ module input_manual
       // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; '// &
       '`amplitude(2) = 1e-7` sets one' // nl &
       // '  element, `amplitude(2:4) = ...` three.' // nl &
-      // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
+      // '- A key that is unknown, repeated, or not used by the case is an '// &
       'error: nothing is ignored.' // nl &
       // '- A value outside the typical magnitudes of its key is reported in one line: '// &
       'most often its unit is wrong.' // nl &
@@ -96,7 +96,7 @@ contains
       if (row%range /= '') head = head // ', ' // trim(row%range)
       head = head // typical_text(row)
       text = wrapped(head, page_width, 8) // nl
-      if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), &
+      if (row%words /= '') text = text // wrapped(repeat(' ', indent) // word_list(row%words), &
          page_width, 8) // nl
       text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // conditions_text(row), &
          page_width, 8) // nl
@@ -120,15 +120,6 @@ contains
       if (row%moes_default /= '') text = '; with &moes default '//trim(row%moes_default)//text
       if (row%problems /= every) text = text // ' (' // trim(row%problems) // ')'
    end function conditions_text
-
-   !> Words of a key, and those not built yet.
-   pure function words_text(row) result(text)
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = word_list(row%words)
-      if (row%later_words /= '') text = text // '; not built yet: ' // word_list(row%later_words)
-   end function words_text
 
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
@@ -164,7 +155,7 @@ contains
       character(:), allocatable :: text, range
 
       range = trim(row%range) // typical_text(row)
-      if (row%words /= '') range = words_text(row)
+      if (row%words /= '') range = word_list(row%words)
       text = '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) // ' | ' // &
          trim(row%unit) // ' | ' // trim(row%default) // ' | ' // range // ' | ' // &
          trim(row%meaning) // conditions_text(row) // ' |' // nl

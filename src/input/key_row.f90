@@ -51,8 +51,6 @@ module key_row
       character(len=96) :: range = ''
       !> Words that are built, separated by blanks; of a logical those that it may have beside it.
       character(len=96) :: words = ''
-      !> Words that are known but not built yet, separated by blanks.
-      character(len=40) :: later_words = ''
       !> With what the key is used and needed: rules of module key_rules; empty: always, never.
       character(len=80) :: used = '', needed = ''
       !> Value with &moes where none is given.

@@ -17,13 +17,14 @@ module value_hints
          'rollers, dry_area for a dry ball'), &
       answer_t('ellip', 'lubricated elliptic contacts are not built: ehl_line serves an '// &
          'ellipse five times as wide as long'), &
+      answer_t('parabola', 'with oil the radii of &bodies give it'), &
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &
       answer_t('temperature', 'give temperature [degC] of the inlet in &lubricant, with '// &
          'viscosity_grade; heat is not built'), &
       answer_t('grade', 'give viscosity_grade in &lubricant, the ISO VG class, with temperature'), &
-      answer_t('mixed', 'mixed lubrication is not built: the result gives the film over the '// &
-         'roughness'), &
+      answer_t('mixed', 'mixed lubrication is not built: with roughness_1 and roughness_2 the '// &
+         'result says where it begins'), &
       answer_t('friction', 'friction is a result: /summary/friction_coefficient'), &
       answer_t('grease', 'grease is not built: give the base oil, and x_inlet for starvation'), &
       answer_t('load_', 'varying loads are not built: run a sweep with a case for each load'), &

@@ -288,7 +288,7 @@ contains
       slot%has_value = .false.
    end subroutine store
 
-   !> Stores a word in lower case. Finding: not a string, unknown, or not built yet.
+   !> Stores a word in lower case. Finding: not a string, or unknown.
    subroutine store_word(entry, row, piece, word, findings)
       type(entry_t), intent(in) :: entry
       type(key_row_t), intent(in) :: row
@@ -301,8 +301,6 @@ contains
       lower = to_lower(trim(piece%text))
       if (.not. piece%is_string) then
          call reject(entry, row, shown_piece(piece) // ' without quotes', findings)
-      else if (has_word(row%later_words, lower)) then
-         call reject(entry, row, shown_piece(piece) // ', which is not built yet', findings)
       else if (.not. has_word(row%words, lower)) then
          call reject(entry, row, shown_piece(piece), findings, nearest_word(row, lower))
       else
@@ -324,7 +322,7 @@ contains
          return
       end do
       hint = ''
-      if (row%key == 'problem') hint = answer_to(word)
+      if (row%key == 'problem' .or. row%key == 'shape') hint = answer_to(word)
       if (hint /= '') then
          hint = '; '//hint
       else
