@@ -10,7 +10,7 @@ module result_end
    use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines, formulas_of
    use adequacy_section, only: model_line
-   use inlet_change, only: film_loss
+   use inlet_errors, only: film_loss
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t

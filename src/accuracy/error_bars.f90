@@ -6,8 +6,7 @@ module error_bars
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
    use grid_errors, only: safety
    use grid_estimates, only: coarse_values_t, estimate_grid_errors, exit_jitter
-   use inlet_change, only: inlet_change_t
-   use inlet_errors, only: inlet_shares
+   use inlet_errors, only: inlet_change_t, inlet_shares
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t

@@ -7,11 +7,15 @@
 !> bars. Smooth surfaces take one steady solution on each grid; without the squeeze term, steady
 !> solutions follow the waves. With `adequacy%is_full` whatever remains open is run in time on n/2
 !> and n/4, at any cost.
+!>
+!> The error by the time step alone: a run with a target already has a coarse run with a larger
+!> step, and a first-order run one by the second-order scheme. Otherwise one more run on n/4
+!> intervals, with twice the step of that of the error bars, shows the effect of a larger step.
 module measured_adequacy
-   use ablation_runs, only: measure_at_rest
+   use ablation_runs, only: change_between, largest_change, measure_at_rest
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
       without_surfaces
-   use adequacy, only: adequacy_t, influence_t, new_influence, judge_at_rest
+   use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use error_bars, only: error_bars_t
    use errors, only: error_t
    use experiment, only: experiment_t, outcome_t, run_experiment
@@ -21,13 +25,14 @@ module measured_adequacy
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
+   use missing_value, only: quotient
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
-   use time_step_error, only: by_larger_step, by_scheme, set_split_step_error, set_step_error
+   use split_errors, only: apart_t, time_errors
    implicit none (type, external)
    private
 
-   public :: full_cost, measure_adequacy, solved_t
+   public :: full_cost, measure_adequacy, set_step_error, solved_t
 
    !> A solved case: its settings, quantities, Newton steps and error bars.
    type :: solved_t
@@ -60,6 +65,12 @@ module measured_adequacy
    !> grids alike; and the error of the iteration.
    real(wp), parameter :: own_widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp], &
       coarse_widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
+
+   !> The error by the time step: this many times the change from twice the step on n/4, or from the
+   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
+   !> single change may vanish by chance.
+   real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp]
+   real(wp), parameter :: by_scheme(2) = [2.0_wp, 0.3_wp]
 
 contains
 
@@ -319,5 +330,27 @@ contains
          adequacy%rows(i)%is_at_rest = .true.
       end do
    end subroutine measure_smooth
+
+   !> Sets the `row` of the time step of a result with the quantities `full` from its coarse runs
+   !> with twice the spacing and with twice the step.
+   pure subroutine set_split_step_error(apart, full, row)
+      type(apart_t), intent(in) :: apart
+      type(line_summary_t), intent(in) :: full
+      type(influence_t), intent(inout) :: row
+
+      row%change = quotient(time_errors(apart, full), abs(full%of%value))
+      row%error = 0.0_wp*row%change
+   end subroutine set_split_step_error
+
+   !> Sets it from the change from an `other` run to a `better` one, with these `factors`.
+   pure subroutine set_step_error(better, other, factors, row)
+      type(line_summary_t), intent(in) :: better, other
+      real(wp), intent(in) :: factors(2)
+      type(influence_t), intent(inout) :: row
+
+      row%change = change_between(better, other)
+      row%change = factors(1)*abs(row%change) + factors(2)*largest_change(row%change)
+      row%error = 0.0_wp*row%change
+   end subroutine set_step_error
 
 end module measured_adequacy

@@ -1,6 +1,7 @@
 !> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
-   use ablation_runs, only: change_between, doubt_between, set_change
+   use ablation_runs, only: change_between, doubt_between, lean_level_t, place_film, pose, &
+      pressure_on, set_change, solve_level_of
    use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze, &
       without_surfaces
    use adequacy, only: influence_t
@@ -8,8 +9,7 @@ module passage_pair
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
    use film_state, only: film_state_t
    use kinds, only: wp
-   use lean_solution, only: lean_level_t, place_film, pose, pressure_on, solve_level_of
-   use level_summaries, only: level_summary
+   use state_output, only: level_summary
    use line_contact, only: finest_wave, line_contact_t, move_profiles
    use line_hierarchy, only: coarsest_for_film, roughness_at
    use line_state, only: line_state_t

@@ -10,7 +10,7 @@
 !> gap has the wrong sign.
 module dry_conjugate_gradient
    use active_set, only: active_set_t, copy_survey, new_active_set
-   use bound_return, only: bring_back, settle_load
+   use load_projection, only: bring_back, settle_load
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
    use dry_settings, only: dry_settings_t
    use dry_solution, only: dry_solution_t, end_of_iteration

@@ -150,7 +150,7 @@ contains
       real(wp) :: bent, change, flow, rate
       integer :: i
 
-      associate (e => newton%jacobian%slopes%e, e_p => newton%jacobian%slopes%e_p, &
+      associate (e => level%oil%mobility, e_p => newton%jacobian%slopes%e_p, &
          step => newton%step)
          do i = 1, level%n - 1
             if (abs(e_p(i)*step(i)) <= small_change*e(i) .or. newton%is_cavitated(i)) cycle

@@ -1,11 +1,10 @@
 !> Measured heights from a file: a table, or HDF5, which its content tells.
 module height_file
    use, intrinsic :: iso_fortran_env, only: int64
-   use checksum, only: checksum_t
+   use file_bytes, only: checksum_t
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
-   use hdf5_input, only: is_hdf5
-   use hdf5_part, only: place_words
+   use hdf5_input, only: is_hdf5, place_words
    use height_form, only: new_sums
    use height_limits, only: first_fault, height_fault, height_range_t, range_fault
    use height_source, only: height_source_t
