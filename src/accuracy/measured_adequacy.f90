@@ -28,7 +28,7 @@ module measured_adequacy
    use missing_value, only: quotient
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
-   use split_errors, only: apart_t, time_errors
+   use split_errors, only: time_errors
    implicit none (type, external)
    private
 
@@ -134,8 +134,13 @@ contains
       if (allocated(error) .or. listener%is_stopping) return
       coarse%smooth(1) = fine%smooth(2)
       call decide_at_rest(list, adequacy, is_open)
-      if (adequacy%is_full) call complete(coarse, adequacy, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
+      if (adequacy%is_full) then
+         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, listener, &
+            error)
+         if (allocated(error)) return
+         if (coarse%is_known) adequacy%in_time = coarse%runs%contact%domain%intervals
+         if (listener%is_stopping) return
+      end if
       adequacy%time_step = new_influence('time_step', 'limit of small time steps')
       call measure_time_step(solved, coarse, budget, adequacy%time_step, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
@@ -220,22 +225,6 @@ contains
          .and. solved%bars%unseen == ''
    end function pair_of
 
-   !> Runs the transient on the grids of `coarse` if the error bars have not, and both resolve all
-   !> waves.
-   subroutine complete(coarse, adequacy, listener, error)
-      type(passage_pair_t), intent(inout) :: coarse
-      type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (grids => coarse%runs%contact%domain%intervals)
-         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, &
-            listener, error)
-         if (allocated(error)) return
-         if (coarse%is_known) adequacy%in_time = grids
-      end associate
-   end subroutine complete
-
    !> Measures the time step within `budget`.
    subroutine measure_time_step(solved, coarse, budget, row, listener, error)
       type(solved_t), intent(in) :: solved
@@ -252,7 +241,9 @@ contains
       row%is_numerical = .true.
       is_first_order = solved%experiment%time%scheme == 'backward_euler'
       if (solved%bars%forecast%is_known .and. solved%bars%apart%is_known) then
-         call set_split_step_error(solved%bars%apart, solved%full, row)
+         row%change = quotient(time_errors(solved%bars%apart, solved%full), &
+            abs(solved%full%of%value))
+         row%error = 0.0_wp*row%change
       else if (.not. coarse%is_known .or. (is_first_order .and. solved%bars%grids < 2)) then
          row%unknown = 'there is no error estimate, or a coarse grid does not see all waves'
       else if (is_first_order) then
@@ -331,18 +322,8 @@ contains
       end do
    end subroutine measure_smooth
 
-   !> Sets the `row` of the time step of a result with the quantities `full` from its coarse runs
-   !> with twice the spacing and with twice the step.
-   pure subroutine set_split_step_error(apart, full, row)
-      type(apart_t), intent(in) :: apart
-      type(line_summary_t), intent(in) :: full
-      type(influence_t), intent(inout) :: row
-
-      row%change = quotient(time_errors(apart, full), abs(full%of%value))
-      row%error = 0.0_wp*row%change
-   end subroutine set_split_step_error
-
-   !> Sets it from the change from an `other` run to a `better` one, with these `factors`.
+   !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these
+   !> `factors`.
    pure subroutine set_step_error(better, other, factors, row)
       type(line_summary_t), intent(in) :: better, other
       real(wp), intent(in) :: factors(2)

@@ -118,7 +118,8 @@ contains
 
       i = findloc(list%kind, roughness, 1)
       choice%why(i) = too_high
-      if (height_of(experiment%contact) > highest*target*film_estimate(experiment%contact)) return
+      if (height_on(experiment%contact%surface_1) + height_on(experiment%contact%surface_2) &
+         > highest*target*film_estimate(experiment%contact)) return
       call measure(experiment, list(i), choice%rows(i), choice%grids, listener, error)
       if (allocated(error)) return
       choice%why(i) = not_measured
@@ -196,14 +197,7 @@ contains
       end associate
    end function coarsening
 
-   !> Largest height of both surfaces together [b^2/R], as far as known.
-   pure real(wp) function height_of(contact) result(height)
-      type(line_contact_t), intent(in) :: contact
-
-      height = height_on(contact%surface_1) + height_on(contact%surface_2)
-   end function height_of
-
-   !> Largest height of one surface.
+   !> Largest height of a surface [b^2/R], as far as known.
    pure real(wp) function height_on(surface) result(height)
       type(rough_surface_t), intent(in) :: surface
 

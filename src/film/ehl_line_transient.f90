@@ -267,20 +267,12 @@ contains
             if (.not. report%converged) return
             call remember(history, level, length)
             if (plan%keeps_parts) plan%parts(part) = time_part_t(weights, length, &
-               heights_at(contact, level%x, new_time), level%state)
+               reshape([surface_height(contact%surface_1, level%x, new_time), &
+               surface_height(contact%surface_2, level%x, new_time)], [level%n + 1, 2]), &
+               level%state)
          end do
       end associate
    end subroutine solve_parts
-
-   !> Psi_1 and Psi_2 (:, 2) at the nodes x.
-   pure function heights_at(contact, x, time) result(heights)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: x(:), time
-      real(wp) :: heights(size(x), 2)
-
-      heights(:, 1) = surface_height(contact%surface_1, x, time)
-      heights(:, 2) = surface_height(contact%surface_2, x, time)
-   end function heights_at
 
    !> Solves one part of `length`: from the better prediction by the history, then from all of the
    !> history if that differs, then from the old pressure by each relaxation in turn; FAS begins

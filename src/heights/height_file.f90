@@ -6,7 +6,7 @@ module height_file
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
    use hdf5_input, only: is_hdf5, place_words
    use height_form, only: new_sums
-   use height_limits, only: first_fault, height_fault, height_range_t, range_fault
+   use height_limits, only: height_fault, height_range_t, is_height, range_fault
    use height_source, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
@@ -79,7 +79,7 @@ contains
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
-            bad = first_fault(piece)
+            bad = findloc(is_height(piece), .false., 1)
             if (bad > 0) fault = height_fault(piece(bad))
             if (bad > 0) bad = first + bad
             if (bad > 0) exit

@@ -12,9 +12,8 @@ module transient_store
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: checksum_t, open_positional_file, positional_file_t, real_bytes, sums_of
    use hdf5_axes, only: link_object, name_axes
-   use hdf5_dataset, only: label_t
+   use hdf5_dataset, only: create_series, label_t, series_t
    use hdf5_file, only: hdf5_file_t
-   use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
