@@ -123,7 +123,9 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: fine, coarse
+      type(influence_t) :: rough
       logical :: is_open(size(list))
+      integer :: i
 
       call measure_smooth(solved%experiment, list, budget, adequacy, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
@@ -133,7 +135,13 @@ contains
       call measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
       coarse%smooth(1) = fine%smooth(2)
-      call decide_at_rest(list, adequacy, is_open)
+      rough = new_influence('', '')
+      i = findloc(list%kind, roughness, 1)
+      if (i > 0) rough = adequacy%rows(i)
+      do i = 1, size(list)
+         if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
+            adequacy%accuracy, is_open(i))
+      end do
       if (adequacy%is_full) then
          if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, listener, &
             error)
@@ -263,23 +271,6 @@ contains
             by_larger_step, row)
       end if
    end subroutine measure_time_step
-
-   !> Marks ingredients that the smooth steady contact leaves undecided.
-   pure subroutine decide_at_rest(list, adequacy, is_open)
-      type(ingredient_t), intent(in) :: list(:)
-      type(adequacy_t), intent(inout) :: adequacy
-      logical, intent(inout) :: is_open(:)
-      type(influence_t) :: rough
-      integer :: i
-
-      rough = new_influence('', '')
-      i = findloc(list%kind, roughness, 1)
-      if (i > 0) rough = adequacy%rows(i)
-      do i = 1, size(list)
-         if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
-            adequacy%accuracy, is_open(i))
-      end do
-   end subroutine decide_at_rest
 
    !> Creates the rows and measures the ingredients of oil and bodies on the smooth steady contact.
    subroutine measure_smooth(experiment, list, budget, adequacy, listener, error)

@@ -5,7 +5,7 @@ module height_file
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
    use hdf5_input, only: is_hdf5, place_words
-   use height_form, only: new_sums
+   use height_form, only: height_sums_t
    use height_limits, only: height_fault, height_range_t, is_height, range_fault
    use height_source, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
@@ -71,7 +71,7 @@ contains
       character(:), allocatable :: fault
       integer(int64) :: bad, first
 
-      heights%sums = new_sums(grid)
+      heights%sums = height_sums_t(grid)
       allocate (heights%z(min(block, source%nodes)))
       bad = 0
       fault = ''

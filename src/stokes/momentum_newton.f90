@@ -188,24 +188,18 @@ contains
       call evaluate_rows(problem, flow, newton%terms, newton%rows)
    end subroutine solve_momentum_contact
 
-   !> Whether no step is needed after the last full one.
+   !> Whether no step is needed after the last full one: it is small, or at round-off, or so is the
+   !> remainder if further steps fall as it has fallen from the `previous` full one (huge: none).
    pure logical function is_small(newton, previous, tolerance)
       type(momentum_newton_t), intent(in) :: newton
       real(wp), intent(in) :: previous, tolerance
 
-      is_small = newton%last_step < tolerance .or. (newton%last_step < settled &
-         .and. newton%last_step > slow_share*previous) &
-         .or. rest(newton%last_step, previous) < newton%largest_rest
+      associate (step => newton%last_step)
+         is_small = step < tolerance .or. (step < settled .and. step > slow_share*previous)
+         if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) is_small = is_small &
+            .or. step**2/(previous - step) < newton%largest_rest
+      end associate
    end function is_small
-
-   !> Predicted remainder after a step, if further ones fall as it has fallen from the previous one;
-   !> huge without a previous full step.
-   pure real(wp) function rest(step, previous)
-      real(wp), intent(in) :: step, previous
-
-      rest = huge(1.0_wp)
-      if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) rest = step**2/(previous - step)
-   end function rest
 
    !> Factors the matrix of the flow if there are no factors, or those of other cavitated columns.
    subroutine renew_factors(newton, problem, flow, is_new, error)
