@@ -7,7 +7,7 @@ module height_file
    use hdf5_input, only: is_hdf5, place_words
    use height_form, only: height_sums_t
    use height_limits, only: height_fault, height_range_t, is_height, range_fault
-   use height_source, only: height_source_t
+   use profile, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
    use kinds, only: wp

@@ -7,7 +7,7 @@ module file_heights
    use height_file, only: read_heights
    use height_form, only: closes, curvature_of, extent_of, form_of, height_sums_t, rms_height, &
       rms_slope, subtract_form, tilt_of, trend_t
-   use height_source, only: height_source_t
+   use profile, only: height_source_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use measured_heights, only: height_request_t, heights_t, put_level
