@@ -102,7 +102,7 @@ def test_tilt_in_oil(asperity, tmp_path, nodes):
     for tilt in (0.0, 2e-6):
         with h5py.File(tmp_path / "z.h5", "w") as file:
             file.create_dataset("z", data=z + tilt * x + tilt).attrs["spacing"] = LENGTH / (nodes - 1)
-        done = ended(asperity("case.nml"))
+        done = ended(asperity("case.nml", "--verbose"))
         words = " ".join((done.stdout + done.stderr).split())
         assert words.count("m over 0.00400 m subtracted from the heights of surface_1") == (2 if tilt else 0)
         with h5py.File(tmp_path / "case.h5") as file:

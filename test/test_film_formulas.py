@@ -27,7 +27,7 @@ CASES = {
 
 def rows():
     page = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
-    table = page.split("## What film formulas give\n")[1].split("\nSo the gap")[0]
+    table = page.split("## What film formulas give\n")[1].split("\nThe 12 to 26 %")[0]
     return {cells[1]: cells[2:6] for cells in (re.split(r" *\| *", line) for line in table.splitlines()[6:] if line)}
 
 

@@ -307,7 +307,7 @@ def test_heights_beside_the_film(run_case, asperity, tmp_path, amplitude, status
     assert ("times the film that is expected" in done.stderr) == (status == 1)
     if status:
         return
-    done = asperity("case.nml")
+    done = asperity("case.nml", "--verbose")
     words = " ".join((done.stdout + done.stderr).split())
     assert words.count("times the film that is expected") == (2 if amplitude > 1e-6 else 0), words
 

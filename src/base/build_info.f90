@@ -8,7 +8,7 @@ module build_info
    !> Name of the program.
    character(*), parameter, public :: program_name = 'asperity'
    !> Version of the program; a test keeps it equal to the one in fpm.toml and CITATION.cff.
-   character(*), parameter, public :: program_version = '0.1.0'
+   character(*), parameter, public :: program_version = '0.2.0'
 
 contains
 
