@@ -2,9 +2,8 @@
 !> target accuracy.
 module dry_target
    use dry_case, only: dry_case_t
-   use dry_errors, only: estimate_dry_errors
+   use dry_errors, only: area_doubt, dry_trial_t, estimate_dry_errors, finer_nodes, unknown_doubt
    use dry_record, only: dry_record_t, dry_sweep_t
-   use dry_resolution, only: area_doubt, dry_trial_t, finer_nodes, unknown_doubt
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
    use dry_settings, only: dry_settings_t
    use dry_surfaces, only: is_refinable, refine_heights

@@ -10,7 +10,7 @@ module result_end
    use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines, formulas_of
    use adequacy_section, only: model_line, model_sentence
-   use inlet_change, only: film_loss
+   use inlet_errors, only: film_loss
    use iteration_report, only: report_t
    use kinds, only: wp
    use quantity_text, only: number_text

@@ -198,8 +198,8 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     def all_of_them(verdict: str, reason: str) -> list[Row]:
         return [Row(family.name, name, path, verdict, reason=reason) for path in family.quantities]
 
-    status, said, found = run_program(namelist(member.case), take, member.files)
-    if status != 0 or found is None or found.reason:
+    _, said, found = run_program(namelist(member.case), take, member.files)
+    if found is None or found.reason:  # a film below the roughness has errors, too
         return all_of_them(REFUSED, found.reason if found else said)
     rows = []
     for path, (value, estimate) in found.values.items():
@@ -209,8 +209,8 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     truth = member.exact
     if member.truth and any(row.verdict == JUDGED for row in rows):
         finer = member.truth(found.resolution) if callable(member.truth) else member.truth
-        status, said, fine = run_program(namelist(finer), take, member.files) if finer else (1, "", None)
-        if status != 0:
+        _, said, fine = run_program(namelist(finer), take, member.files) if finer else (1, "", None)
+        if fine is None or fine.reason:
             return all_of_them("no truth", fine.reason if fine else said)
         truth = {path: value for path, (value, _) in fine.values.items()} | truth
     for row in rows:

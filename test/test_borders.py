@@ -198,8 +198,11 @@ def test_border_of_a_map(asperity, diverging, tmp_path, key, method, inside, out
 
 
 @pytest.mark.parametrize("name", INSIDE)
-def test_inside_converges(run_case, name):
-    run_case(INSIDE[name], "--quiet")
+def test_inside_converges(run_case, tmp_path, name):
+    """Waves as high as the film leave less of it than their rms height: solved, but outside the model."""
+    run_case(INSIDE[name], "--quiet", status=2 if name == "auto_on_short_high_waves" else 0)
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file.attrs["converged"] == 1
 
 
 @pytest.mark.parametrize("name", OUTSIDE)

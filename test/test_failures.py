@@ -93,16 +93,17 @@ SOLVED = {
 def look_at(path: Path, returncode: int) -> str:
     """Checks of a result whatever came out; returns its reason."""
     with h5py.File(path) as file:
-        reason = text(file.attrs["reason"])
+        reason, outcome = text(file.attrs["reason"]), text(file.attrs["outcome"])
         pressure, film = file["solution/pressure"][()], file["solution/film_thickness"][()]
         history = file["report/residual_history"][()]
-        assert file.attrs["converged"] == (returncode == 0)
+        assert (outcome == "converged") == (returncode == 0)
+        assert file.attrs["converged"] == (outcome != "not converged")
         assert np.isfinite(pressure).all()
         assert np.isfinite(film).all()
         assert (pressure >= 0).all()
         assert not np.isnan(history).any()
-        if returncode == 0:
-            assert reason == "converged"
+        if outcome != "not converged":
+            assert reason.startswith(outcome)
             assert (film > 0).all()
             assert history[-1] <= file["report/tolerance_effective"][()]
         else:
@@ -122,7 +123,7 @@ def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
     if name.startswith("film_closes_on_the_way"):
         assert "time step 2 of 30" in reason
         assert "smallest film before it" in reason
-    if name.startswith("closing_film") and done.returncode == 2:
+    if name.startswith("closing_film") and done.returncode == 2 and not reason.startswith("outside the model: mixed"):
         assert reason.startswith("the surfaces rise to 2.5 times the estimated film of the smooth contact; ")
 
 

@@ -176,14 +176,15 @@ contains
       type(influence_t), intent(in) :: roughness
       real(wp), intent(in) :: accuracy
       logical, intent(out) :: is_open
-      type(influence_t) :: wider, worst
+      type(influence_t) :: plain, wider, worst
       real(wp) :: rough
       integer :: i
 
       is_open = .not. is_plainly_needed(row, accuracy)
       if (.not. is_open .or. roughness%is_at_rest .or. row%left_out < 1.0_wp) return
-      wider = row
-      wider%is_at_rest = .false.
+      plain = row
+      plain%is_at_rest = .false.
+      wider = plain
       wider%has_roughness = .true.
       wider%error = not_known()
       wider%unknown = 'roughness changes too much for the smooth steady contact to tell'
@@ -199,23 +200,10 @@ contains
       worst%change = abs(wider%change) + wider%error
       worst%error = 0.0_wp
       ! it may be irrelevant in the transient, too
-      if (verdict_on(worst, accuracy) == verdict_small .and. verdict_of_rest(row) &
+      if (verdict_on(worst, accuracy) == verdict_small .and. verdict_on(plain, accuracy) &
          == verdict_irrelevant) return
       is_open = .false.
       row = wider
-
-   contains
-
-      !> The verdict on the contact at rest.
-      pure integer function verdict_of_rest(row) result(verdict)
-         type(influence_t), intent(in) :: row
-         type(influence_t) :: at_rest
-
-         at_rest = row
-         at_rest%is_at_rest = .false.
-         verdict = verdict_on(at_rest, accuracy)
-      end function verdict_of_rest
-
    end subroutine judge_at_rest
 
    !> Whether a change of the smooth steady contact is too large to be small in a transient.

@@ -6,7 +6,7 @@ module coarse_runs
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, outcome_t, run_experiment
    use grid_estimates, only: copy_coarser
-   use inlet_change, only: inlet_change_t
+   use inlet_errors, only: inlet_change_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use listener, only: listener_t

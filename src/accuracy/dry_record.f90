@@ -8,9 +8,8 @@ module dry_record
    use dry_settings, only: dry_loads_t, dry_settings_t, method_conjugate_gradient
    use dry_sweep, only: solve_dry_sweep
    use errors, only: error_t, input_error
-   use fourier_resampling, only: resample_heights
    use kinds, only: wp
-   use open_resampling, only: interpolate_heights
+   use resampling, only: interpolate_heights, resample_heights
    use synthetic_surface, only: truncate_harmonics
    implicit none (type, external)
    private

@@ -6,12 +6,11 @@ module error_bars
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
    use grid_errors, only: safety
    use grid_estimates, only: coarse_values_t, estimate_grid_errors, exit_jitter
-   use inlet_change, only: inlet_change_t
-   use inlet_errors, only: inlet_shares
+   use inlet_errors, only: inlet_change_t, inlet_shares
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_summary, only: line_summary_t, quantity_t
+   use line_summary, only: line_summary_t
    use missing_value, only: exceeds, larger, not_known
    use pressure_errors, only: allow_for_spike, doubt_shear
    use pressure_spike, only: spike_law_t
@@ -73,10 +72,14 @@ contains
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars%inlet, bars%spike_law%fluid, report, summary)
       do i = 1, quantity_count
-         summary%of(i)%error_grid = quantity_rows(i)%widening*summary%of(i)%error_grid
-         if (exceeds(abs(summary%of(i)%value), 0.0_wp)) summary%of(i)%error_model = &
-            bars%left_out(i)*abs(summary%of(i)%value)
-         call add_up(summary%of(i), domain(i), iteration, cut_error(bars, i))
+         associate (of => summary%of(i))
+            of%error_grid = quantity_rows(i)%widening*of%error_grid
+            if (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out(i)*abs(of%value)
+            of%error_domain = domain(i)*abs(of%value) + cut_error(bars, i)
+            of%error_iteration = iteration*abs(of%value)
+            of%error_estimate = of%error_grid + of%error_domain + of%error_iteration &
+               + of%error_start + of%error_model
+         end associate
       end do
    end subroutine apply_error_bars
 
@@ -152,17 +155,6 @@ contains
          reason = 'no coarser grids are compared'
       end if
    end function missing_estimate
-
-   !> Adds errors by the domain, the iteration and the outlet to that of the grid.
-   pure subroutine add_up(quantity, domain, iteration, cut)
-      type(quantity_t), intent(inout) :: quantity
-      real(wp), intent(in) :: domain, iteration, cut
-
-      quantity%error_domain = domain*abs(quantity%value) + cut
-      quantity%error_iteration = iteration*abs(quantity%value)
-      quantity%error_estimate = quantity%error_grid + quantity%error_domain &
-         + quantity%error_iteration + quantity%error_start + quantity%error_model
-   end subroutine add_up
 
    !> Error bars before any coarse run: orders of the schemes, and laws of spikes and waves.
    pure function new_error_bars(contact, time, space_scheme) result(bars)

@@ -1,8 +1,15 @@
-!> Error of a steady quantity from its values on n, n/2, n/4 and n/8 intervals.
+!> Errors of a quantity from its values on n, n/2, n/4 and n/8 intervals, at rest and, with one, two
+!> and four time steps, in time.
 !>
-!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the
-!> error of Q1 is |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an
-!> order above that of the scheme is chance.
+!> At rest: with Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 -
+!> Q2| the error of Q1 is |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded:
+!> an order above that of the scheme is chance.
+!>
+!> In time: quantities are extremes over time, and the errors of grid and time step fall at
+!> different rates, often with opposite signs: an order from three values is mostly chance. A first-
+!> order scheme has two errors of different orders, so that its changes say even less: its result is
+!> compared with that of the second-order scheme on the same grid and with the limit of the latter
+!> (theory page, section on error estimates).
 module grid_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -10,7 +17,8 @@ module grid_errors
    implicit none (type, external)
    private
 
-   public :: error_from_levels, error_on_grids, observed_order
+   public :: error_by_reference, error_from_levels, error_in_time, error_on_grids, limit_in_time, &
+      observed_order
 
    !> Safety factor: the observed order is uncertain.
    real(wp), parameter, public :: safety = 1.5_wp
@@ -22,6 +30,16 @@ module grid_errors
    real(wp), parameter, public :: kappa_share = 0.35_wp
    !> Bounds of the observed order in space.
    real(wp), parameter, public :: orders(2) = [1.0_wp, 2.0_wp]
+
+   !> An estimate is this many times a change.
+   real(wp), parameter :: safety_in_time = 2.0_wp
+   !> Factor on it where changes of one sign decrease.
+   real(wp), parameter :: steady_share = 0.5_wp
+   !> Factor on estimates of the largest pressure.
+   real(wp), parameter, public :: pressure_safety_in_time = 1.5_wp
+   !> Share of its own estimate by which the limit of the second-order scheme may err where a
+   !> first-order result is compared with it.
+   real(wp), parameter :: limit_share = 0.8_wp
 
 contains
 
@@ -74,5 +92,35 @@ contains
       if (abs(q1 - q2) > tiny(1.0_wp)*1.0e10_wp) order = log(abs((q2 - q4)/(q1 - q2)))/log(2.0_wp)
       order = min(max(order, bounds(1)), bounds(2))
    end function observed_order
+
+   !> Error of Q1 by the second-order scheme from Q1, Q2, Q4 (`values`; NaN: not known, then none):
+   !> twice the larger of |Q1 - Q2| and |Q2 - Q4|/4; half of that if both changes have the same
+   !> sign.
+   pure real(wp) function error_in_time(values) result(error)
+      real(wp), intent(in) :: values(3)
+      real(wp) :: change, older
+
+      change = values(1) - values(2)
+      error = safety_in_time*abs(change)
+      if (.not. all(ieee_is_finite(values))) return
+      older = values(2) - values(3)
+      error = safety_in_time*max(abs(change), 0.25_wp*abs(older))
+      if (change*older > 0.0_wp) error = steady_share*error
+   end function error_in_time
+
+   !> Error of a `value` by the first-order scheme: its distance from the `limit` of the
+   !> second-order scheme, plus a share of the `error` of that.
+   pure real(wp) function error_by_reference(value, limit, error) result(whole)
+      real(wp), intent(in) :: value, limit, error
+
+      whole = abs(value - limit) + limit_share*error
+   end function error_by_reference
+
+   !> Richardson's second-order limit of Q1, Q2, Q4.
+   pure real(wp) function limit_in_time(values) result(limit)
+      real(wp), intent(in) :: values(3)
+
+      limit = values(1) + (values(1) - values(2))/3.0_wp
+   end function limit_in_time
 
 end module grid_errors

@@ -1,17 +1,16 @@
 !> Errors of every quantity by grid and time step, from runs of the same case on n/2 and n/4
 !> intervals (transients: with twice and four times the time step; first-order schemes: these and
-!> one on n by the second-order scheme). Rules: modules grid_errors, transient_errors,
-!> pressure_errors.
+!> one on n by the second-order scheme). Rules: modules grid_errors, pressure_errors.
 module grid_estimates
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use grid_errors, only: error_on_grids, kappa_share, orders, safety
+   use grid_errors, only: error_by_reference, error_in_time, error_on_grids, kappa_share, &
+      limit_in_time, orders, safety
    use kinds, only: wp
    use line_summary, only: line_summary_t, new_quantity, quantity_t
    use missing_value, only: larger, not_known
    use pressure_errors, only: estimate_crest, estimate_crest_in_time, top_of
    use quantities, only: h_central, h_min, is_chance, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node
-   use transient_errors, only: error_by_reference, error_in_time, limit_in_time
    implicit none (type, external)
    private
 

@@ -7,11 +7,15 @@
 !> bars. Smooth surfaces take one steady solution on each grid; without the squeeze term, steady
 !> solutions follow the waves. With `adequacy%is_full` whatever remains open is run in time on n/2
 !> and n/4, at any cost.
+!>
+!> The error by the time step alone: a run with a target already has a coarse run with a larger
+!> step, and a first-order run one by the second-order scheme. Otherwise one more run on n/4
+!> intervals, with twice the step of that of the error bars, shows the effect of a larger step.
 module measured_adequacy
-   use ablation_runs, only: measure_at_rest
+   use ablation_runs, only: change_between, largest_change, measure_at_rest
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
       without_surfaces
-   use adequacy, only: adequacy_t, influence_t, new_influence, judge_at_rest
+   use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use error_bars, only: error_bars_t
    use errors, only: error_t
    use experiment, only: experiment_t, outcome_t, run_experiment
@@ -21,13 +25,14 @@ module measured_adequacy
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
+   use missing_value, only: quotient
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
-   use time_step_error, only: by_larger_step, by_scheme, set_split_step_error, set_step_error
+   use split_errors, only: time_errors
    implicit none (type, external)
    private
 
-   public :: full_cost, measure_adequacy, solved_t
+   public :: full_cost, measure_adequacy, set_step_error, solved_t
 
    !> A solved case: its settings, quantities, Newton steps and error bars.
    type :: solved_t
@@ -60,6 +65,12 @@ module measured_adequacy
    !> grids alike; and the error of the iteration.
    real(wp), parameter :: own_widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp], &
       coarse_widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
+
+   !> The error by the time step: this many times the change from twice the step on n/4, or from the
+   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
+   !> single change may vanish by chance.
+   real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp]
+   real(wp), parameter :: by_scheme(2) = [2.0_wp, 0.3_wp]
 
 contains
 
@@ -112,7 +123,9 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: fine, coarse
+      type(influence_t) :: rough
       logical :: is_open(size(list))
+      integer :: i
 
       call measure_smooth(solved%experiment, list, budget, adequacy, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
@@ -122,9 +135,20 @@ contains
       call measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
       coarse%smooth(1) = fine%smooth(2)
-      call decide_at_rest(list, adequacy, is_open)
-      if (adequacy%is_full) call complete(coarse, adequacy, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
+      rough = new_influence('', '')
+      i = findloc(list%kind, roughness, 1)
+      if (i > 0) rough = adequacy%rows(i)
+      do i = 1, size(list)
+         if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
+            adequacy%accuracy, is_open(i))
+      end do
+      if (adequacy%is_full) then
+         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, listener, &
+            error)
+         if (allocated(error)) return
+         if (coarse%is_known) adequacy%in_time = coarse%runs%contact%domain%intervals
+         if (listener%is_stopping) return
+      end if
       adequacy%time_step = new_influence('time_step', 'limit of small time steps')
       call measure_time_step(solved, coarse, budget, adequacy%time_step, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
@@ -209,22 +233,6 @@ contains
          .and. solved%bars%unseen == ''
    end function pair_of
 
-   !> Runs the transient on the grids of `coarse` if the error bars have not, and both resolve all
-   !> waves.
-   subroutine complete(coarse, adequacy, listener, error)
-      type(passage_pair_t), intent(inout) :: coarse
-      type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (grids => coarse%runs%contact%domain%intervals)
-         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, &
-            listener, error)
-         if (allocated(error)) return
-         if (coarse%is_known) adequacy%in_time = grids
-      end associate
-   end subroutine complete
-
    !> Measures the time step within `budget`.
    subroutine measure_time_step(solved, coarse, budget, row, listener, error)
       type(solved_t), intent(in) :: solved
@@ -241,7 +249,9 @@ contains
       row%is_numerical = .true.
       is_first_order = solved%experiment%time%scheme == 'backward_euler'
       if (solved%bars%forecast%is_known .and. solved%bars%apart%is_known) then
-         call set_split_step_error(solved%bars%apart, solved%full, row)
+         row%change = quotient(time_errors(solved%bars%apart, solved%full), &
+            abs(solved%full%of%value))
+         row%error = 0.0_wp*row%change
       else if (.not. coarse%is_known .or. (is_first_order .and. solved%bars%grids < 2)) then
          row%unknown = 'there is no error estimate, or a coarse grid does not see all waves'
       else if (is_first_order) then
@@ -261,23 +271,6 @@ contains
             by_larger_step, row)
       end if
    end subroutine measure_time_step
-
-   !> Marks ingredients that the smooth steady contact leaves undecided.
-   pure subroutine decide_at_rest(list, adequacy, is_open)
-      type(ingredient_t), intent(in) :: list(:)
-      type(adequacy_t), intent(inout) :: adequacy
-      logical, intent(inout) :: is_open(:)
-      type(influence_t) :: rough
-      integer :: i
-
-      rough = new_influence('', '')
-      i = findloc(list%kind, roughness, 1)
-      if (i > 0) rough = adequacy%rows(i)
-      do i = 1, size(list)
-         if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
-            adequacy%accuracy, is_open(i))
-      end do
-   end subroutine decide_at_rest
 
    !> Creates the rows and measures the ingredients of oil and bodies on the smooth steady contact.
    subroutine measure_smooth(experiment, list, budget, adequacy, listener, error)
@@ -319,5 +312,17 @@ contains
          adequacy%rows(i)%is_at_rest = .true.
       end do
    end subroutine measure_smooth
+
+   !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these
+   !> `factors`.
+   pure subroutine set_step_error(better, other, factors, row)
+      type(line_summary_t), intent(in) :: better, other
+      real(wp), intent(in) :: factors(2)
+      type(influence_t), intent(inout) :: row
+
+      row%change = change_between(better, other)
+      row%change = factors(1)*abs(row%change) + factors(2)*largest_change(row%change)
+      row%error = 0.0_wp*row%change
+   end subroutine set_step_error
 
 end module measured_adequacy

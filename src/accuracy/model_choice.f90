@@ -114,18 +114,20 @@ contains
       type(model_choice_t), intent(inout) :: choice
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      integer :: i
+      integer :: i, k
 
       i = findloc(list%kind, roughness, 1)
       choice%why(i) = too_high
-      if (height_of(experiment%contact) > highest*target*film_estimate(experiment%contact)) return
+      if (height_on(experiment%contact%surface_1) + height_on(experiment%contact%surface_2) &
+         > highest*target*film_estimate(experiment%contact)) return
       call measure(experiment, list(i), choice%rows(i), choice%grids, listener, error)
       if (allocated(error)) return
       choice%why(i) = not_measured
       associate (row => choice%rows(i))
          if (.not. all(ieee_is_finite(row%change([h_min, h_central])))) return
          choice%why(i) = may_matter
-         if (largest_influence(row) > leave_share*target) return
+         if (any(pack(abs(row%change) + row%error, ieee_is_finite(row%change) &
+            .and. compared([(k, k=1, quantity_count)])) > leave_share*target)) return
          choice%influence = abs(row%change) + row%error
       end associate
       choice%is_steady = .true.
@@ -134,18 +136,6 @@ contains
       where (choice%is_left_out) choice%why = goes_along
       choice%why(i) = changes_little
    end subroutine measure_roughness
-
-   !> The largest |change| + error of a row; unknown values (NaN) are skipped.
-   pure real(wp) function largest_influence(row) result(largest)
-      type(influence_t), intent(in) :: row
-      integer :: i
-
-      largest = 0.0_wp
-      do i = 1, quantity_count
-         if (compared(i) .and. ieee_is_finite(row%change(i))) largest = max(largest, &
-            abs(row%change(i)) + row%error(i))
-      end do
-   end function largest_influence
 
    !> Changes of all quantities without roughness, on the two finest grids within the budget, by the
    !> first scheme that finds all solutions. What a spike may add to both pressures alike is not
@@ -196,14 +186,7 @@ contains
       end associate
    end function coarsening
 
-   !> Largest height of both surfaces together [b^2/R], as far as known.
-   pure real(wp) function height_of(contact) result(height)
-      type(line_contact_t), intent(in) :: contact
-
-      height = height_on(contact%surface_1) + height_on(contact%surface_2)
-   end function height_of
-
-   !> Largest height of one surface.
+   !> Largest height of a surface [b^2/R], as far as known.
    pure real(wp) function height_on(surface) result(height)
       type(rough_surface_t), intent(in) :: surface
 

@@ -1,6 +1,7 @@
 !> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
-   use ablation_runs, only: change_between, doubt_between, set_change
+   use ablation_runs, only: change_between, doubt_between, lean_level_t, place_film, pose, &
+      pressure_on, set_change, solve_level_of
    use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze, &
       without_surfaces
    use adequacy, only: influence_t
@@ -8,8 +9,7 @@ module passage_pair
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
    use film_state, only: film_state_t
    use kinds, only: wp
-   use lean_solution, only: lean_level_t, place_film, pose, pressure_on, solve_level_of
-   use level_summaries, only: level_summary
+   use state_output, only: level_summary
    use line_contact, only: finest_wave, line_contact_t, move_profiles
    use line_hierarchy, only: coarsest_for_film, roughness_at
    use line_state, only: line_state_t
@@ -125,7 +125,14 @@ contains
          call run_without(pair, g, ingredient, lean(g), is_known, listener, error)
          if (allocated(error) .or. .not. is_known) return
          changes(:, g) = change_between(lean(g), pair%full(g))
-         call start_from_finer(pair%smooth, pair%runs%contact%domain%intervals)
+         ! known on the finer grid only, the smooth contact gives the start of the coarser one
+         associate (smooth => pair%smooth, stride => pair%runs(1)%contact%domain%intervals &
+            /pair%runs(2)%contact%domain%intervals)
+            if (allocated(smooth(1)%pressure) .and. .not. allocated(smooth(2)%pressure)) then
+               smooth(2)%pressure = smooth(1)%pressure(::stride)
+               smooth(2)%film = smooth(1)%film(::stride)
+            end if
+         end associate
       end do
       doubt = 0.0_wp
       if (pair%counts_spikes) then
@@ -141,18 +148,6 @@ contains
       row%left_out = 1.0_wp
       call set_change(row, changes, doubt, pair%widths)
    end subroutine measure_change
-
-   !> If the smooth contact is known on the finer grid only, the coarser one starts from its nodes.
-   pure subroutine start_from_finer(smooth, intervals)
-      type(film_state_t), intent(inout) :: smooth(2)
-      integer, intent(in) :: intervals(2)
-
-      if (.not. allocated(smooth(1)%pressure) .or. allocated(smooth(2)%pressure)) return
-      associate (stride => intervals(1)/intervals(2))
-         smooth(2)%pressure = smooth(1)%pressure(::stride)
-         smooth(2)%film = smooth(1)%film(::stride)
-      end associate
-   end subroutine start_from_finer
 
    !> Extremes on grid `g` without an ingredient, from another transient or from steady solutions.
    subroutine run_without(pair, g, ingredient, summary, is_known, listener, error)

@@ -3,7 +3,8 @@
 module pressure_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use constants, only: pi
-   use grid_errors, only: error_from_levels, observed_order, orders, safety
+   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, limit_in_time, &
+      observed_order, orders, pressure_safety_in_time, safety
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
    use lubricant, only: fluid_t, viscosity_constant
@@ -11,8 +12,6 @@ module pressure_errors
    use pressure_spike, only: ceiling_of_spike, shear_of_spike, spike_law_t
    use quantities, only: friction_coefficient, h_central, p_max, sliding_power, sliding_rows
    use rheology, only: thins
-   use transient_errors, only: error_by_reference, error_in_time, limit_in_time, &
-      pressure_safety_in_time
    implicit none (type, external)
    private
 

@@ -66,7 +66,8 @@ contains
 
    !> Sets `contact%domain%intervals`, the time step, the tolerance and an unspecified space scheme
    !> of a transient to the cheapest choice predicted to keep the relative error of h_min below
-   !> `settings%target`, else to the finest trial run; `bars` receive the predictions.
+   !> `settings%target`, else to the finest trial run; `bars` receive the predictions. Error
+   !> (input_error): the coarsest trial run needs more intervals than allowed.
    subroutine choose_resolution(bars, contact, settings, time, listener, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -85,16 +86,32 @@ contains
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
       call settle_tolerance(settings)
-      call check_first(search%trials, settings%method, error)
+      associate (first => search%trials%last%intervals, most => search%trials%max_intervals)
+         if (first > most) call fail(error, input_error, '&domain intervals: found a contact '// &
+            'whose coarsest trial run has '//to_text(first)//', expected at most '// &
+            to_text(most)//" with method = '"//trim(settings%method)//"' and this memory")
+      end associate
       if (allocated(error)) return
       do
          call run_trial(search, listener, error)
          if (allocated(error)) return
          settings%space_scheme = search%trial%settings%space_scheme
          if (listener%is_stopping) return
-         if (.not. search%last%is_known .and. is_finest(search%trials)) exit
-         call learn(search)
-         is_last = is_finest(search%trials) .or. is_dear(search)
+         associate (last => search%trials%last)
+            if (.not. search%last%is_known .and. 2*last%intervals &
+               > search%trials%max_intervals) exit
+            if (search%last%is_known) then
+               call add_trial(search%trials, search%direction, &
+                  predicted_values(search%last%summary), search%last%films)
+            else   ! again, twice as fine
+               search%trials = begun_anew(search%trials, resolution_t(2*last%intervals, &
+                  2*last%steps))
+            end if
+            search%direction = next_direction(search%trials)
+            ! another refinement is not allowed, or costs too much
+            is_last = 2*last%intervals > search%trials%max_intervals &
+               .or. 2.0_wp*last%intervals*last%steps > search%work_limit
+         end associate
          chosen = cheapest_resolution(search%trials, target)
          if (chosen%intervals > 0 .or. is_last) then
             call run_other_scheme(search, listener, error)
@@ -132,18 +149,6 @@ contains
       end associate
    end function new_search
 
-   !> Error (input_error): the coarsest trial run needs more intervals than allowed.
-   pure subroutine check_first(trials, method, error)
-      type(trials_t), intent(in) :: trials
-      character(*), intent(in) :: method
-      type(error_t), allocatable, intent(out) :: error
-
-      if (trials%last%intervals > trials%max_intervals) call fail(error, input_error, &
-         '&domain intervals: found a contact whose coarsest trial run has '// &
-         to_text(trials%last%intervals)//', expected at most '//to_text(trials%max_intervals)// &
-         " with method = '"//trim(method)//"' and this memory")
-   end subroutine check_first
-
    !> Whether the chosen methods solve the kappa scheme.
    pure logical function allows_kappa(settings)
       type(solver_settings_t), intent(in) :: settings
@@ -180,23 +185,6 @@ contains
       end associate
    end subroutine run_trial
 
-   !> Adds the last trial run and decides on the next; without a solution the search starts again
-   !> twice as fine.
-   pure subroutine learn(search)
-      type(search_t), intent(inout) :: search
-
-      if (search%last%is_known) then
-         call add_trial(search%trials, search%direction, predicted_values(search%last%summary), &
-            search%last%films)
-      else
-         associate (last => search%trials%last)
-            search%trials = begun_anew(search%trials, &
-               resolution_t(2*last%intervals, 2*last%steps))
-         end associate
-      end if
-      search%direction = next_direction(search%trials)
-   end subroutine learn
-
    !> Repeats the last trial run with upwind2, if that is not known on its grid: changes of the
    !> kappa scheme may be small although it still errs.
    subroutine run_other_scheme(search, listener, error)
@@ -217,21 +205,5 @@ contains
       if (outcome%is_known) values = predicted_values(outcome%summary)
       call add_other_scheme(search%trials, values)
    end subroutine run_other_scheme
-
-   !> Whether a trial run of twice the intervals is not allowed.
-   pure logical function is_finest(trials)
-      type(trials_t), intent(in) :: trials
-
-      is_finest = 2*trials%last%intervals > trials%max_intervals
-   end function is_finest
-
-   !> Whether a trial run of twice the resolution would cost too much.
-   pure logical function is_dear(search)
-      type(search_t), intent(in) :: search
-
-      associate (last => search%trials%last)
-         is_dear = 2.0_wp*last%intervals*last%steps > search%work_limit
-      end associate
-   end function is_dear
 
 end module resolution_choice

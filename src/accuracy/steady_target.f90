@@ -12,7 +12,7 @@ module steady_target
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
-   use level_summaries, only: coarser_summaries, level_summary
+   use state_output, only: coarser_summaries, level_summary
    use line_contact, only: intervals_for_waves, line_contact_t
    use line_hierarchy, only: add_level, line_hierarchy_t, new_growing_hierarchy, new_hierarchy, &
       pose_steady_problem, relaxation_t

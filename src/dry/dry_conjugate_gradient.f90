@@ -10,7 +10,7 @@
 !> gap has the wrong sign.
 module dry_conjugate_gradient
    use active_set, only: active_set_t, copy_survey, new_active_set
-   use bound_return, only: bring_back, settle_load
+   use load_projection, only: bring_back, settle_load
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
    use dry_settings, only: dry_settings_t
    use dry_solution, only: dry_solution_t, end_of_iteration
@@ -81,7 +81,11 @@ contains
       associate (p => solution%pressure, report => solution%report)
          call begin(problem, p, work)
          do iteration = 0, settings%max_cycles
-            if (must_refresh(work, problem, settings)) call refresh(problem, p, work)
+            if (must_refresh(work, problem, settings)) then
+               call problem%find_v(p, work%v)
+               work%path = 0.0_wp
+               call work%set%survey(problem, p, work%v)
+            end if
             call report%add(work%set%error, work%set%load_error)
             call copy_survey(work%set, settings%tolerance, solution)
             stalled = stalled + 1
@@ -155,17 +159,6 @@ contains
          .or. noise > noise_share*work%set%error)
       if (settings%is_rough) must_refresh = .false.
    end function must_refresh
-
-   !> Computes v = K p - z in double precision, and surveys.
-   subroutine refresh(problem, p, work)
-      type(dry_problem_t), intent(inout) :: problem
-      real(wp), contiguous, intent(in) :: p(:)
-      type(work_t), intent(inout) :: work
-
-      call problem%find_v(p, work%v)
-      work%path = 0.0_wp
-      call work%set%survey(problem, p, work%v)
-   end subroutine refresh
 
    !> Makes one iteration: direction, step, return to the bounds, K times the change, and its
    !> length. The product is in single precision: it only changes v, which is recomputed from time

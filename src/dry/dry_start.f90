@@ -1,19 +1,16 @@
-!> First guesses of the contact pressure: from coarser grids, or from the solution for a
-!> neighbouring load.
+!> First guesses of the contact pressure from coarser grids.
 module dry_start
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
-   use constants, only: pi
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_band_limited, kernel_element, &
       kernel_open, new_dry_problem
    use dry_settings, only: dry_settings_t
    use dry_solution, only: dry_solution_t
    use errors, only: error_t
    use kinds, only: wp
-   use load_projection, only: shift_into_bounds
    implicit none (type, external)
    private
 
-   public :: nested_start, neighbour_start
+   public :: nested_start
 
    !> Fewest nodes along a side of a coarser grid.
    integer, parameter :: coarsest = 32
@@ -23,9 +20,6 @@ module dry_start
    real(wp), parameter :: area_tolerance = 0.1_wp, usual_tolerance = 1.0e-3_wp
    !> Most iterations on a coarser grid.
    integer, parameter :: max_iterations = 200
-   !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of
-   !> the grid.
-   real(wp), parameter :: neighbour_step = 0.3_wp
 
 contains
 
@@ -117,17 +111,5 @@ contains
          end do
       end do
    end subroutine refine
-
-   !> Moves the pressure `p` of another load to the load of `problem`: a step against the gaps
-   !> `v` - `datum`, then the nearest pressure within the bounds and with the load.
-   subroutine neighbour_start(problem, v, datum, p)
-      type(dry_problem_t), intent(in) :: problem
-      real(wp), contiguous, intent(in) :: v(:)
-      real(wp), intent(in) :: datum
-      real(wp), contiguous, intent(inout) :: p(:)
-
-      p = p - neighbour_step*pi*problem%grid%nx*(v - datum)
-      call shift_into_bounds(p, problem%hardness, problem%load)
-   end subroutine neighbour_start
 
 end module dry_start

@@ -1,8 +1,11 @@
 !> Solves a dry contact under a series of loads, and computes the quantities of each, in SI.
+!>
+!> In an open half-space nothing presses outside the domain: a contact that reaches the border is
+!> that of a punch with sharp edges, whose pressure grows there without bound.
 module dry_sweep
    use, intrinsic :: iso_fortran_env, only: int64, real32
-   use domain_border, only: border_reason
-   use dry_contact_solver, only: dry_solver_t
+   use analytic_heights, only: node_positions
+   use dry_contact_solver, only: dry_solver_t, solve_for_datum
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
    use dry_quantities, only: dp_max, dry_fields_t, dry_outcome_t, dry_row_t, fill_row, load, &
       mean_pressure
@@ -10,15 +13,21 @@ module dry_sweep
    use dry_settings, only: dry_loads_t, dry_settings_t
    use dry_solution, only: dry_solution_t
    use errors, only: error_t
+   use hertz, only: line_half_width, point_radius
    use kinds, only: wp
-   use load_search, only: solve_for_datum
    use roughness, only: roughness_of, roughness_t
    use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: solve_dry_sweep
+   public :: recommended_room, solve_dry_sweep
+
+   !> Length of a domain over the width of its contact that leaves room for the gap.
+   real(wp), parameter :: recommended_room = 1.2_wp
+   !> A parabola that explains a smaller share of the variance of the heights says nothing about the
+   !> surface outside the domain.
+   real(wp), parameter :: least_share = 0.5_wp
 
 contains
 
@@ -222,5 +231,60 @@ contains
       row%is_converged = .false.
       call move_alloc(reason, row%reason)
    end subroutine check_border
+
+   !> Why the contact pressure (nx*ny) of an open domain is no solution: it is positive at the
+   !> border. Empty: it is not, or the domain is periodic. `z` (nx*ny) [m] are the heights, `load`
+   !> is in N, for a line in N/m.
+   pure function border_reason(grid, scaling, z, pressure, load) result(reason)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: z(:), pressure(:), load
+      character(:), allocatable :: reason
+      real(wp) :: half_width, radius
+      logical :: is_pressed
+
+      reason = ''
+      if (grid%kernel /= kernel_open) return
+      associate (nx => grid%nx, last_row => grid%nx*(grid%ny - 1))
+         is_pressed = any(pressure(1::nx) > 0.0_wp) .or. any(pressure(nx::nx) > 0.0_wp)
+         if (grid%ny > 1) is_pressed = is_pressed .or. any(pressure(:nx) > 0.0_wp) &
+            .or. any(pressure(last_row + 1:) > 0.0_wp)
+      end associate
+      if (.not. is_pressed) return
+      radius = fitted_radius(grid, scaling%length, z)
+      if (radius <= 0.0_wp) then
+         reason = 'the contact reaches the border of the open domain, towards which the '// &
+            'surface does not fall: no length is enough'
+         return
+      end if
+      if (grid%ny == 1) then
+         half_width = line_half_width(load, radius, scaling%reduced_modulus)
+      else
+         half_width = point_radius(load, radius, scaling%reduced_modulus)
+      end if
+      reason = 'the contact reaches the border of the open domain, which should be about ' &
+               // to_text(2.0_wp*recommended_room*half_width, 2) // ' m long for this load'
+   end function border_reason
+
+   !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best by least squares; 0 if
+   !> they do not fall towards the border, or are hardly a parabola.
+   pure real(wp) function fitted_radius(grid, length, z) result(radius)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: length, z(:)
+      real(wp) :: covariance, spread_of_squares, squares(size(z)), variance, x(grid%nx), y(grid%ny)
+      integer :: i, j
+
+      x = node_positions(grid%nx, length, .false.)
+      y = node_positions(grid%ny, length*grid%aspect, .false.)
+      squares = [((x(i)**2 + y(j)**2, i=1, grid%nx), j=1, grid%ny)]
+      squares = squares - sum(squares)/size(z)
+      covariance = sum(squares*z)
+      variance = sum((z - sum(z)/size(z))**2)
+      spread_of_squares = sum(squares**2)
+      radius = 0.0_wp
+      if (covariance < 0.0_wp .and. covariance**2 > least_share*variance*spread_of_squares) then
+         radius = -0.5_wp*spread_of_squares/covariance
+      end if
+   end function fitted_radius
 
 end module dry_sweep

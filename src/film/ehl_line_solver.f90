@@ -8,12 +8,11 @@ module ehl_line_solver
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
-   use level_summaries, only: coarser_summaries
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost
    use line_state, only: line_state_t
    use listener, only: listener_t
    use solver_settings, only: solver_settings_t, time_settings_t
-   use state_output, only: fill_properties, fill_state
+   use state_output, only: coarser_summaries, fill_properties, fill_state
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step
    implicit none (type, external)

@@ -7,32 +7,33 @@
 !> and reaches its full step over several parts (module time_scheme).
 !>
 !> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film
-!> without a new solve.
+!> without a new solve. Later steps start from a prediction by the last solutions.
 module ehl_line_transient
    use cycle_control, only: iterate
    use errors, only: error_t
+   use features, only: surface_height
    use film_breakdown, only: check_breakdown
    use film_equation, only: set_film
-   use features, only: surface_height
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, move_profiles
+   use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, roughness_at
+   use line_level, only: line_level_t
    use line_state, only: line_state_t
-   use march_history, only: extrapolate, predictors, remember
-   use march_state, only: march_state_t, time_part_t
    use listener, only: listener_t
+   use lubricant, only: fluid_density
+   use march_state, only: march_state_t, time_part_t
+   use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
-   use reynolds_line, only: evaluate_coefficients
    use state_output, only: fill_state
    use text, only: to_text
-   use time_scheme, only: derivative_weights, part_ends
+   use time_scheme, only: derivative_weights, parabola_weights, part_ends
    implicit none (type, external)
    private
 
-   public :: march
+   public :: extrapolate, march, predictors, remember
 
    !> A time step and how it is solved.
    type :: step_plan_t
@@ -48,6 +49,10 @@ module ehl_line_transient
       logical :: keeps_parts = .false.
       type(time_part_t), allocatable :: parts(:)
    end type step_plan_t
+
+   !> The history predicts a step if the line through two solutions missed the next one by at most
+   !> this share of its change.
+   real(wp), parameter :: largest_miss = 0.5_wp
 
 contains
 
@@ -262,20 +267,12 @@ contains
             if (.not. report%converged) return
             call remember(history, level, length)
             if (plan%keeps_parts) plan%parts(part) = time_part_t(weights, length, &
-               heights_at(contact, level%x, new_time), level%state)
+               reshape([surface_height(contact%surface_1, level%x, new_time), &
+               surface_height(contact%surface_2, level%x, new_time)], [level%n + 1, 2]), &
+               level%state)
          end do
       end associate
    end subroutine solve_parts
-
-   !> Psi_1 and Psi_2 (:, 2) at the nodes x.
-   pure function heights_at(contact, x, time) result(heights)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: x(:), time
-      real(wp) :: heights(size(x), 2)
-
-      heights(:, 1) = surface_height(contact%surface_1, x, time)
-      heights(:, 2) = surface_height(contact%surface_2, x, time)
-   end function heights_at
 
    !> Solves one part of `length`: from the better prediction by the history, then from all of the
    !> history if that differs, then from the old pressure by each relaxation in turn; FAS begins
@@ -322,5 +319,58 @@ contains
          end do
       end associate
    end subroutine solve_step
+
+   !> Number of last solutions that best predict the next one: all, or only the newest if the line
+   !> through the two before missed it (features that move by a spacing or more in a step). In 48
+   !> transients with dT = dX this saves 20 % of the cycles on 64 intervals, 10 % on 128, 3 % on
+   !> 256.
+   pure integer function predictors(history) result(count)
+      type(march_state_t), intent(in) :: history
+      real(wp) :: weights(3)
+
+      count = history%size
+      if (count < 3) return
+      weights = parabola_weights(2, history%lengths(1)/history%lengths(2), 1.0_wp)
+      associate (p => history%pressure)
+         if (maxval(abs(p(:, 1) - weights(1)*p(:, 2) - weights(2)*p(:, 3))) > largest_miss &
+            *maxval(abs(p(:, 1) - p(:, 2)))) count = 1
+      end associate
+   end function predictors
+
+   !> P (cut at 0) and H0 at the end of a step of `length`, by the polynomial of lowest degree
+   !> through the last `count` solutions.
+   pure subroutine extrapolate(history, count, length, state)
+      type(march_state_t), intent(in) :: history
+      integer, intent(in) :: count
+      real(wp), intent(in) :: length
+      type(film_state_t), intent(inout) :: state
+      real(wp) :: weights(3), last
+
+      last = merge(history%lengths(1), 1.0_wp, history%size > 1)
+      weights = parabola_weights(count, length/last, history%lengths(2)/last)
+      associate (p => history%pressure, h0 => history%rigid_displacement)
+         state%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
+         state%rigid_displacement = dot_product(weights, h0)
+      end associate
+   end subroutine extrapolate
+
+   !> Adds the present solution, at the end of a step of `length`, to the history.
+   pure subroutine remember(history, level, length)
+      type(march_state_t), intent(inout) :: history
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: length
+
+      if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), &
+         history%mass(0:level%n, 2), source=0.0_wp)
+      history%pressure(:, 3) = history%pressure(:, 2)
+      history%pressure(:, 2) = history%pressure(:, 1)
+      history%pressure(:, 1) = level%state%pressure
+      history%lengths = [length, history%lengths(1)]
+      history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
+      call fluid_density(level%fluid, level%state%pressure, level%oil%density)
+      history%mass(:, 2) = history%mass(:, 1)
+      history%mass(:, 1) = level%oil%density*level%state%film
+      history%size = min(history%size + 1, 3)
+   end subroutine remember
 
 end module ehl_line_transient

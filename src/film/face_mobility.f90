@@ -9,103 +9,73 @@
 !> where mu grows by orders of magnitude within a few nodes and the arithmetic mean of e is too
 !> large. (The harmonic or geometric mean of e gives wrong films.)
 module face_mobility
+   use eyring, only: ds, s, series_limit
+   use film_state, only: film_state_t
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
-   use lubricant, only: densities_t, fluid_density, fluid_t, fluid_viscosity
-   use eyring, only: ds, s, series_limit
+   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
+   use mobility, only: coefficients_t, mobility_slopes_t
    implicit none (type, external)
    private
 
-   public :: face_slopes_t, fluid_face_mobility, fluid_face_slopes
-
-   !> Mobility of the faces (1:n), face i left of node i, and its partial derivatives by P and H of
-   !> both nodes.
-   type :: face_slopes_t
-      real(wp), allocatable :: e(:), by_p_left(:), by_p_right(:), by_h_left(:), by_h_right(:)
-   end type face_slopes_t
+   public :: fluid_face_mobility
 
 contains
 
-   !> Mobility of all faces (1:n), density and `all_ln_mu` = ln(mu/mu_0) of all nodes (0:n); p >= 0,
-   !> h > 0 (0:n). The slope inside S is that of p, and of its `compensation` where that is kept.
-   ! allow(too-many-arguments)  the last are optional
-   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, compensation, all_ln_mu)
+   !> Sets the mobility of all faces, density and ln(mu/mu_0) of all nodes for the pressure >= 0 and
+   !> the film > 0 of `state` (0:n), and with `slopes` their derivatives. The slope inside S is that
+   !> of P, and of its compensation where that is kept.
+   pure subroutine fluid_face_mobility(fluid, dx, state, oil, slopes)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:)
-      real(wp), intent(out), contiguous :: e(:), rho(0:)
-      real(wp), intent(in), contiguous, optional :: compensation(0:)
-      real(wp), intent(out), contiguous, optional :: all_ln_mu(0:)
-      real(wp) :: ln_mu(0:block_size)
-      real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
-         unused
-      type(slip_t) :: slip
-      integer :: first, last, m
-
-      call fluid_density(fluid, p, rho)
-      do first = 1, ubound(p, 1), block_size
-         last = min(first + block_size - 1, ubound(p, 1))
-         m = last - first + 1
-         call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m))
-         if (present(all_ln_mu)) all_ln_mu(first - 1:last) = ln_mu(:m)
-         call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
-         if (allocated(fluid%rheology)) then
-            mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
-            call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), mean_ln_mu(:m), &
-               .false., slip)
-            exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
-            shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
-         end if
-         e(first:last) = exp(exponent(:m))*shape_factor(:m)*(h(first - 1:last - 1)*h(first:last)) &
-            *sqrt(h(first - 1:last - 1)*h(first:last)*rho(first - 1:last - 1)*rho(first:last))
-      end do
-   end subroutine fluid_face_mobility
-
-   !> The same with all derivatives.
-   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, densities, compensation)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:)
-      type(face_slopes_t), intent(inout) :: slopes
-      type(densities_t), intent(inout) :: densities
-      real(wp), intent(in), contiguous, optional :: compensation(0:)
-      real(wp), dimension(0:block_size) :: ln_mu, mu_p
+      type(film_state_t), intent(in) :: state
+      type(coefficients_t), intent(inout) :: oil
+      type(mobility_slopes_t), intent(inout), optional :: slopes
+      real(wp) :: mu_p(0:block_size)
       real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
          slant, by_slope
       type(slip_t) :: slip
       integer :: first, last, m
 
-      call fluid_density(fluid, p, densities%rho, densities%rho_p)
-      do first = 1, ubound(p, 1), block_size
-         last = min(first + block_size - 1, ubound(p, 1))
+      if (present(slopes)) then
+         call fluid_density(fluid, state%pressure, oil%density, slopes%rho_p)
+      else
+         call fluid_density(fluid, state%pressure, oil%density)
+      end if
+      do first = 1, ubound(state%pressure, 1), block_size
+         last = min(first + block_size - 1, ubound(state%pressure, 1))
          m = last - first + 1
-         call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m), mu_p(:m))
-         call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), slant(:m))
+         if (present(slopes)) then
+            call fluid_viscosity(fluid, state%pressure(first - 1:last), oil%ln_mu(first - 1:last), &
+               mu_p(:m))
+         else
+            call fluid_viscosity(fluid, state%pressure(first - 1:last), oil%ln_mu(first - 1:last))
+         end if
+         call mean_fluidity(oil%ln_mu(first - 1:last), exponent(:m), shape_factor(:m), slant(:m))
          if (allocated(fluid%rheology)) then
-            mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
-            call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
+            mean_ln_mu(:m) = 0.5_wp*(oil%ln_mu(first - 1:last - 1) + oil%ln_mu(first:last))
+            call drive_at_faces(dx, state, first, drive(:m), inverse_film(:m))
             call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), mean_ln_mu(:m), &
-               .true., slip)
+               present(slopes), slip)
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
          end if
-         associate (e => slopes%e(first:last), h_left => h(first - 1:last - 1), &
-            h_right => h(first:last), &
-            rho_left => densities%rho(first - 1:last - 1), rho_right => densities%rho(first:last), &
-            rho_p => densities%rho_p)
-            e = exp(exponent(:m))*shape_factor(:m)*(h_left*h_right) &
-               *sqrt(h_left*h_right*rho_left*rho_right)
+         oil%face_mobility(first:last) = exp(exponent(:m))*shape_factor(:m)*(state%film(first &
+            - 1:last - 1)*state%film(first:last))*sqrt(state%film(first - 1:last - 1) &
+            *state%film(first:last)*oil%density(first - 1:last - 1)*oil%density(first:last))
+         if (.not. present(slopes)) cycle
+         associate (e => oil%face_mobility(first:last), h_left => state%film(first - 1:last - 1), &
+            h_right => state%film(first:last), rho => oil%density, rho_p => slopes%rho_p)
             by_slope(:m) = slip%by_drive(:m)*sqrt(h_left*h_right)/dx
-            slopes%by_p_left(first:last) = e*(0.5_wp*rho_p(first - 1:last - 1)/rho_left &
-               + 0.5_wp*(slip%by_ln_mu(:m) - 1 - slant(:m))*mu_p(0:m - 1) - by_slope(:m))
-            slopes%by_p_right(first:last) = e*(0.5_wp*rho_p(first:last)/rho_right &
+            slopes%by_p_left(first:last) = e*(0.5_wp*rho_p(first - 1:last - 1)/rho(first - 1:last &
+               - 1) + 0.5_wp*(slip%by_ln_mu(:m) - 1 - slant(:m))*mu_p(0:m - 1) - by_slope(:m))
+            slopes%by_p_right(first:last) = e*(0.5_wp*rho_p(first:last)/rho(first:last) &
                + 0.5_wp*(slip%by_ln_mu(:m) - 1 + slant(:m))*mu_p(1:m) + by_slope(:m))
             slopes%by_h_left(first:last) = e*0.5_wp*(3 + slip%by_ln_film(:m))/h_left
             slopes%by_h_right(first:last) = e*0.5_wp*(3 + slip%by_ln_film(:m))/h_right
          end associate
       end do
-   end subroutine fluid_face_slopes
+   end subroutine fluid_face_mobility
 
    !> L(1/mu(i-1), 1/mu(i)) = exp(exponent) shape_factor of the m faces between m + 1 nodes, and
    !> `slant`, its relative change with x = (ln mu(i) - ln mu(i-1))/2 at constant mean:
@@ -136,26 +106,26 @@ contains
    end subroutine mean_fluidity
 
    !> H dP/dX and 1/H at the faces from `first` on.
-   pure subroutine drive_at_faces(dx, p, h, first, drive, inverse_film, compensation)
+   pure subroutine drive_at_faces(dx, state, first, drive, inverse_film)
       real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:)
+      type(film_state_t), intent(in) :: state
       integer, intent(in) :: first
       real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
-      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp) :: film
       integer :: i
 
-      do i = first, first + size(drive) - 1
-         film = sqrt(h(i - 1)*h(i))
-         inverse_film(i - first + 1) = 1.0_wp/film
-         drive(i - first + 1) = film*(p(i) - p(i - 1))/dx
-      end do
-      if (present(compensation)) then
+      associate (p => state%pressure, h => state%film)
          do i = first, first + size(drive) - 1
-            drive(i - first + 1) = drive(i - first + 1) &
-               + (compensation(i) - compensation(i - 1))/(dx*inverse_film(i - first + 1))
+            film = sqrt(h(i - 1)*h(i))
+            inverse_film(i - first + 1) = 1.0_wp/film
+            drive(i - first + 1) = film*(p(i) - p(i - 1))/dx
          end do
-      end if
+      end associate
+      if (.not. allocated(state%compensation)) return
+      do i = first, first + size(drive) - 1
+         drive(i - first + 1) = drive(i - first + 1) + (state%compensation(i) &
+            - state%compensation(i - 1))/(dx*inverse_film(i - first + 1))
+      end do
    end subroutine drive_at_faces
 
 end module face_mobility

@@ -33,14 +33,21 @@ module fas_cycle
 
 contains
 
-   !> One cycle on level k: V if `relaxation%visits` is 1, W if 2.
+   !> One cycle on level k: V if `relaxation%visits` is 1, W if 2. The coarsest level is solved
+   !> exactly or by sweeps.
    recursive subroutine cycle_from(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
       integer :: visit
 
       if (k == hierarchy%coarsest) then
-         call solve_coarsest(hierarchy)
+         if (maxval(hierarchy%levels(k)%state%pressure) >= largest_pressure) return
+         if (hierarchy%relaxation%coarse_sweeps > 0) then
+            call sweep_under_load(hierarchy, k)
+         else
+            call solve_newton(hierarchy%newton, hierarchy%levels(k), coarse_tolerance, &
+               coarse_steps, goal=hierarchy%goal)
+         end if
          return
       end if
       call smooth(hierarchy, k, hierarchy%relaxation%pre_sweeps, is_last_leg=.false.)
@@ -51,21 +58,6 @@ contains
       call prolong(hierarchy%levels(k), hierarchy%levels(k - 1))
       call smooth(hierarchy, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
    end subroutine cycle_from
-
-   !> Solves the coarsest level, exactly or by sweeps.
-   subroutine solve_coarsest(hierarchy)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-
-      associate (level => hierarchy%levels(hierarchy%coarsest), choice => hierarchy%relaxation)
-         if (maxval(level%state%pressure) >= largest_pressure) return
-         if (choice%coarse_sweeps > 0) then
-            call sweep_under_load(hierarchy, hierarchy%coarsest)
-         else
-            call solve_newton(hierarchy%newton, level, coarse_tolerance, coarse_steps, &
-               goal=hierarchy%goal)
-         end if
-      end associate
-   end subroutine solve_coarsest
 
    !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse
    !> operator + restricted residual.

@@ -10,7 +10,7 @@ module film_equation
    implicit none (type, external)
    private
 
-   public :: carried_load, elastic_film, evaluate_deflection, load_defect, relax_load, &
+   public :: carried_load, elastic_film, evaluate_deflection, load_defect, &
       set_film, update_film
 
 contains
@@ -61,14 +61,5 @@ contains
 
       defect = level%rhs_load - carried_load(level)
    end function load_defect
-
-   !> Moves H0 by `relaxation` times the missing load: surfaces that carry too little come closer.
-   pure subroutine relax_load(level, relaxation)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: relaxation
-
-      level%state%rigid_displacement = level%state%rigid_displacement &
-         - relaxation*load_defect(level)
-   end subroutine relax_load
 
 end module film_equation

@@ -1,11 +1,8 @@
 !> Integrals of the shear stresses of a film, computed by module film_shear.
 module friction_sums
    use kinds, only: wp
-   use missing_value, only: not_known
    implicit none (type, external)
    private
-
-   public :: unknown_friction
 
    !> Stress over pressure counts where the pressure exceeds this share of its largest value.
    real(wp), parameter, public :: stressed_share = 0.1_wp
@@ -23,14 +20,5 @@ module friction_sums
       !> Largest |T_m|/P of the nodes whose pressure is above `stressed_share` of the largest.
       real(wp) :: stress_share = 0.0_wp
    end type friction_t
-
-contains
-
-   !> Friction of a film whose stresses are not known.
-   pure function unknown_friction() result(friction)
-      type(friction_t) :: friction
-
-      friction = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
-   end function unknown_friction
 
 end module friction_sums

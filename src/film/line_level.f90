@@ -7,6 +7,7 @@ module line_level
    use half_space, only: line_deflection_coefficients
    use kinds, only: wp
    use lubricant, only: fluid_t
+   use mobility, only: coefficients_t
    use toeplitz, only: new_toeplitz, toeplitz_t
    implicit none (type, external)
    private
@@ -36,12 +37,6 @@ module line_level
    contains
       procedure :: apply => apply_kernel
    end type elastic_line_t
-
-   !> Coefficients at the last evaluation: e = rho H^3 S/mu (of the upwind2 scheme), rho and
-   !> ln(mu/mu_0) of the nodes (0:n), mobility e(i-1/2) of the face left of node i (1:n).
-   type :: coefficients_t
-      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:)
-   end type coefficients_t
 
    !> Additions of a coarse problem to a grid (module fas_cycle).
    type :: coarse_problem_t
@@ -89,7 +84,7 @@ module line_level
       !> Pressure and film solve the original problem on this grid accurately enough to be compared
       !> with finer ones.
       logical :: is_coarse_run = .false.
-      !> L_R at the last evaluation, its coefficients, and the deformation of the bodies.
+      !> L_R at the last evaluation, the coefficients then, and the deformation of the bodies.
       real(wp), allocatable :: operator(:)
       type(coefficients_t) :: oil
       type(elastic_line_t) :: elastic

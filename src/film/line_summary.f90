@@ -4,7 +4,7 @@
 !> Dimensionless (H, P, X, T).
 module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use friction_sums, only: friction_t, unknown_friction
+   use friction_sums, only: friction_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use missing_value, only: larger, not_known
@@ -91,7 +91,7 @@ contains
       type(friction_t) :: forces
       integer :: i
 
-      forces = unknown_friction()
+      forces = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
       if (present(friction)) forces = friction
       do i = 1, quantity_count
          summary%of(i) = new_quantity(i, quantity_values(i, x, p, h, forces), time)

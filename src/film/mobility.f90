@@ -4,110 +4,99 @@
 !> overflow (ln mu reaches 714). Nodes are computed in blocks that stay in cache; each loop calls
 !> only the laws' array loops.
 module mobility
+   use film_state, only: film_state_t
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
-   use lubricant, only: densities_t, fluid_density, fluid_t, fluid_viscosity
+   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    implicit none (type, external)
    private
 
-   public :: fluid_mobility, fluid_mobility_slopes, mobility_slopes_t
+   public :: coefficients_t, fluid_mobility, mobility_slopes_t
 
-   !> Mobility, density and their partial derivatives, each (0:n).
-   type, extends(densities_t) :: mobility_slopes_t
-      !> e, and its derivatives by P(i), H(i) and the slope dP/dX(i) inside S.
-      real(wp), allocatable :: e(:), e_p(:), e_h(:), e_slope(:)
+   !> Coefficients of the equation: e (of the upwind2 scheme), rho and ln(mu/mu_0) of the nodes
+   !> (0:n), mobility e(i-1/2) of the face left of node i (1:n).
+   type :: coefficients_t
+      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:)
+   end type coefficients_t
+
+   !> Their derivatives: of rho by P(i), of e by P(i), H(i) and the slope dP/dX(i) inside S, each
+   !> (0:n); of e(i-1/2) by P and H of both nodes (1:n), allocated where the kappa scheme is used.
+   type :: mobility_slopes_t
+      real(wp), allocatable :: rho_p(:), e_p(:), e_h(:), e_slope(:)
+      real(wp), allocatable :: by_p_left(:), by_p_right(:), by_h_left(:), by_h_right(:)
    end type mobility_slopes_t
 
 contains
 
-   !> Mobility `e`, density `rho` and `all_ln_mu` = ln(mu/mu_0) at all nodes; p >= 0, h > 0 (0:n).
-   !> The slope inside S is the central difference of p, and of its `compensation` where that is
-   !> kept, 0 at both ends; S follows its formula at every node, also where P = 0.
-   ! allow(too-many-arguments)  the last are optional
-   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, compensation, all_ln_mu)
+   !> Sets mobility, density and ln(mu/mu_0) of all nodes for the pressure >= 0 and the film > 0 of
+   !> `state` (0:n), and with `slopes` their derivatives. The slope inside S is the central
+   !> difference of P, and of its compensation where that is kept, 0 at both ends; S follows its
+   !> formula at every node, also where P = 0.
+   pure subroutine fluid_mobility(fluid, dx, state, oil, slopes)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:)
-      real(wp), intent(out), contiguous :: e(0:), rho(0:)
-      real(wp), intent(in), contiguous, optional :: compensation(0:)
-      real(wp), intent(out), contiguous, optional :: all_ln_mu(0:)
-      real(wp), dimension(block_size) :: ln_mu, drive, inverse_film
-      type(slip_t) :: slip
-      integer :: first, last, m
-
-      do first = 0, ubound(p, 1), block_size
-         last = min(first + block_size - 1, ubound(p, 1))
-         m = last - first + 1
-         call fluid_viscosity(fluid, p(first:last), ln_mu(:m))
-         if (present(all_ln_mu)) all_ln_mu(first:last) = ln_mu(:m)
-         call fluid_density(fluid, p(first:last), rho(first:last))
-         if (allocated(fluid%rheology)) then
-            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), ln_mu(:m), .false., slip)
-         end if
-         e(first:last) = rho(first:last)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) &
-            - ln_mu(:m), largest_exponent))
-      end do
-   end subroutine fluid_mobility
-
-   !> H dP/dX at the nodes from `first` on by central differences, 0 at both ends, and 1/H.
-   pure subroutine drive_at_nodes(dx, p, h, first, drive, inverse_film, compensation)
-      real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:)
-      integer, intent(in) :: first
-      real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
-      real(wp), intent(in), contiguous, optional :: compensation(0:)
-      real(wp) :: factor
-      integer :: i, n
-
-      n = ubound(p, 1)
-      factor = 0.5_wp/dx
-      do i = max(first, 1), min(first + size(drive) - 1, n - 1)
-         drive(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
-      end do
-      if (present(compensation)) then
-         do i = max(first, 1), min(first + size(drive) - 1, n - 1)
-            drive(i - first + 1) = drive(i - first + 1) + factor*h(i)*(compensation(i + 1) &
-               - compensation(i - 1))
-         end do
-      end if
-      if (first == 0) drive(1) = 0.0_wp
-      if (first + size(drive) - 1 == n) drive(n - first + 1) = 0.0_wp
-      inverse_film = 1.0_wp/h(first:first + size(drive) - 1)
-   end subroutine drive_at_nodes
-
-   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the compensation of p
-   !> where it is kept (0:n).
-   pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes, compensation)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:)
-      type(mobility_slopes_t), intent(inout) :: slopes
-      real(wp), intent(in), contiguous, optional :: compensation(0:)
-      real(wp), dimension(block_size) :: ln_mu, mu_p, drive, inverse_film
+      type(film_state_t), intent(in) :: state
+      type(coefficients_t), intent(inout) :: oil
+      type(mobility_slopes_t), intent(inout), optional :: slopes
+      real(wp), dimension(block_size) :: mu_p, drive, inverse_film
       type(slip_t) :: slip
       integer :: first, last, m, n
 
-      n = ubound(p, 1)
+      n = ubound(state%pressure, 1)
       do first = 0, n, block_size
          last = min(first + block_size - 1, n)
          m = last - first + 1
-         call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
-         call fluid_density(fluid, p(first:last), slopes%rho(first:last), slopes%rho_p(first:last))
-         if (allocated(fluid%rheology)) then
-            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), ln_mu(:m), .true., slip)
+         if (present(slopes)) then
+            call fluid_viscosity(fluid, state%pressure(first:last), oil%ln_mu(first:last), mu_p(:m))
+            call fluid_density(fluid, state%pressure(first:last), oil%density(first:last), &
+               slopes%rho_p(first:last))
+         else
+            call fluid_viscosity(fluid, state%pressure(first:last), oil%ln_mu(first:last))
+            call fluid_density(fluid, state%pressure(first:last), oil%density(first:last))
          end if
-         associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
-            e = rho*film**3*slip%factor(:m)*exp(min(slip%growth(:m) - ln_mu(:m), largest_exponent))
-            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho &
+         if (allocated(fluid%rheology)) then
+            call drive_at_nodes(dx, state, first, drive(:m), inverse_film(:m))
+            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), oil%ln_mu(first:last), &
+               present(slopes), slip)
+         end if
+         oil%mobility(first:last) = oil%density(first:last)*state%film(first:last)**3 &
+            *slip%factor(:m)*exp(min(slip%growth(:m) - oil%ln_mu(first:last), largest_exponent))
+         if (.not. present(slopes)) cycle
+         associate (e => oil%mobility(first:last), h => state%film(first:last))
+            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/oil%density(first:last) &
                + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
-            slopes%e_h(first:last) = e*(3 + slip%by_ln_film(:m))/film
-            slopes%e_slope(first:last) = e*slip%by_drive(:m)*film
+            slopes%e_h(first:last) = e*(3 + slip%by_ln_film(:m))/h
+            slopes%e_slope(first:last) = e*slip%by_drive(:m)*h
          end associate
       end do
-      slopes%e_slope(0) = 0.0_wp
-      slopes%e_slope(n) = 0.0_wp
-   end subroutine fluid_mobility_slopes
+      if (present(slopes)) slopes%e_slope(0::n) = 0.0_wp
+   end subroutine fluid_mobility
+
+   !> H dP/dX at the nodes from `first` on by central differences, 0 at both ends, and 1/H.
+   pure subroutine drive_at_nodes(dx, state, first, drive, inverse_film)
+      real(wp), intent(in) :: dx
+      type(film_state_t), intent(in) :: state
+      integer, intent(in) :: first
+      real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
+      real(wp) :: factor
+      integer :: i, n
+
+      n = ubound(state%pressure, 1)
+      factor = 0.5_wp/dx
+      associate (p => state%pressure, h => state%film)
+         do i = max(first, 1), min(first + size(drive) - 1, n - 1)
+            drive(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
+         end do
+         if (allocated(state%compensation)) then
+            do i = max(first, 1), min(first + size(drive) - 1, n - 1)
+               drive(i - first + 1) = drive(i - first + 1) + factor*h(i)*(state%compensation(i &
+                  + 1) - state%compensation(i - 1))
+            end do
+         end if
+         if (first == 0) drive(1) = 0.0_wp
+         if (first + size(drive) - 1 == n) drive(n - first + 1) = 0.0_wp
+         inverse_film = 1.0_wp/h(first:first + size(drive) - 1)
+      end associate
+   end subroutine drive_at_nodes
 
 end module mobility

@@ -8,15 +8,14 @@ module newton_line
    use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_level, only: line_level_t
-   use newton_work, only: allocate_work, newton_t
    use listener, only: is_stopped, listener_t
+   use newton_work, only: allocate_work, newton_t
    use reynolds_jacobian, only: evaluate_jacobian
-   use two_sum, only: rest_of_sum
    use rheology, only: thins, wall_stress
    implicit none (type, external)
    private
 
-   public :: solve_newton
+   public :: rest_of_sum, solve_newton
 
    !> A step changes no pressure by more than the first share of max(1, P), a bent one by no more
    !> than the second, and reduces no film below the third.
@@ -150,7 +149,7 @@ contains
       real(wp) :: bent, change, flow, rate
       integer :: i
 
-      associate (e => newton%jacobian%slopes%e, e_p => newton%jacobian%slopes%e_p, &
+      associate (e => level%oil%mobility, e_p => newton%jacobian%slopes%e_p, &
          step => newton%step)
          do i = 1, level%n - 1
             if (abs(e_p(i)*step(i)) <= small_change*e(i) .or. newton%is_cavitated(i)) cycle
@@ -225,5 +224,15 @@ contains
       end if
       largest = 0.5_wp*newton%stress_scale/level%dx*largest
    end function slip_step
+
+   !> a + b - total, exactly, if `total` is a + b rounded to nearest and nothing overflows (Knuth,
+   !> The Art of Computer Programming 2, section 4.2.2).
+   elemental function rest_of_sum(total, a, b) result(rest)
+      real(wp), intent(in) :: total, a, b
+      real(wp) :: rest, share
+
+      share = total - a
+      rest = (a - (total - share)) + (b - share)
+   end function rest_of_sum
 
 end module newton_line

@@ -4,7 +4,6 @@
 !> divided by the elastic diagonal (the identity where the node is cavitated), row n the force
 !> balance.
 module newton_work
-   use face_mobility, only: face_slopes_t
    use film_state, only: film_state_t
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -23,8 +22,6 @@ module newton_work
       !> Diagonal of the elastic Jacobian JP - JH K (0:n), negative in a sound state.
       real(wp), allocatable :: diagonal(:)
       type(mobility_slopes_t) :: slopes
-      !> Mobility of the faces in the kappa scheme; allocated when first used.
-      type(face_slopes_t) :: faces
    end type reynolds_jacobian_t
 
    !> A solver of the system.
@@ -89,8 +86,7 @@ contains
       allocate (jacobian%by_pressure(-2:2, 0:n), jacobian%by_film(-2:1, 0:n), &
          jacobian%diagonal(0:n), source=0.0_wp)
       associate (slopes => jacobian%slopes)
-         allocate (slopes%e(0:n), slopes%e_p(0:n), slopes%e_h(0:n), slopes%e_slope(0:n), &
-            slopes%rho(0:n), slopes%rho_p(0:n))
+         allocate (slopes%rho_p(0:n), slopes%e_p(0:n), slopes%e_h(0:n), slopes%e_slope(0:n))
       end associate
    end subroutine new_jacobian
 

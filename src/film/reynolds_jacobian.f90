@@ -4,10 +4,10 @@
 !> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the
 !> Newton methods.
 module reynolds_jacobian
-   use face_mobility, only: fluid_face_slopes
+   use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
    use line_level, only: has_close_exit, line_level_t
-   use mobility, only: fluid_mobility_slopes
+   use mobility, only: fluid_mobility
    use newton_work, only: reynolds_jacobian_t
    use reynolds_line, only: apply_reynolds, third_order_share, third_order_slope, wedge_weights
    use rheology, only: thins
@@ -44,7 +44,7 @@ contains
                + [0.0_wp, 0.0_wp, level%lambda*level%inverse_time_step]
             do o = max(-2, -i), 0
                jp(o, i) = jp(o, i) - weights(o)*jacobian%slopes%rho_p(i + o)*level%state%film(i + o)
-               jh(o, i) = jh(o, i) - weights(o)*jacobian%slopes%rho(i + o)
+               jh(o, i) = jh(o, i) - weights(o)*level%oil%density(i + o)
             end do
             jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, &
                i)*kernel(0) - jh(1, i)*kernel(1)
@@ -62,26 +62,17 @@ contains
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
 
-      associate (slopes => jacobian%slopes)
+      associate (slopes => jacobian%slopes, n => level%n)
          if (level%is_kappa) then
-            if (.not. allocated(jacobian%faces%e)) then
-               allocate (jacobian%faces%e(level%n), jacobian%faces%by_p_left(level%n), &
-                  jacobian%faces%by_p_right(level%n), jacobian%faces%by_h_left(level%n), &
-                  jacobian%faces%by_h_right(level%n))
-            end if
-            call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, level%state%film, &
-               jacobian%faces, slopes%densities_t, level%state%compensation)
-            level%oil%face_mobility = jacobian%faces%e
-            ! Newton's method bends steps by the mobility of the nodes
-            if (.not. thins(level%fluid)) call fluid_mobility_slopes(level%fluid, level%dx, &
-               level%state%pressure, level%state%film, slopes)
-         else
-            call fluid_mobility_slopes(level%fluid, level%dx, level%state%pressure, &
-               level%state%film, slopes, level%state%compensation)
-            level%oil%mobility = slopes%e
-            level%oil%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
+            if (.not. allocated(slopes%by_p_left)) allocate (slopes%by_p_left(n), &
+               slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
+            call fluid_face_mobility(level%fluid, level%dx, level%state, level%oil, slopes)
          end if
-         level%oil%density = slopes%rho
+         ! in the kappa scheme Newton's method bends steps by the mobility of the nodes
+         if (level%is_kappa .and. thins(level%fluid)) return
+         call fluid_mobility(level%fluid, level%dx, level%state, level%oil, slopes)
+         if (.not. level%is_kappa) level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:n - 1) &
+            + level%oil%mobility(1:))
       end associate
    end subroutine evaluate_slopes
 
@@ -97,10 +88,10 @@ contains
       slope = (level%state%pressure(i) - level%state%pressure(i - 1))/level%dx**2
       conductance = level%oil%face_mobility(i)/level%dx**2
       if (level%is_kappa) then
-         associate (faces => jacobian%faces)
-            flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, &
-               faces%by_p_right(i)*slope + conductance, 0.0_wp]
-            flux_h = [0.0_wp, faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
+         associate (s => jacobian%slopes)
+            flux_p = [0.0_wp, s%by_p_left(i)*slope - conductance, &
+               s%by_p_right(i)*slope + conductance, 0.0_wp]
+            flux_h = [0.0_wp, s%by_h_left(i)*slope, s%by_h_right(i)*slope]
          end associate
          if (i > 1) call add_third_order_slopes(level, jacobian%slopes%rho_p(i - 2:i), &
             i, flux_p(:0), flux_h)

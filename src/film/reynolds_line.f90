@@ -36,11 +36,9 @@ contains
       type(line_level_t), intent(inout) :: level
 
       if (level%is_kappa) then
-         call fluid_face_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
-            level%oil%face_mobility, level%oil%density, level%state%compensation, level%oil%ln_mu)
+         call fluid_face_mobility(level%fluid, level%dx, level%state, level%oil)
       else
-         call fluid_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
-            level%oil%mobility, level%oil%density, level%state%compensation, level%oil%ln_mu)
+         call fluid_mobility(level%fluid, level%dx, level%state, level%oil)
          level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:level%n - 1) &
             + level%oil%mobility(1:))
       end if

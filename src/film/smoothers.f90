@@ -3,7 +3,7 @@
 !> Each makes ONE sweep on one level from the operator, coefficients and deflection evaluated just
 !> before it, and keeps P >= 0.
 module smoothers
-   use film_equation, only: evaluate_deflection, relax_load, update_film
+   use film_equation, only: evaluate_deflection, load_defect, update_film
    use kinds, only: wp
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
       smoother_gauss_seidel, smoother_hybrid, smoother_line
@@ -33,7 +33,10 @@ contains
 
       do i = 1, hierarchy%relaxation%coarse_sweeps
          call smooth(hierarchy, k, 1, is_last_leg=.true.)
-         call relax_load(hierarchy%levels(k), hierarchy%relaxation%load_relaxation)
+         ! surfaces that carry too little come closer
+         associate (h0 => hierarchy%levels(k)%state%rigid_displacement)
+            h0 = h0 - hierarchy%relaxation%load_relaxation*load_defect(hierarchy%levels(k))
+         end associate
       end do
    end subroutine sweep_under_load
 

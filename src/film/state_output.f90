@@ -1,12 +1,14 @@
-!> Copies a level of the solver to the output fields.
+!> Copies a level of the solver to the output fields, and its quantities to a summary.
 module state_output
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: surface_height
-   use film_shear, only: evaluate_friction
+   use film_shear, only: evaluate_friction, friction_of
    use kinds, only: wp
    use line_contact, only: line_contact_t
+   use line_hierarchy, only: line_hierarchy_t
    use line_level, only: line_level_t
    use line_state, only: line_state_t
+   use line_summary, only: line_summary_t, summary_of_fields
    use lubricant, only: fluid_density, fluid_viscosity
    use limit_search, only: film_limits
    use rheology, only: ln_slip
@@ -14,10 +16,13 @@ module state_output
    implicit none (type, external)
    private
 
-   public :: fill_properties, fill_state
+   public :: coarser_summaries, fill_properties, fill_state, level_summary
 
    !> Largest exponent: exp of more overflows, and larger ratios are reported as exp of this.
    real(wp), parameter :: largest_exponent = 700.0_wp
+
+   !> Most solutions on coarser grids that an error estimate uses.
+   integer, parameter :: max_coarser = 3
 
 contains
 
@@ -87,5 +92,31 @@ contains
       state%shear_stress_mean = stresses(:, 2)
       state%shear_stress_2 = stresses(:, 3)
    end subroutine fill_properties
+
+   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level, as far as these levels
+   !> are solved accurately enough and no cycle has changed them since.
+   pure function coarser_summaries(hierarchy) result(coarser)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      type(line_summary_t), allocatable :: coarser(:)
+      integer :: below
+
+      allocate (coarser(0))
+      if (hierarchy%coarsest < hierarchy%finest) return
+      do below = 1, min(max_coarser, hierarchy%finest - 1)
+         associate (level => hierarchy%levels(hierarchy%finest - below))
+            if (.not. level%is_coarse_run) exit
+            coarser = [coarser, level_summary(level)]
+         end associate
+      end do
+   end function coarser_summaries
+
+   !> Summary of the solution on a level, whose coefficients must be those of the solution.
+   pure function level_summary(level) result(summary)
+      type(line_level_t), intent(in) :: level
+      type(line_summary_t) :: summary
+
+      summary = summary_of_fields(level%x, level%state%pressure, level%state%film, 0.0_wp, &
+         friction_of(level))
+   end function level_summary
 
 end module state_output

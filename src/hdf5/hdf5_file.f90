@@ -1,5 +1,5 @@
-!> An HDF5 file being written: open, groups, close. Datasets and attributes are in `hdf5_dataset`,
-!> series that are written block by block in `hdf5_series`.
+!> An HDF5 file being written: open, groups, close. Datasets, series that are written block by block
+!> and attributes are in `hdf5_dataset`.
 !>
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
 !> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No

@@ -5,12 +5,11 @@ module hdf5_heights
    use errors, only: error_t, fail, input_error
    use findings, only: quoted
    use hdf5, only: hsize_t
-   use hdf5_input, only: hdf5_input_t, open_hdf5_input
-   use hdf5_part, only: read_part
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input, read_part
    use hdf5_source, only: hdf5_source_t, number_class
    use height_limits, only: is_position, position_fault, position_range_t, scale_fault, &
       spacing_fault
-   use height_source, only: height_source_t
+   use profile, only: height_source_t
    use kinds, only: wp
    use length_units, only: same_unit, settle_unit, silence_fault, units_per_metre
    use measured_heights, only: height_request_t

@@ -1,14 +1,13 @@
 !> Measured heights from a file: a table, or HDF5, which its content tells.
 module height_file
    use, intrinsic :: iso_fortran_env, only: int64
-   use checksum, only: checksum_t
+   use file_bytes, only: checksum_t
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
-   use hdf5_input, only: is_hdf5
-   use hdf5_part, only: place_words
-   use height_form, only: new_sums
-   use height_limits, only: first_fault, height_fault, height_range_t, range_fault
-   use height_source, only: height_source_t
+   use hdf5_input, only: is_hdf5, place_words
+   use height_form, only: height_sums_t
+   use height_limits, only: height_fault, height_range_t, is_height, range_fault
+   use profile, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
    use kinds, only: wp
@@ -72,7 +71,7 @@ contains
       character(:), allocatable :: fault
       integer(int64) :: bad, first
 
-      heights%sums = new_sums(grid)
+      heights%sums = height_sums_t(grid)
       allocate (heights%z(min(block, source%nodes)))
       bad = 0
       fault = ''
@@ -80,7 +79,7 @@ contains
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
-            bad = first_fault(piece)
+            bad = findloc(is_height(piece), .false., 1)
             if (bad > 0) fault = height_fault(piece(bad))
             if (bad > 0) bad = first + bad
             if (bad > 0) exit

@@ -9,7 +9,7 @@ module height_limits
    implicit none (type, external)
    private
 
-   public :: first_fault, height_fault, height_range_t, is_height, is_position, position_fault, &
+   public :: height_fault, height_range_t, is_height, is_position, position_fault, &
       position_range_t, range_fault, scale_fault, spacing_fault
 
    !> Largest height and position [m].
@@ -57,16 +57,6 @@ contains
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
-
-   !> Number of the first of the heights `z` [m] that cannot be one; 0: all can.
-   pure integer function first_fault(z) result(place)
-      real(wp), intent(in) :: z(:)
-
-      do place = 1, size(z)
-         if (.not. is_height(z(place))) return
-      end do
-      place = 0
-   end function first_fault
 
    !> Whether `x` [m] can be a position.
    pure elemental logical function is_position(x)

@@ -8,7 +8,7 @@ module height_table
    use findings, only: quoted
    use height_limits, only: height_fault, height_range_t, is_height, is_position, position_fault, &
       position_range_t
-   use height_source, only: height_source_t
+   use profile, only: height_source_t
    use kinds, only: wp
    use length_units, only: find_unit, settle_unit, silence_fault, unit_among
    use measured_heights, only: height_request_t

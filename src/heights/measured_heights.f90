@@ -3,7 +3,7 @@ module measured_heights
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use height_form, only: form_t, height_sums_t, subtract_form
-   use height_source, only: height_source_t
+   use profile, only: height_source_t
    use kinds, only: wp
    implicit none (type, external)
    private

@@ -3,7 +3,7 @@ module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use body_input, only: find_load, modulus_of, radius_of
    use constants, only: pi
-   use domain_border, only: recommended_room
+   use dry_sweep, only: recommended_room
    use dry_case, only: dry_case_t
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
    use dry_grids, only: check_waves, find_grid

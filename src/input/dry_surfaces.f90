@@ -4,7 +4,7 @@ module dry_surfaces
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
    use file_heights, only: level_surface, read_surface
-   use fourier_resampling, only: resample_heights
+   use resampling, only: resample_heights
    use input_values, only: value_t
    use kinds, only: wp
    use signals, only: begin_activity

@@ -5,9 +5,9 @@ module file_heights
    use errors, only: error_t
    use gauss_filter, only: least_nodes, smooth_heights
    use height_file, only: read_heights
-   use height_form, only: closes, curvature_of, extent_of, form_of, new_sums, rms_height, &
+   use height_form, only: closes, curvature_of, extent_of, form_of, height_sums_t, rms_height, &
       rms_slope, subtract_form, tilt_of, trend_t
-   use height_source, only: height_source_t
+   use profile, only: height_source_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use measured_heights, only: height_request_t, heights_t, put_level
@@ -255,7 +255,7 @@ contains
          end if
          if (i == 2) heights%z = whole - heights%z
       end do
-      heights%sums = new_sums(int(grid, int64))
+      heights%sums = height_sums_t(int(grid, int64))
       call heights%sums%add(heights%z)
    end subroutine filter_heights
 

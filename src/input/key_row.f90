@@ -7,7 +7,8 @@ module key_row
    implicit none (type, external)
    private
 
-   public :: expected_value, has_word, is_in_range, is_typical, split_words, word_list
+   public :: expected_value, has_word, is_in_range, is_typical, split_words, unit_question, &
+      word_list
 
    !> Kinds of values, their names in the manual and what is expected (of words: the words).
    integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, &
@@ -52,7 +53,7 @@ module key_row
       !> Words that are built, separated by blanks; of a logical those that it may have beside it.
       character(len=96) :: words = ''
       !> With what the key is used and needed: rules of module key_rules; empty: always, never.
-      character(len=80) :: used = '', needed = ''
+      character(len=96) :: used = '', needed = ''
       !> Value with &moes where none is given.
       character(len=8) :: moes_default = ''
       !> Problems that use the key, separated by blanks; each may have a row of its own.
@@ -204,5 +205,24 @@ contains
          return
       end select
    end function holds
+
+   !> A question about the unit of a `value` that no usual contact has: the prefix with which it
+   !> would be typical; empty: there is none.
+   pure function unit_question(row, value) result(question)
+      type(key_row_t), intent(in) :: row
+      real(wp), intent(in) :: value
+      character(:), allocatable :: question
+      character(len=1), parameter :: prefixes(4) = ['G', 'M', 'm', 'u']
+      real(wp), parameter :: factors(4) = [1.0e9_wp, 1.0e6_wp, 1.0e-3_wp, 1.0e-6_wp]
+      integer :: i
+
+      question = ''
+      if (row%typical == '' .or. value <= 0.0_wp) return
+      if (row%unit == '1/Pa' .and. is_typical(1.0e-9_wp*value, row%typical)) question = &
+         '; is it in 1/GPa?'
+      if (all(row%unit /= ['Pa  ', 'm   ', 'Pa s'])) return
+      i = findloc(is_typical(factors*value, row%typical), .true., dim=1)
+      if (i > 0) question = '; is it in '//prefixes(i)//trim(row%unit)//'?'
+   end function unit_question
 
 end module key_row

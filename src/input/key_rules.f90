@@ -4,7 +4,7 @@ module key_rules
    use input_keys, only: find_group, find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
    use key_condition, only: condition_t, conditions_of, name_of, shown
-   use key_row, only: has_word, is_required, is_typical, key_row_t
+   use key_row, only: has_word, is_required, is_typical, key_row_t, unit_question
    use kinds, only: wp
    use number_text, only: read_real
    use quantity_text, only: number_text
@@ -192,26 +192,12 @@ contains
             if (place == 0) cycle
             question = slot%hint
             if (question == '') question = unit_question(row, slot%reals(place))
+            if (question == '') question = '; is the unit right?'
             unusual = [unusual, unusual_t(slot%line, '&'//trim(row%group)//' '//trim(row%key) &
                //': '//number_text(slot%reals(place), 3)//' '//trim(row%unit) &
                //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit), question)]
          end associate
       end do
    end function find_unusual
-
-   !> A question about the unit of an unusual `value`: the prefix with which it would be typical.
-   pure function unit_question(row, value) result(question)
-      type(key_row_t), intent(in) :: row
-      real(wp), intent(in) :: value
-      character(:), allocatable :: question
-      character(len=1), parameter :: prefixes(4) = ['G', 'M', 'm', 'u']
-      real(wp), parameter :: factors(4) = [1.0e9_wp, 1.0e6_wp, 1.0e-3_wp, 1.0e-6_wp]
-      integer :: i
-
-      question = '; is the unit right?'
-      i = findloc(is_typical(factors*value, row%typical), .true., dim=1)
-      if (i > 0 .and. any(row%unit == ['Pa  ', 'm   ', 'Pa s'])) question = '; is it in '// &
-         prefixes(i)//trim(row%unit)//'?'
-   end function unit_question
 
 end module key_rules

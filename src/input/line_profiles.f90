@@ -4,7 +4,7 @@ module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
    use case_effective, only: list_trend
    use case_record, only: path_from_namelist, case_t, set_effective
-   use checksum, only: checksum_t
+   use file_bytes, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
    use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint

@@ -8,7 +8,7 @@ module value_reader
    use input_values, only: input_values_t, value_t
    use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_in_range, &
       is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, &
-      split_words, word_kind, words_kind
+      split_words, unit_question, word_kind, words_kind
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
    use namelist_values, only: max_values, piece_t, read_logical, split_values
@@ -252,17 +252,21 @@ contains
       integer, intent(in) :: place
       type(value_t), intent(inout) :: slot
       type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: hint
       integer(int64) :: number
       logical :: good
 
       if (slot%is_set(place)) call findings%add(entry%line, entry%group, entry%key, &
          'found element '//to_text(place)//' a second time, expected it once')
       slot%is_set(place) = .true.
+      hint = slot%hint
       good = .true.
       select case (row%kind)
       case (real_kind, reals_kind)
          call read_real(piece%text, slot%reals(place), good)
-         good = good .and. .not. piece%is_string .and. is_in_range(slot%reals(place), row%range)
+         good = good .and. .not. piece%is_string
+         if (good .and. slot%hint == '') hint = unit_question(row, slot%reals(place))
+         good = good .and. is_in_range(slot%reals(place), row%range)
       case (integer_kind)
          call read_integer(piece%text, number, good)
          good = good .and. .not. piece%is_string .and. abs(number) <= huge(slot%integer) &
@@ -284,7 +288,7 @@ contains
          slot%text = piece%text
       end select
       if (good) return
-      call reject(entry, row, shown_piece(piece), findings, slot%hint)
+      call reject(entry, row, shown_piece(piece), findings, hint)
       slot%has_value = .false.
    end subroutine store
 

@@ -8,14 +8,12 @@
 !> Series of numbers hold every time step; profiles may be of some only, with times of their own.
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
-   use checksum, only: checksum_t
    use disk_file, only: any_mark, file_fault, part_words, place_fault
    use errors, only: error_t, fail, input_error, output_error
-   use file_bytes, only: open_positional_file, positional_file_t, real_bytes, sums_of
+   use file_bytes, only: checksum_t, open_positional_file, positional_file_t, real_bytes, sums_of
    use hdf5_axes, only: link_object, name_axes
-   use hdf5_dataset, only: label_t
+   use hdf5_dataset, only: create_series, label_t, series_t
    use hdf5_file, only: hdf5_file_t
-   use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t

@@ -66,11 +66,6 @@ module lubricant
       class(flow_law_t), allocatable :: rheology
    end type fluid_t
 
-   !> rho and d rho/dP of the nodes (0:n).
-   type, public :: densities_t
-      real(wp), allocatable :: rho(:), rho_p(:)
-   end type densities_t
-
 contains
 
    !> Computes ln(mu/mu_0) and, if present, its derivative by P at the pressures `p` (n) >= 0 [-].

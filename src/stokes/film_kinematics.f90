@@ -16,7 +16,8 @@ module film_kinematics
    implicit none (type, external)
    private
 
-   public :: differentiate_kinematics, film_kinematics_t, new_kinematics, evaluate_kinematics
+   public :: corner_means, differentiate_kinematics, film_kinematics_t, new_kinematics, &
+      evaluate_kinematics
 
    !> Third of the trace, which the stresses of a compressible oil lack: tau_xx = eta (2 u_x - 2/3
    !> D).

@@ -187,7 +187,13 @@ contains
          end if
       end if
       if (count == 0 .or. .not. self%newton%is_converged) call solve(self, step_tolerance, reason)
-      call count_steps(self, steps + self%newton%steps)
+      steps = steps + self%newton%steps
+      associate (past => self%history)
+         past%steps = past%steps + steps
+         past%solutions = past%solutions + 1
+         past%most_steps = max(past%most_steps, steps)
+         past%longer = past%longer + merge(1, 0, steps > 3)
+      end associate
       if (.not. allocated(reason)) call remember(self, part%length)
    end subroutine advance
 
@@ -278,19 +284,6 @@ contains
       if (self%newton%is_converged) self%history%stress_rise = max(self%history%stress_rise, &
          stress_rise(self%problem, self%newton%terms))
    end subroutine solve_directly
-
-   !> Counts the Newton steps of one time step, or part of it.
-   subroutine count_steps(self, steps)
-      class(momentum_march_t), intent(inout) :: self
-      integer, intent(in) :: steps
-
-      associate (past => self%history)
-         past%steps = past%steps + steps
-         past%solutions = past%solutions + 1
-         past%most_steps = max(past%most_steps, steps)
-         past%longer = past%longer + merge(1, 0, steps > 3)
-      end associate
-   end subroutine count_steps
 
    !> Adds the present film to the history, at the end of a step of this length; without a length
    !> the march begins with it.

@@ -4,20 +4,30 @@
 !> pressure across the film, the film and H0. In a step the velocities change as those of the thin
 !> film, plus the linear change of their excess over these: their profiles are exponential in
 !> pressure. Cavitation: columns whose mean pressure would become negative hold P = 0.
+!>
+!> The linear system of a step has no changes of U, V and P. With A the matrix of module
+!> momentum_matrix, B and C the changes of the rows with the film and, by the Reynolds part, with
+!> the mean pressure, E the mean over a column, and the film change h = eta - K p, the changes of
+!> the mean pressure p and of H0, eta, solve
+!>
+!>     p + E A^-1 ( B (eta - K p) + C p ) = -E A^-1 r,   dX sum p = missing load.
+!>
+!> Preconditioned with the elastic Reynolds equation at the same pressure and film, whose rows are
+!> those of E A^-1 once multiplied by its change with the pressure alone.
 module momentum_newton
    use errors, only: error_t
    use film_equation, only: load_defect, set_film
-   use gmres, only: gmres_t, solve_gmres
+   use gmres, only: gmres_t, krylov_system_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t
    use momentum_history, only: newton_cost_t
    use momentum_matrix, only: factor_momentum, momentum_matrix_t, solve_momentum
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
-   use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t
-   use momentum_system, only: film_change, flow_change, momentum_system_t
-   use newton_work, only: new_jacobian, reynolds_jacobian_t
+   use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t, &
+      rows_change
+   use newton_work, only: linear_solver_t, new_jacobian, reynolds_jacobian_t
    use reynolds_jacobian, only: evaluate_jacobian
-   use reynolds_part, only: change_of_profile
+   use reynolds_part, only: change_of_profile, wedge_change
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    implicit none (type, external)
    private
@@ -63,6 +73,24 @@ module momentum_newton
       logical, allocatable, private :: factored_set(:)
       real(wp), private :: rate = new_rate
    end type momentum_newton_t
+
+   !> Unknowns p at nodes 1..n-1, then eta. Points to the data of one step; the rows of `reynolds`
+   !> are divided by the elastic diagonal.
+   type, extends(krylov_system_t) :: momentum_system_t
+      type(line_level_t), pointer :: level => null()
+      type(momentum_problem_t), pointer :: problem => null()
+      type(film_flow_t), pointer :: flow => null()
+      type(momentum_terms_t), pointer :: terms => null()
+      type(momentum_matrix_t), pointer :: matrix => null()
+      type(reynolds_jacobian_t), pointer :: reynolds => null()
+      class(linear_solver_t), pointer :: linear => null()
+      !> Storage of one product.
+      type(film_flow_t) :: change
+      type(momentum_rows_t) :: rows
+   contains
+      procedure :: multiply => multiply_eliminated
+      procedure :: precondition => precondition_by_reynolds
+   end type momentum_system_t
 
 contains
 
@@ -160,24 +188,18 @@ contains
       call evaluate_rows(problem, flow, newton%terms, newton%rows)
    end subroutine solve_momentum_contact
 
-   !> Whether no step is needed after the last full one.
+   !> Whether no step is needed after the last full one: it is small, or at round-off, or so is the
+   !> remainder if further steps fall as it has fallen from the `previous` full one (huge: none).
    pure logical function is_small(newton, previous, tolerance)
       type(momentum_newton_t), intent(in) :: newton
       real(wp), intent(in) :: previous, tolerance
 
-      is_small = newton%last_step < tolerance .or. (newton%last_step < settled &
-         .and. newton%last_step > slow_share*previous) &
-         .or. rest(newton%last_step, previous) < newton%largest_rest
+      associate (step => newton%last_step)
+         is_small = step < tolerance .or. (step < settled .and. step > slow_share*previous)
+         if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) is_small = is_small &
+            .or. step**2/(previous - step) < newton%largest_rest
+      end associate
    end function is_small
-
-   !> Predicted remainder after a step, if further ones fall as it has fallen from the previous one;
-   !> huge without a previous full step.
-   pure real(wp) function rest(step, previous)
-      real(wp), intent(in) :: step, previous
-
-      rest = huge(1.0_wp)
-      if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) rest = step**2/(previous - step)
-   end function rest
 
    !> Factors the matrix of the flow if there are no factors, or those of other cavitated columns.
    subroutine renew_factors(newton, problem, flow, is_new, error)
@@ -284,5 +306,74 @@ contains
       newton%last_step = max(maxval(abs(flow%p - old%p)), maxval(abs(flow%u - old%u)), &
          abs(share*film_shift))
    end subroutine apply_step
+
+   !> Computes the change of the film (0:n), eta - K p, for unknowns x.
+   subroutine film_change(level, x, change)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: change(0:)
+      real(wp) :: p(0:level%n)
+
+      p = 0.0_wp
+      p(1:level%n - 1) = x(:level%n - 1)
+      change = 0.0_wp
+      if (level%elastic%elasticity > 0.0_wp) call level%elastic%apply(p, change)
+      change = x(level%n) - change
+   end subroutine film_change
+
+   !> Computes A^-1 (B h + C p) for unknowns x, in `change`, whose film is h.
+   subroutine flow_change(system, x, change)
+      type(momentum_system_t), intent(inout) :: system
+      real(wp), intent(in) :: x(:)
+      type(film_flow_t), intent(inout) :: change
+      real(wp) :: p(0:system%level%n)
+
+      p = 0.0_wp
+      p(1:system%level%n - 1) = x(:system%level%n - 1)
+      change%u = 0.0_wp
+      change%v = 0.0_wp
+      change%p = 0.0_wp
+      call film_change(system%level, x, change%film)
+      call rows_change(system%problem, system%flow, system%terms, change, p, system%rows)
+      call solve_momentum(system%matrix, system%problem, system%rows, change)
+   end subroutine flow_change
+
+   !> Multiplies by the matrix of the system.
+   subroutine multiply_eliminated(self, x, y)
+      class(momentum_system_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: y(:)
+      real(wp) :: mean(0:self%level%n)
+      integer :: n
+
+      n = self%level%n
+      call flow_change(self, x, self%change)
+      mean = mean_pressure(self%change)
+      y(:n - 1) = x(:n - 1) + mean(1:n - 1)
+      y(n) = self%level%dx*sum(x(:n - 1))
+   end subroutine multiply_eliminated
+
+   !> Solves once with the factors of the Reynolds equation.
+   subroutine precondition_by_reynolds(self, x)
+      class(momentum_system_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:)
+      real(wp) :: p(-1:self%level%n + 1), no_film(0:self%level%n), wedge(self%level%n)
+      logical :: is_held(self%level%n - 1), is_solved
+      integer :: i, n
+
+      n = self%level%n
+      p = 0.0_wp
+      p(1:n - 1) = x(:n - 1)
+      no_film = 0.0_wp
+      is_held = self%problem%is_held(1:n - 1)
+      wedge = wedge_change(self%problem, self%terms%reynolds, mean_pressure(self%flow), &
+         self%flow%film, p(0:n), no_film)
+      do i = 1, n - 1
+         if (.not. is_held(i)) x(i) = dot_product(self%reynolds%by_pressure(:, i), p(i - 2:i + 2)) &
+            + self%problem%lambda*(wedge(i + 1) - wedge(i))/(self%level%dx &
+            *self%reynolds%diagonal(i))
+      end do
+      call self%linear%solve(self%level, self%reynolds, is_held, x, is_solved)
+   end subroutine precondition_by_reynolds
 
 end module momentum_newton

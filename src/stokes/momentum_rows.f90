@@ -5,25 +5,30 @@
 !>              + delta^2 ( (H tau_xx)_X - (Z_X tau_xx)_zeta ) ) = 0
 !>     z     P_zeta - kappa delta^2 ( (H tau_xz)_X + (tau_zz - Z_X tau_xz)_zeta ) = 0
 !>
-!> with the inertia of module film_inertia if asked for; mass (m, 0:n) at the nodes, x (m, n) over
-!> kappa at the faces, z (1:m-1, 0:n) on the inner edges at the nodes. Columns whose pressure is
-!> held have P - P_held for mass and V for z; at the inlet V is that of the next node.
+!> with inertia if asked for; mass (m, 0:n) at the nodes, x (m, n) over kappa at the faces, z
+!> (1:m-1, 0:n) on the inner edges at the nodes. Columns whose pressure is held have P - P_held for
+!> mass and V for z; at the inlet V is that of the next node.
+!>
+!> Inertia of the steady flow, added to the left sides, N = rho_0 u_s^2/p_h:
+!>
+!>     along   N H rho ( U U_X + V/H U_zeta ),   across   N delta^2 H rho ( U W_X + V/H W_zeta ),
 module momentum_rows
-   use film_geometry, only: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, &
-      evaluate_geometry
-   use film_inertia, only: inertia_across, inertia_along
-   use film_kinematics, only: differentiate_kinematics, film_kinematics_t, new_kinematics, &
-      evaluate_kinematics
-   use film_stresses, only: change_of_stresses, corner_values, film_stresses_t, new_stresses, &
-      stress_change_t, evaluate_stresses
+   use film_geometry, only: differentiate_geometry, evaluate_geometry, film_geometry_t, &
+      layer_centres, layer_edges
+   use film_kinematics, only: corner_means, differentiate_kinematics, evaluate_kinematics, &
+      film_kinematics_t, new_kinematics
+   use film_stresses, only: change_of_stresses, corner_values, evaluate_stresses, film_stresses_t, &
+      new_stresses, stress_change_t
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, inlet_parallel, inlet_thin, mean_pressure, &
       momentum_problem_t
-   use reynolds_part, only: change_of_profile, evaluate_reynolds_part, reynolds_part_t, wedge_change
+   use reynolds_part, only: change_of_profile, evaluate_reynolds_part, reynolds_part_t, &
+      wedge_change
    implicit none (type, external)
    private
 
-   public :: column_mass, evaluate_rows, mass_flux, momentum_rows_t, momentum_terms_t, rows_change
+   public :: column_mass, evaluate_rows, inertia_across, inertia_along, mass_flux, &
+      momentum_rows_t, momentum_terms_t, rows_change
 
    !> Residuals, or their changes.
    type :: momentum_rows_t
@@ -73,7 +78,7 @@ contains
             rows%z(:, i) = inner_differences(flow%p(:, i)) - kappa*d2*( &
                (g%face_film(i + 1)*s%xz(1:m - 1, i + 1) - g%face_film(i)*s%xz(1:m - 1, i))/dx &
                + inner_differences(s%zz(:, i) - layer_slopes(g%lower_slope(i), g%film_slope(i), m) &
-               *four_corners(s%xz(:, i:i + 1))))
+               *corner_means(s%xz(:, i:i + 1))))
          end do
       end associate
       if (problem%inertia > 0.0_wp) call add_inertia(problem, flow, terms, rows)
@@ -286,9 +291,9 @@ contains
                - d_g%face_film(i)*s%xz(1:m - 1, i))/dx &
                + inner_differences(d_s%zz(:, i) &
                - layer_slopes(g%lower_slope(i), g%film_slope(i), m) &
-               *four_corners(d_s%xz(:, i:i + 1)) &
+               *corner_means(d_s%xz(:, i:i + 1)) &
                - layer_slopes(d_g%lower_slope(i), d_g%film_slope(i), m) &
-               *four_corners(s%xz(:, i:i + 1))))
+               *corner_means(s%xz(:, i:i + 1))))
          end do
       end associate
    end subroutine change_momentum
@@ -376,14 +381,40 @@ contains
       slopes = 0.5_wp*(edges(:m - 1) + edges(1:))
    end function centre_slopes
 
-   !> Means (m) of four corners.
-   pure function four_corners(corners) result(means)
-      real(wp), intent(in) :: corners(0:, :)
-      real(wp) :: means(ubound(corners, 1))
-      integer :: m
+   !> H rho (U U_X + V/H U_zeta) in the layers at face f; 0 at the first and the last face.
+   pure function inertia_along(problem, geometry, kinematics, flow, rho, f) result(inertia)
+      type(momentum_problem_t), intent(in) :: problem
+      type(film_geometry_t), intent(in) :: geometry
+      type(film_kinematics_t), intent(in) :: kinematics
+      type(film_flow_t), intent(in) :: flow
+      real(wp), intent(in) :: rho(:, 0:)
+      integer, intent(in) :: f
+      real(wp) :: inertia(problem%layers)
 
-      m = ubound(corners, 1)
-      means = 0.25_wp*(corners(:m - 1, 1) + corners(1:, 1) + corners(:m - 1, 2) + corners(1:, 2))
-   end function four_corners
+      inertia = 0.0_wp
+      if (f == 1 .or. f == problem%n) return
+      associate (m => problem%layers, u => flow%u, v => flow%v, shear => kinematics%shear)
+         inertia = 0.5_wp*(rho(:, f - 1) + rho(:, f))*(geometry%face_film(f)*u(:, f)*(u(:, f + 1) &
+            - u(:, f - 1))/(2*problem%dx) + 0.25_wp*(v(:m - 1, f - 1) + v(1:, f - 1) + v(:m - 1, &
+            f) + v(1:, f))*0.5_wp*(shear(:m - 1, f) + shear(1:, f)))
+      end associate
+   end function inertia_along
+
+   !> H rho (U W_X + V/H W_zeta) on the inner edges at node i, not at the ends.
+   pure function inertia_across(problem, geometry, kinematics, flow, rho, i) result(inertia)
+      type(momentum_problem_t), intent(in) :: problem
+      type(film_geometry_t), intent(in) :: geometry
+      type(film_kinematics_t), intent(in) :: kinematics
+      type(film_flow_t), intent(in) :: flow
+      real(wp), intent(in) :: rho(:, 0:)
+      integer, intent(in) :: i
+      real(wp) :: inertia(problem%layers - 1)
+
+      associate (m => problem%layers, k => kinematics)
+         inertia = 0.5_wp*(rho(:m - 1, i) + rho(2:, i))*(geometry%film(i)*k%node_u(1:m - 1, i) &
+            *(k%w(1:m - 1, i + 1) - k%w(1:m - 1, i - 1))/(2*problem%dx) &
+            + flow%v(1:m - 1, i)*k%w_slope(1:m - 1, i))
+      end associate
+   end function inertia_across
 
 end module momentum_rows

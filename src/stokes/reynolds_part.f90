@@ -4,10 +4,12 @@
 !> With them the full equations at delta = 0 are the discrete Reynolds equation of the kappa scheme,
 !> on any number of layers, and a difference between the two is free of its errors.
 module reynolds_part
-   use face_mobility, only: face_slopes_t, fluid_face_slopes
+   use face_mobility, only: fluid_face_mobility
    use film_geometry, only: film_geometry_t
+   use film_state, only: film_state_t
    use kinds, only: wp
-   use lubricant, only: densities_t, fluid_viscosity
+   use lubricant, only: fluid_viscosity
+   use mobility, only: coefficients_t, mobility_slopes_t
    use momentum_problem, only: momentum_problem_t
    use reynolds_line, only: third_order_share, third_order_slope
    use thin_film_flow, only: face_flow_t, layer_flow, shear_differences
@@ -16,9 +18,10 @@ module reynolds_part
 
    public :: change_of_profile, evaluate_reynolds_part, reynolds_part_t, wedge_change
 
-   !> With the densities at the mean pressure. Derivatives are by P and H left, then P and H right
-   !> of the face.
-   type, extends(densities_t) :: reynolds_part_t
+   !> Derivatives are by P and H left, then P and H right of the face.
+   type :: reynolds_part_t
+      !> rho at the mean pressure and d rho/dP (0:n).
+      real(wp), allocatable :: rho(:), rho_p(:)
       !> Velocities of the layers (m, n), and H gamma less their differences (0:m, n); with
       !> derivatives (:, 4, n).
       real(wp), allocatable :: u(:, :), shear(:, :), u_by(:, :, :), shear_by(:, :, :)
@@ -34,7 +37,9 @@ contains
       type(film_geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: pressure(0:)
       type(reynolds_part_t), intent(inout) :: part
-      type(face_slopes_t) :: mobility
+      type(film_state_t) :: state
+      type(coefficients_t) :: oil
+      type(mobility_slopes_t) :: slopes
       real(wp) :: ln_mu(0:problem%n), ln_mu_p(0:problem%n), excess, excess_by(4)
       type(face_flow_t) :: face
       integer :: f
@@ -42,11 +47,14 @@ contains
       associate (m => problem%layers, n => problem%n, film => geometry%film)
          if (.not. allocated(part%u)) allocate (part%u(m, n), part%shear(0:m, n), part%u_by(m, 4, &
             n), part%shear_by(0:m, 4, n), part%wedge(n), part%rho(0:n), part%rho_p(0:n))
-         allocate (mobility%e(n), mobility%by_p_left(n), mobility%by_p_right(n), &
-            mobility%by_h_left(n), mobility%by_h_right(n))
+         allocate (state%pressure(0:n), source=pressure)
+         allocate (state%film(0:n), source=film)
+         allocate (oil%density(0:n), oil%ln_mu(0:n), oil%face_mobility(n), slopes%rho_p(0:n), &
+            slopes%by_p_left(n), slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
          call fluid_viscosity(problem%fluid, pressure, ln_mu, ln_mu_p)
-         call fluid_face_slopes(problem%fluid, problem%dx, pressure, film, mobility, &
-            part%densities_t)
+         call fluid_face_mobility(problem%fluid, problem%dx, state, oil, slopes)
+         part%rho(:) = oil%density
+         part%rho_p(:) = slopes%rho_p
          face = face_flow_t(speed=problem%speed, kappa=problem%kappa, &
             shear_scale=problem%shear_scale)
          do f = 1, n
@@ -72,9 +80,9 @@ contains
             rho_p => part%rho_p(f - 1:f))
             step = pressure(f) - pressure(f - 1)
             flow = 1/(2*problem%lambda*problem%dx*sqrt(rho(1)*h(1)*rho(2)*h(2)))
-            excess = -mobility%e(f)*step*flow
-            by = -flow*([mobility%by_p_left(f), mobility%by_h_left(f), mobility%by_p_right(f), &
-               mobility%by_h_right(f)]*step + mobility%e(f)*[-1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp]) &
+            excess = -oil%face_mobility(f)*step*flow
+            by = -flow*([slopes%by_p_left(f), slopes%by_h_left(f), slopes%by_p_right(f), &
+               slopes%by_h_right(f)]*step + oil%face_mobility(f)*[-1, 0, 1, 0]) &
                - 0.5_wp*excess*[rho_p(1)/rho(1), 1/h(1), rho_p(2)/rho(2), 1/h(2)]
          end associate
       end subroutine reynolds_excess

@@ -12,7 +12,7 @@ module height_form
    implicit none (type, external)
    private
 
-   public :: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, new_sums, &
+   public :: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, &
       rms_height, rms_slope, subtract_form, tilt_of, trend_t
 
    !> Heights close if the rms step across their ends is at most this many times that between
@@ -21,6 +21,7 @@ module height_form
 
    !> Sums over the heights so far, each less the first one.
    type :: height_sums_t
+      !> nx, ny (ny = 1: a profile), and the heights so far.
       integer(int64) :: grid(2) = 0_int64, nodes = 0_int64
       real(wp) :: first = 0.0_wp, lowest = huge(1.0_wp), highest = -huge(1.0_wp)
       !> Sums of 1, s, t, s^2, s t, t^2 times the height.
@@ -51,14 +52,6 @@ module height_form
    end type trend_t
 
 contains
-
-   !> Empty sums on a `grid` of nx, ny nodes (ny = 1: a profile).
-   pure function new_sums(grid) result(sums)
-      integer(int64), intent(in) :: grid(2)
-      type(height_sums_t) :: sums
-
-      sums%grid = grid
-   end function new_sums
 
    !> Adds the next heights [m], x fastest; for an area all of them at once.
    pure subroutine add(self, z)

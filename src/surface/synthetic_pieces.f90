@@ -9,9 +9,8 @@ module synthetic_pieces
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
    use errors, only: error_t
-   use height_source, only: height_source_t
    use kinds, only: wp
-   use profile, only: smooth_ramp
+   use profile, only: height_source_t, smooth_ramp
    use synthetic_surface, only: bend_t, bent, find_bend, gaussian_heights, synthesis_t
    implicit none (type, external)
    private

@@ -175,7 +175,7 @@ contains
       character(*), intent(in) :: path
       type(file_identity_t) :: locked, there
 
-      locked = file_of_descriptor(self%descriptor)
+      locked = query(self%descriptor, '', empty_path)
       there = file_at(path, follows=.true.)
       holds = there%kind /= kind_missing .and. locked%word == there%word
    end function holds
@@ -197,14 +197,6 @@ contains
 
       if (len(path) > 0) identity = query(current_folder, path, merge(0_c_int, no_follow, follows))
    end function file_at
-
-   !> The file of an open descriptor.
-   function file_of_descriptor(descriptor) result(identity)
-      integer(c_int), intent(in) :: descriptor
-      type(file_identity_t) :: identity
-
-      identity = query(descriptor, '', empty_path)
-   end function file_of_descriptor
 
    !> Asks the operating system.
    function query(folder, path, flags) result(identity)
