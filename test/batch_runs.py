@@ -1,10 +1,9 @@
 """What the tests of batch/ share: calling its scripts as a user does, and a sweep that takes a moment."""
 
 import os
-import subprocess
 import sys
 
-from cases import HANGING
+from cases import called, ended
 from conftest import ROOT
 
 BATCH = ROOT / "batch"
@@ -26,9 +25,7 @@ BASE = (ROOT / "input" / "minimal.nml").read_text(encoding="utf-8")
 def call(script, *arguments, folder, program, **options):
     environment = {**os.environ, "ASPERITY": str(program), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "agg"}
     command = [sys.executable, "-W", "error", str(BATCH / script), *map(str, arguments)]
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=HANGING, check=False, **options
-    )
+    return called(command, cwd=folder, env=environment, **options)
 
 
 def write_sweep(folder, text=SMALL, base=BASE, name="small.toml"):
@@ -40,6 +37,5 @@ def write_sweep(folder, text=SMALL, base=BASE, name="small.toml"):
 def swept(folder, program, text=SMALL, base=BASE):
     """The folder of a sweep, written by batch/sweep.py."""
     write_sweep(folder, text, base)
-    done = call("sweep.py", "small.toml", folder=folder, program=program)
-    assert done.returncode == 0, done.stderr
+    ended(call("sweep.py", "small.toml", folder=folder, program=program))
     return folder / "small"

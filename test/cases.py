@@ -1,7 +1,9 @@
 """Small namelists for end-to-end tests, and helpers to read results."""
 
+import csv
 import os
 import resource
+import subprocess
 
 import h5py
 import numpy as np
@@ -55,6 +57,11 @@ def write(folder, name, text):
     return path
 
 
+def called(command, **options):
+    """Calls a program: its returncode, stdout and stderr."""
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANGING, **options)
+
+
 def ended(done, status=0):
     assert done.returncode == status, done.stderr
     return done
@@ -62,6 +69,12 @@ def ended(done, status=0):
 
 def text(value):
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def rows(path):
+    """The rows of a CSV file."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
 
 
 def named(file, value):

@@ -4,11 +4,10 @@ import contextlib
 import os
 import pathlib
 import signal
-import subprocess
 
 import h5py
 import pytest
-from cases import HANGING, contents, ended, processor, write
+from cases import called, contents, ended, processor, write
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -66,8 +65,7 @@ def asperity(program, tmp_path):
 
     def call(*arguments, cwd=tmp_path, seconds=120):
         command = [str(program), *map(str, arguments)]
-        limit = processor(seconds)
-        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=HANGING, preexec_fn=limit, check=False)
+        return called(command, cwd=cwd, preexec_fn=processor(seconds))
 
     return call
 
@@ -80,8 +78,7 @@ def solve_all(program, tmp_path_factory):
         folder = tmp_path_factory.mktemp("results")
         for name, content in cases.items():
             write(folder, f"{name}.nml", content)
-            command = [str(program), f"{name}.nml", "--quiet"]
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=HANGING, check=False)
+            done = called([program, f"{name}.nml", "--quiet"], cwd=folder)
             assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
         return folder
 
@@ -101,10 +98,10 @@ def run_case(asperity, tmp_path):
 
 @pytest.fixture
 def solved_case(run_case, tmp_path):
-    """Runs a case that converges: solved_case(text) is its result, open."""
+    """Runs a case that converges, or ends with `status`: solved_case(text) is its result, open."""
 
-    def call(content, *options, name="case"):
-        run_case(content, "--quiet", *options, name=name)
+    def call(content, *options, status=0, name="case"):
+        run_case(content, "--quiet", *options, status=status, name=name)
         return h5py.File(tmp_path / f"{name}.h5")
 
     return call

@@ -1,8 +1,8 @@
 """Dry contacts: namelists, reference profiles and tables for the end-to-end tests."""
 
-import csv
 import pathlib
 
+import cases
 import h5py
 import numpy as np
 from cases import write
@@ -19,11 +19,20 @@ CASE = """&case problem = '{problem}' /
 """
 STEEL = ", youngs_modulus_2 = 210e9, poisson_ratio_2 = 0.3"
 HARD = ", hardness = 4e9"
+HEIGHTS = "shape = 'file', file = 'z.h5', dataset = 'z'"
+LEAN = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
 
 
 def profile(name, harmonics=None):
     more = f", harmonics = {harmonics}" if harmonics else ""
     return f"shape = 'file', file = '{INPUT}/profiles_ABCD.csv', positions = 'x_m', dataset = 'z{name}_m'{more}"
+
+
+def write_heights(folder, z, spacing):
+    """Heights in z.h5 of a folder, HEIGHTS for a namelist; `spacing` a number, or two along x and y [m]."""
+    with h5py.File(folder / "z.h5", "w") as file:
+        data = file.create_dataset("z", data=z)
+        data.attrs["spacing_x"], data.attrs["spacing_y"] = np.broadcast_to(spacing, 2)
 
 
 def case_text(surface, loads, bodies=HARD, more="", problem="dry_line", loading="", key="mean_pressure", modulus=None):
@@ -48,8 +57,7 @@ def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_l
 
 
 def rows(name):
-    with (DATA / name).open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return cases.rows(DATA / name)
 
 
 def close(found, expected, tolerance=1e-6):

@@ -145,6 +145,22 @@ def kill_until_complete(program, folder, reference, source, longest):
     return kills, resumed
 
 
+def kill_often(program, folder, text, source, kills, resumed, check=None):
+    """Kills a case, `text(seconds between checkpoints)`, as often as that or more: each time the bits of the undisturbed run."""
+    reference, seconds = undisturbed(program, folder, text(1000.0))
+    while kills > 0 or resumed > 0:
+        # the time between checkpoints is not part of the case
+        write(folder, "case.nml", text(source.choice([0.0, 0.005, 0.01, 0.03])))
+        new_kills, new_resumed = kill_until_complete(program, folder, reference, source, source.choice([0.4, 0.6, 1.0]) * seconds)
+        kills, resumed = kills - new_kills, resumed - new_resumed
+        assert different(reference, folder / "case.h5") == []
+        if check:
+            check(reference)
+        assert sorted(path.name for path in folder.iterdir()) == ["case.h5", "case.nml", "reference.h5"]
+        (folder / "case.h5").unlink()
+        print(f"{kills} kills to go, a result identical", flush=True)
+
+
 def new_parser(description):
     """The command line of a check that is run by hand; its description is the first line."""
     parser = argparse.ArgumentParser(description=description.split("\n", maxsplit=1)[0])
@@ -158,22 +174,8 @@ def main():
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    source = random.Random(arguments.seed)
-    kills, resumed, rounds = 0, 0, 0
     with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        reference, seconds = undisturbed(arguments.program.resolve(), folder, busy(1000.0))
-        while kills < arguments.kills:
-            # the time between checkpoints is not part of the case
-            write(folder, "case.nml", busy(source.choice([0.0, 0.001, 0.01, 0.03])))
-            new_kills, new_resumed = kill_until_complete(
-                arguments.program.resolve(), folder, reference, source, source.choice([0.4, 0.7, 1.0]) * seconds
-            )
-            assert different(reference, folder / "case.h5") == []
-            assert sorted(path.name for path in folder.iterdir()) == ["case.h5", "case.nml", "reference.h5"]
-            (folder / "case.h5").unlink()
-            kills, resumed, rounds = kills + new_kills, resumed + new_resumed, rounds + 1
-            print(f"{kills} kills, {resumed} runs resumed from a checkpoint, {rounds} results identical", flush=True)
+        kill_often(arguments.program.resolve(), pathlib.Path(name), busy, random.Random(arguments.seed), arguments.kills, 0)
     return 0
 
 

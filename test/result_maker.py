@@ -1,7 +1,5 @@
 """Makes small result files in the layout of the program, for tests of the figures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import h5py

@@ -1,12 +1,9 @@
 """model = 'auto': what is left out, what is kept, and that the result says so."""
 
-import subprocess
-import sys
-
 import h5py
 import pytest
 from cases import STEADY, TRANSIENT, same_bits
-from conftest import ROOT
+from test_postproc import run
 
 TARGET = "&accuracy target = 0.01 /\n"
 
@@ -32,8 +29,7 @@ RESTING = (
 
 def test_figure_over_time_says_why_there_are_no_times(told_case, tmp_path):
     told_case(auto(LOW), name="lean")
-    script = ROOT / "postproc" / "transient.py"
-    done = subprocess.run([sys.executable, script, "lean.h5"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = run("transient", tmp_path / "lean.h5")
     assert done.returncode != 0
     assert "has no /transient: model = 'auto' solved the steady contact with smooth surfaces, in place of" in done.stderr
     assert "model = 'full' has it" in done.stderr

@@ -12,7 +12,7 @@ import re
 
 import f90nml
 import pytest
-from cases import AT_REST, STEADY, TRANSIENT, ended
+from cases import AT_REST, STEADY, TRANSIENT, ended, write
 
 FOLDER = pathlib.Path(__file__).parent / "bad_input"
 BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
@@ -81,8 +81,8 @@ def test_all_findings_of_all_files(asperity, tmp_path):
 
 
 def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
-    (tmp_path / "good.nml").write_text(STEADY, encoding="utf-8")
-    (tmp_path / "bad.nml").write_text(STEADY.replace("1e5", "-1e5"), encoding="utf-8")
+    write(tmp_path, "good.nml", STEADY)
+    write(tmp_path, "bad.nml", STEADY.replace("1e5", "-1e5"))
     assert "bad.nml:4: &load load_per_length: found -1e5, expected" in ended(asperity("good.nml", "bad.nml"), 1).stderr
     assert not list(tmp_path.glob("*.h5*"))
 
@@ -240,7 +240,7 @@ def mutated(text, source):
 def test_random_damage_never_crashes(asperity, tmp_path):
     source = random.Random(2)
     for i in range(400):
-        (tmp_path / f"{i}.nml").write_text(mutated(source.choice([STEADY, TRANSIENT]), source), encoding="utf-8")
+        write(tmp_path, f"{i}.nml", mutated(source.choice([STEADY, TRANSIENT]), source))
     files = [tmp_path / f"{i}.nml" for i in range(400)]
     lines = run(asperity, *files, seconds=60)
     assert len(lines) > 300
@@ -256,7 +256,7 @@ def test_a_mistyped_key_is_named(asperity, tmp_path):
         elif found := re.match(r"!?  +(\w{6,}) += ", line):
             key, i = found[1], source.randrange(1, len(found[1]) - 2)
             typed = {key[:i] + key[i - 1 :], key[:i] + key[i + 1 :], key[:i] + key[i + 1] + key[i] + key[i + 2 :]} - {key}
-            (tmp_path / "a.nml").write_text("\n".join([group, *(f"{name} = 1" for name in typed), "/", ""]))
+            write(tmp_path, "a.nml", "\n".join([group, *(f"{name} = 1" for name in typed), "/", ""]))
             told = [line.endswith(f"; did you mean {key}?") for line in run(asperity, "a.nml") if "unknown key" in line]
             assert told == [True] * len(typed), (group, typed)
             count += len(typed)

@@ -14,6 +14,7 @@ import cases
 import h5py
 import pytest
 from batch_runs import BATCH, call, swept
+from cases import ended
 from program_calls import FAILED, bad_input, end_of, outcomes
 
 
@@ -72,8 +73,7 @@ def test_outcomes_are_a_line_for_each_case(asperity, tmp_path):
 
 def test_runs_all_then_nothing_then_what_has_changed(tmp_path, program):
     folder = swept(tmp_path, program)
-    done = run(folder, program)
-    assert done.returncode == 2
+    done = ended(run(folder, program), 2)
     assert "done                3" in done.stdout
     assert "case_0002  fas block_jacobi" in done.stdout
     assert "4 of 4 cases, 1 not converged" in done.stderr
@@ -111,8 +111,7 @@ def test_bad_input_and_a_blocked_name_keep_nothing_else_from_running(tmp_path, p
     bad = folder / "cases" / "case_0001.nml"
     bad.write_text(bad.read_text(encoding="utf-8").replace("viscosity", "viscosty"), encoding="utf-8")
     (folder / "cases" / "case_0004.h5").mkdir()
-    done = run(folder, program)
-    assert done.returncode == 3
+    done = ended(run(folder, program), 3)
     assert "done                1" in done.stdout
     assert "failed              2" in done.stdout
     assert "case_0001  case_0001.nml:" in done.stdout
@@ -141,8 +140,7 @@ os.execv("{program}", ["{program}", *sys.argv[1:]])
         encoding="utf-8",
     )
     crashing.chmod(0o755)
-    done = call("run.py", "small", "--jobs", "1", "--program", str(crashing), folder=tmp_path, program=program)
-    assert done.returncode == 3, done.stderr
+    done = ended(call("run.py", "small", "--jobs", "1", "--program", str(crashing), folder=tmp_path, program=program), 3)
     assert "done                2" in done.stdout
     assert "case_0003  the program was ended by SIGSEGV: backtrace of something" in done.stdout
     assert run(folder, program).returncode == 2
@@ -156,8 +154,7 @@ def test_a_full_disk_in_the_middle(tmp_path, program):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
-    done = run(folder, program, preexec_fn=little_room)
-    assert done.returncode == 3
+    done = ended(run(folder, program, preexec_fn=little_room), 3)
     assert "failed              4" in done.stdout
     assert "Traceback" not in done.stderr
     assert list((folder / "cases").glob("*.h5*")) == []

@@ -7,6 +7,7 @@ import namelists
 import numpy as np
 import pytest
 import stability_cells
+from cases import ended, write
 
 KRYLOV = {"method": "newton_krylov"}
 BLOCK_JACOBI = {"method": "fas_block_jacobi", "smoother": "block_jacobi", "pre_sweeps": 5, "post_sweeps": 5, "levels": 3}
@@ -188,8 +189,8 @@ def stated_failure(path: Path) -> str:
 
 @pytest.mark.parametrize(("key", "method", "inside", "outside"), CELLS)
 def test_border_of_a_map(asperity, diverging, tmp_path, key, method, inside, outside):
-    (tmp_path / "inside.nml").write_text(cell_text(key, method, inside))
-    (tmp_path / "outside.nml").write_text(cell_text(key, method, outside))
+    write(tmp_path, "inside.nml", cell_text(key, method, inside))
+    write(tmp_path, "outside.nml", cell_text(key, method, outside))
     assert asperity("inside.nml", "--quiet").returncode == 0
     assert diverging("outside.nml", "--quiet").returncode == 2
     reason = stated_failure(tmp_path / "outside.h5")
@@ -207,9 +208,8 @@ def test_inside_converges(run_case, tmp_path, name):
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_outside_says_why(diverging, tmp_path, name):
     text, reason = OUTSIDE[name]
-    (tmp_path / "case.nml").write_text(text)
-    done = diverging("case.nml", "--quiet")
-    assert done.returncode == 2
+    write(tmp_path, "case.nml", text)
+    ended(diverging("case.nml", "--quiet"), 2)
     assert reason in stated_failure(tmp_path / "case.h5")
 
 
@@ -221,9 +221,8 @@ def test_cycle_solves_the_parts_of_the_first_step(diverging, tmp_path):
         time = {"transient": True, "end_time": 2.75 / 1024, "time_step": 2.75 / 1024}
         ridge = namelists.RIDGE | {"position": -1.5}
         text = namelists.case_1(1024, solver, surface_2=ridge, time=time, accuracy={"error_bars": False})
-        (tmp_path / f"{name}.nml").write_text(text)
-        done = diverging(f"{name}.nml", "--quiet")
-        assert done.returncode == 0, done.stderr
+        write(tmp_path, f"{name}.nml", text)
+        ended(diverging(f"{name}.nml", "--quiet"))
         with h5py.File(tmp_path / f"{name}.h5") as file:
             assert file["report/uncut_steps"][()] == 0
             pressures.append(file["solution/pressure"][()])

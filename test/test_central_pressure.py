@@ -4,7 +4,7 @@ import h5py
 import namelists
 import numpy as np
 import pytest
-from cases import ended
+from cases import ended, write
 from conftest import ROOT
 from scipy.interpolate import CubicSpline
 
@@ -40,10 +40,9 @@ SPIKE = 989.84e6
 
 
 @pytest.mark.parametrize("intervals", [16384, 32768, 65536, 131072])
-def test_spike_rises_on_finer_grids_by_no_more_than_its_error(asperity, tmp_path, intervals):
+def test_spike_rises_on_finer_grids_by_no_more_than_its_error(solved_case, intervals):
     """From 65536 intervals on the grid resolves the flanks, and the vertices of parabolas rise by less than the nodes."""
-    assert asperity(MINIMAL, "--quiet", "--set", f"domain.intervals={intervals}").returncode == 0
-    with h5py.File(tmp_path / "minimal.h5") as file:
+    with solved_case(MINIMAL.read_text(), "--set", f"domain.intervals={intervals}") as file:
         found = file["summary/p_max"]
         assert 0.001 * SPIKE < SPIKE - found[()] < found.attrs["error_estimate"]
 
@@ -66,7 +65,7 @@ CORNERS = [
 
 
 @pytest.mark.parametrize(("m", "l", "slide", "stress", "oil", "has_target", "truth"), CORNERS)
-def test_corner_of_a_nearly_rolling_eyring_oil_is_in_the_error(asperity, tmp_path, m, l, slide, stress, oil, has_target, truth):  # noqa: E741
+def test_corner_of_a_nearly_rolling_eyring_oil_is_in_the_error(solved_case, m, l, slide, stress, oil, has_target, truth):  # noqa: E741
     """Flanks that Eyring's law makes equally steep meet in a corner, which a grid of any spacing cuts off."""
     groups = namelists.steel(m, l, slide, stress)
     if oil == "roelands":
@@ -76,9 +75,7 @@ def test_corner_of_a_nearly_rolling_eyring_oil_is_in_the_error(asperity, tmp_pat
         groups["lubricant"] |= {"viscosity_law": "barus", "density_law": oil}
     if has_target:
         groups["accuracy"] = {"target": 0.01, "target_p_max": 0.01}
-    (tmp_path / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
-    assert asperity("--quiet", "case.nml").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(namelists.namelist(groups)) as file:
         found = file["summary/p_max"]
         error, estimate = abs(found[()] - truth * 1e9), found.attrs["error_estimate"]
     assert error <= estimate < 10 * error
@@ -99,7 +96,7 @@ def test_corner_below_the_largest_pressure_is_told(asperity, tmp_path, speed, lo
         "lubricant": {"viscosity": 0.1, "viscosity_law": "barus", "pressure_viscosity": 2e-8},
     }
     groups["lubricant"] |= {"rheology": "eyring", "eyring_stress": stress}
-    (tmp_path / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
+    write(tmp_path, "case.nml", namelists.namelist(groups))
     coarse = asperity("case.nml", "--verbose")
     assert "spike" in asperity("case.nml").stdout
     assert "pressure spike" in spike_words(coarse)
@@ -151,12 +148,12 @@ def test_words_about_a_spike_fit_the_case(asperity, settings, expected):
 
 
 def test_no_words_about_a_spike_where_there_is_none(asperity, tmp_path):
-    (tmp_path / "case.nml").write_text(asperity("--template", "ehl_line").stdout, encoding="utf-8")
+    write(tmp_path, "case.nml", asperity("--template", "ehl_line").stdout)
     assert spike_words(asperity("case.nml", "--verbose")) == ""
     speeds = ("--set", "bodies.speed_1=20", "--set", "bodies.speed_2=20")
     coarse = asperity(MINIMAL, "--verbose", *speeds, "--set", "load.hertz_pressure=1e8")
     assert spike_words(coarse) == ""
-    (tmp_path / "case.nml").write_text(asperity("--template", "ehl_line").stdout, encoding="utf-8")
+    write(tmp_path, "case.nml", asperity("--template", "ehl_line").stdout)
     lines = asperity("case.nml").stdout.splitlines()
     assert all(row(lines, name) < 1 for name in ("h_min", "h_central", "p_max", "friction"))
 
@@ -176,10 +173,9 @@ def test_target_of_the_pressure_is_for_steady_contacts_with_a_target(asperity, o
 
 
 @pytest.mark.parametrize("intervals", [160, 256])
-def test_is_the_pressure_of_the_solution(asperity, tmp_path, intervals):
+def test_is_the_pressure_of_the_solution(solved_case, intervals):
     """With a node at X = 0 or none."""
-    assert asperity(MINIMAL, "--quiet", "--set", f"domain.intervals={intervals}").returncode == 0
-    with h5py.File(tmp_path / "minimal.h5") as file:
+    with solved_case(MINIMAL.read_text(), "--set", f"domain.intervals={intervals}") as file:
         x, p = file["solution/x"][()], file["solution/pressure"][()]
         found = file["summary/p_central"]
         near = np.abs(x) < 0.3
@@ -202,13 +198,11 @@ STIFF = [
 
 
 @pytest.mark.parametrize(("m", "l", "density", "target", "truth"), STIFF)
-def test_order_of_the_smallest_film_behind_a_spike_does_not_last(asperity, tmp_path, m, l, density, target, truth):  # noqa: E741
+def test_order_of_the_smallest_film_behind_a_spike_does_not_last(solved_case, m, l, density, target, truth):  # noqa: E741
     """Coarse grids show an order near 2, finer ones 3/2 and, where the oil is compressible, 1."""
     oil = {"lubricant": {"viscosity_law": "barus", "density_law": density}, "accuracy": {"target": target}}
     moes = {"moes": {"moes_m": m, "moes_l": l, "velocity": "sum"}}
-    (tmp_path / "case.nml").write_text(namelists.namelist(moes | oil), encoding="utf-8")
-    assert asperity("--quiet", "case.nml").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(namelists.namelist(moes | oil)) as file:
         found = file["summary/h_min"].attrs
         error = abs(found["dimensionless"] - truth)
         estimate = found["error_grid"] * found["dimensionless"] / file["summary/h_min"][()]

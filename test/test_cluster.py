@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import pytest
 from batch_runs import ROOT, call, swept
+from cases import called, ended
 
 LOCAL = ROOT / "tools" / "slurm_local.sh"
 COUNT = 24
@@ -58,7 +59,7 @@ def _slurm():
         numbers = sorted(port.getsockname()[1] for port in ports)
     first = next((n for n in numbers if n + 1 not in numbers), numbers[0])
     environment = {**os.environ, "SLURM_LOCAL_DIR": str(folder), "SLURM_LOCAL_PORT": str(first)}
-    started = subprocess.run([LOCAL, "start"], env=environment, capture_output=True, text=True, timeout=cases.HANGING, check=False)
+    started = called([LOCAL, "start"], env=environment)
     try:
         if started.returncode != 0:
             pytest.fail(f"Slurm does not start: {started.stderr}")
@@ -105,12 +106,9 @@ def until(condition, words, seconds=cases.HANGING):
 
 def submit(folder, environment, program, *options):
     """Array and gather job of batch/submit.sh."""
-    done = subprocess.run(
+    done = called(
         [ROOT / "batch" / "submit.sh", folder, "--per-task", "4", "--mem-per-cpu=100M", *options],
         env={**environment, "ASPERITY": str(program)},
-        capture_output=True,
-        text=True,
-        check=False,
     )
     assert done.returncode == 0, done.stderr
     words = done.stdout.replace(":", "").replace(";", "").split()
@@ -181,8 +179,7 @@ def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run
 def test_what_submit_refuses(tmp_path, folder, slurm):
     def refused(*arguments, environment=None):
         command = [ROOT / "batch" / "submit.sh", *arguments]
-        done = subprocess.run(command, env=environment or slurm, capture_output=True, text=True, check=False)
-        assert done.returncode == 1
+        done = ended(called(command, env=environment or slurm), 1)
         return done.stdout + done.stderr
 
     assert "batch/submit.sh FOLDER" in refused()
@@ -201,5 +198,5 @@ def test_without_slurm_submit_says_so(tmp_path):
     for name in ("bash", "dirname", "env"):
         (tools / name).symlink_to(shutil.which(name))
     command = [shutil.which("bash"), ROOT / "batch" / "submit.sh", tmp_path]
-    done = subprocess.run(command, env={"PATH": str(tools)}, capture_output=True, text=True, check=False)
+    done = called(command, env={"PATH": str(tools)})
     assert (done.returncode, "there is no sbatch here: run the cases with batch/run.py" in done.stderr) == (1, True)

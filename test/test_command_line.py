@@ -162,7 +162,7 @@ def _results(asperity, tmp_path):
     write(tmp_path, "oil.nml", STEADY)
     write(tmp_path, "moes.nml", MOES)
     write(tmp_path, "late.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
-    (tmp_path / "ball.nml").write_text(SPHERE.read_text())
+    write(tmp_path, "ball.nml", SPHERE.read_text())
     assert asperity("oil.nml", "moes.nml", "late.nml", "ball.nml", "--quiet").returncode == 2
     (tmp_path / "text.h5").write_text("no result")
     (tmp_path / "cut.h5").write_bytes((tmp_path / "oil.h5").read_bytes()[:3000])

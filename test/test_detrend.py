@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import STEADY, ended, text, write
-from dry_cases import case_text, profile, solve
+from dry_cases import HEIGHTS, case_text, profile, solve, write_heights
 
 LENGTH = 4e-3
 FILE = "shape = 'file', file = 'z.csv'{}"
@@ -79,9 +79,8 @@ def test_plane_of_an_area(asperity, tmp_path):
     z = 1e-8 * source.standard_normal((20, 30)) + 1e-6 + 2e-7 * x - 3e-7 * y
     terms = np.column_stack([np.ones(600), x.ravel(), y.ravel()])
     expected = z - (terms @ np.linalg.lstsq(terms, z.ravel(), rcond=None)[0]).reshape(z.shape)
-    with h5py.File(tmp_path / "z.h5", "w") as file:
-        file.create_dataset("z", data=z).attrs["spacing"] = 1e-6
-    with solve(asperity, tmp_path, "shape = 'file', file = 'z.h5', dataset = 'z'", [1e7], "", problem="dry_area") as file:
+    write_heights(tmp_path, z, 1e-6)
+    with solve(asperity, tmp_path, HEIGHTS, [1e7], "", problem="dry_area") as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)
         tilts = file["input/effective/surface_1"].attrs["heights_tilt"]
         assert "m in y subtracted from the heights of surface_1" in text(file["report/note"][()])
@@ -100,8 +99,7 @@ def test_tilt_in_oil(asperity, tmp_path, nodes):
     write(tmp_path, "case.nml", case)
     fields = []
     for tilt in (0.0, 2e-6):
-        with h5py.File(tmp_path / "z.h5", "w") as file:
-            file.create_dataset("z", data=z + tilt * x + tilt).attrs["spacing"] = LENGTH / (nodes - 1)
+        write_heights(tmp_path, z + tilt * x + tilt, LENGTH / (nodes - 1))
         done = ended(asperity("case.nml", "--verbose"))
         words = " ".join((done.stdout + done.stderr).split())
         assert words.count("m over 0.00400 m subtracted from the heights of surface_1") == (2 if tilt else 0)
@@ -143,15 +141,13 @@ def test_cut_offs_of_a_profile(asperity, tmp_path):
 @pytest.mark.parametrize(("key", "left"), [("cutoff_short", 0.5), ("cutoff_long", 0.5)])
 def test_half_of_a_wave_at_the_cut_off(asperity, tmp_path, key, left):
     wave = 1e-7 * np.sin(2 * np.pi * 5 * np.arange(500) / 500)
-    with h5py.File(tmp_path / "z.h5", "w") as file:
-        file.create_dataset("z", data=wave).attrs["spacing"] = 1e-6
-    surface = f"shape = 'file', file = 'z.h5', dataset = 'z', {key} = 100e-6"
-    with solve(asperity, tmp_path, surface, [1e5], "") as file:
+    write_heights(tmp_path, wave, 1e-6)
+    with solve(asperity, tmp_path, f"{HEIGHTS}, {key} = 100e-6", [1e5], "") as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], left * wave, rtol=0, atol=1e-20)
 
 
 @pytest.mark.parametrize("nodes", [3000, 100000])
-def test_cut_offs_in_oil(run_case, tmp_path, nodes):
+def test_cut_offs_in_oil(solved_case, tmp_path, nodes):
     """The same as of heights that were filtered before."""
     place = np.linspace(-1, 1, nodes)
     z = 20e-9 * np.cos(130 * place + 1) + 2e-6 * np.cos(3 * place) + 20e-9 * np.cos(2500 * place)
@@ -163,10 +159,8 @@ def test_cut_offs_in_oil(run_case, tmp_path, nodes):
     case += "&surface_1 shape = 'file', file = 'z.h5', dataset = 'z'{} /\n&accuracy error_bars = .false. /\n"
     fields = []
     for heights, more in ((smooth - by_series(smooth, spacing, 0.8e-3), ", detrend = 'none'"), (z, keys)):
-        with h5py.File(tmp_path / "z.h5", "w") as file:
-            file.create_dataset("z", data=heights).attrs["spacing"] = spacing
-        run_case(case.format(more), "--quiet")
-        with h5py.File(tmp_path / "case.h5") as file:
+        write_heights(tmp_path, heights, spacing)
+        with solved_case(case.format(more)) as file:
             fields.append(file["solution/roughness_1"][()] * file["solution/roughness_1"].attrs["si_scale"])
     assert np.abs(fields[0]).max() > 1e-8
     np.testing.assert_allclose(fields[1], fields[0], rtol=0, atol=1e-15)

@@ -9,14 +9,13 @@ differ; `fortran` blocks with a &case are checked as namelists, `toml` blocks wi
 import os
 import re
 import shutil
-import subprocess
 import sys
 
 import h5py
 import nbclient
 import nbformat
 import pytest
-from cases import HANGING
+from cases import called
 from conftest import ROOT
 
 PAGES = ["README.md", *(f"docs/{name}.md" for name in ("CONTRIBUTING", "guide", "dry", "batch", "theory", "developer", "tasks"))]
@@ -62,18 +61,9 @@ def run_block(language, code, folder):
     command = [sys.executable, "-c", code] if language == "python" else ["sh", "-euc", code]
     environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(ROOT / "python")}
     environment["ASPERITY"] = str(folder / "build" / "bin" / "asperity")
-    result = subprocess.run(
-        command,
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=HANGING,
-        check=False,
-    )
-    assert result.returncode == 0, f"{code}\n{result.stdout}"
-    return result.stdout
+    done = called(command, cwd=folder, env=environment)
+    assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr}"
+    return done.stdout + done.stderr
 
 
 def missing_lines(shown, output):

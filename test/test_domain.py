@@ -2,7 +2,7 @@
 
 import h5py
 import pytest
-from cases import AT_REST, TRANSIENT, text, write
+from cases import AT_REST, TRANSIENT, ended, text, write
 
 # Rigid cylinders nearly: the film ruptures at X = 2.9, far behind the end of the contact.
 LIGHT = """&case problem = 'ehl_line' /
@@ -16,8 +16,7 @@ FIGURES = ("h_min", "h_central", "p_max")
 def solve(asperity, folder, case):
     """Runs a case that converges: figures with value and error of the domain, note (or None), x_outlet [half-widths], log."""
     write(folder, "case.nml", case)
-    done = asperity("case.nml", "--verbose")
-    assert done.returncode == 0
+    done = ended(asperity("case.nml", "--verbose"))
     with h5py.File(folder / "case.h5") as file:
         figures = {name: (file["summary"][name][()], file["summary"][name].attrs["error_domain"]) for name in FIGURES}
         note = text(file["report/note"][()]) if "report/note" in file else None

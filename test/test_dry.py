@@ -1,14 +1,13 @@
 """Dry contacts end to end: reference data, energy, loading paths, surfaces from files and from seeds."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from cases import contents, same_bits, write
-from dry_cases import DATA, HARD, STEEL, case_text, close, profile, rows, solve
+from cases import contents, ended, same_bits, write
+from dry_cases import HARD, HEIGHTS, STEEL, case_text, close, profile, rows, solve, write_heights
+from test_postproc import run
 
 # Of the sweep, and of the reference table.
 COLUMNS = [
@@ -121,19 +120,19 @@ def test_ball_on_a_flat(solved_case, nodes):
 
 SYNTHETIC = """shape = 'synthetic', rms_height = 1e-6, wavelength_rolloff = 1e-4, wavelength_short = 1.25e-5, seed = {seed},
    skewness = {skewness}, kurtosis = {kurtosis}"""
+SIZES = {
+    "dry_line": "&domain length = 4e-4, intervals = 512 /",
+    "dry_area": "&domain length_x = 4e-4, length_y = 3e-4, intervals_x = 96, intervals_y = 72 /",
+}
 
 
 @pytest.mark.path
-@pytest.mark.parametrize("problem", ["dry_line", "dry_area"])
+@pytest.mark.parametrize("problem", SIZES)
 def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
-    sizes = {
-        "dry_line": "&domain length = 4e-4, intervals = 512 /",
-        "dry_area": "&domain length_x = 4e-4, length_y = 3e-4, intervals_x = 96, intervals_y = 72 /",
-    }
     heights = []
     for seed in (1, 1, 2):
         surface = SYNTHETIC.format(seed=seed, skewness=-0.5, kurtosis=3.5)
-        with solve(asperity, tmp_path, surface, [1e7], "", sizes[problem], problem) as file:
+        with solve(asperity, tmp_path, surface, [1e7], "", SIZES[problem], problem) as file:
             heights.append(file["solution/height_undeformed"][:])
             assert file["sweep/rq_undeformed"][0] == pytest.approx(1e-6, rel=1e-12, abs=0)
             assert file["sweep/rsk_undeformed"][0] == pytest.approx(-0.5, abs=1e-6)
@@ -148,11 +147,7 @@ def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
 @pytest.mark.path
 def test_fields_that_are_stored(asperity, tmp_path):
     """Some of them, and in single precision: the same numbers, rounded; everything else to the bit."""
-    sizes = {
-        "dry_line": "&domain length = 4e-4, intervals = 512 /",
-        "dry_area": "&domain length_x = 4e-4, length_y = 3e-4, intervals_x = 96, intervals_y = 72 /",
-    }
-    for problem, size in sizes.items():
+    for problem, size in SIZES.items():
         surface = SYNTHETIC.format(seed=1, skewness=0.0, kurtosis=3.0)
         full = contents(Path(solve(asperity, tmp_path, surface, [1e7], "", size, problem).filename))
         chosen = size + "\n&output fields = 'gap', 'pressure', precision = 'single' /"
@@ -170,7 +165,7 @@ def test_fields_that_are_stored(asperity, tmp_path):
 
 def test_synthetic_spectrum(asperity, tmp_path):
     surface = SYNTHETIC.format(seed=3, skewness=0.0, kurtosis=3.0)
-    with solve(asperity, tmp_path, surface, [1e7], "", "&domain length = 4e-4, intervals = 512 /") as file:
+    with solve(asperity, tmp_path, surface, [1e7], "", SIZES["dry_line"]) as file:
         power = np.abs(np.fft.rfft(file["solution/height_undeformed"][:])) ** 2
         stored = file["surface/power_undeformed"][:]
     assert power[33:].max() < 1e-20 * power.max()
@@ -182,12 +177,10 @@ def test_synthetic_spectrum(asperity, tmp_path):
 def test_area_from_hdf5(asperity, tmp_path):
     generator = np.random.default_rng(1)
     heights = generator.standard_normal((24, 32)) * 1e-7
-    with h5py.File(tmp_path / "area.h5", "w") as file:
-        dataset = file.create_dataset("maps/z", data=heights)
-        dataset.attrs["spacing_x"] = 1e-6
-        dataset.attrs["spacing_y"] = 2e-6
-    surface = "shape = 'file', file = 'area.h5', dataset = '/maps/z'"
-    with solve(asperity, tmp_path, surface, [1e8], problem="dry_area") as file:
+    write_heights(tmp_path, heights, (1e-6, 2e-6))
+    with h5py.File(tmp_path / "z.h5", "r+") as file:
+        file.move("z", "maps/z")
+    with solve(asperity, tmp_path, HEIGHTS.replace("'z'", "'/maps/z'"), [1e8], problem="dry_area") as file:
         assert np.array_equal(file["solution/height_undeformed"][:], heights)
         assert file["solution/x"][-1] == pytest.approx(31e-6)
         assert file["solution/y"][-1] == pytest.approx(46e-6)
@@ -286,11 +279,6 @@ def test_not_converged_is_said(run_case, tmp_path):
         assert len(file["report/residual_history"][:]) == 4
 
 
-def figures(*arguments):
-    command = [sys.executable, DATA.parent.parent / "postproc" / "dry.py", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
 def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
     with solve(asperity, tmp_path, profile("A"), [1e8, 2e8]):
         pass
@@ -300,7 +288,7 @@ def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
     with solve(asperity, tmp_path, area, [1e8], more=more, problem="dry_area"):
         pass
     (tmp_path / "case.h5").rename(tmp_path / "area.h5")
-    done = figures(tmp_path / "profile.h5", tmp_path / "area.h5", "--output", tmp_path / "figures", "--format", "png")
+    done = run("dry", tmp_path / "profile.h5", tmp_path / "area.h5", "--output", tmp_path / "figures", "--format", "png")
     assert (done.returncode, done.stderr) == (0, "")
     names = {path.name for path in (tmp_path / "figures").iterdir()}
     assert names == {
@@ -311,8 +299,7 @@ def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
 
 def test_figures_refuse_other_files(tmp_path):
     write(tmp_path, "no.h5", "no HDF5")
-    done = figures(tmp_path / "no.h5", "--output", tmp_path)
-    assert done.returncode == 1
+    done = ended(run("dry", tmp_path / "no.h5", "--output", tmp_path), 1)
     assert "no.h5" in done.stderr
 
 
@@ -320,12 +307,10 @@ def test_figures_refuse_other_files(tmp_path):
 def test_bisinusoid(solved_case, tmp_path, row):
     nodes, length, height = 512, 1e-3, 1e-6
     wave = np.cos(2 * np.pi * np.arange(nodes) / nodes)
-    with h5py.File(tmp_path / "waves.h5", "w") as file:
-        file.create_dataset("z", data=height * np.outer(wave, wave)).attrs["spacing"] = length / nodes
+    write_heights(tmp_path, height * np.outer(wave, wave), length / nodes)
     full = 2**0.5 * float(np.pi) * 0.5 * 2e11 * height / length
     loads = [float(row["pbar_over_pstar"]) * full]
-    surface = "shape = 'file', file = 'waves.h5', dataset = 'z'"
-    text = case_text(surface, loads, bodies="", problem="dry_area", modulus=2e11)
+    text = case_text(HEIGHTS, loads, bodies="", problem="dry_area", modulus=2e11)
     with solved_case(text.replace("1e-12", "1e-10")) as file:
         sweep = {key: value[0] for key, value in file["sweep"].items()}
     assert sweep["contact_area_fraction"] == pytest.approx(float(row["area_nodes"]), abs=1e-9)

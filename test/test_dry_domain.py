@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import text, write
+from cases import ended, text, write
 from dry_cases import solve
 
 LINE = """&case problem = 'dry_line' /
@@ -65,8 +65,7 @@ BEYOND = "the contact reaches the border of the open domain"
 
 @pytest.mark.parametrize(("load", "room"), [("load_per_length = 1e6", 1.2), ("mean_pressure = 1e9", 1.2)])
 def test_the_length_asked_for_is_enough(asperity, tmp_path, load, room):
-    done = line(asperity, tmp_path, "--check", load=load, length=2e-4)
-    assert done.returncode == 1
+    done = ended(line(asperity, tmp_path, "--check", load=load, length=2e-4), 1)
     wanted = float(done.stderr.split("expected about ")[1].split(" m")[0])
     assert line(asperity, tmp_path, "--quiet", load=load, length=wanted).returncode == 0
     with h5py.File(tmp_path / "case.h5") as file:
@@ -77,8 +76,7 @@ def test_the_length_asked_for_is_enough(asperity, tmp_path, load, room):
 def test_contact_that_reaches_the_border_is_no_solution(asperity, tmp_path):
     rough = "&surface_2 shape = 'synthetic', rms_height = 1e-8, wavelength_short = 5e-5 /"
     loads = "mean_pressure = 1e7, 2e9, 1e8"
-    done = line(asperity, tmp_path, load=loads, more=rough, length=4e-4)
-    assert done.returncode == 2
+    done = ended(line(asperity, tmp_path, load=loads, more=rough, length=4e-4), 2)
     assert f"{BEYOND}, which should be about " in done.stderr
     assert "at a mean pressure of 2.00000E+09 Pa" in done.stderr
     with h5py.File(tmp_path / "case.h5") as file:

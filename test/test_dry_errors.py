@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import text, write
-from dry_cases import HARD, case_text, profile, solve
+from dry_cases import HARD, HEIGHTS, case_text, profile, solve, write_heights
 
 MODULUS, LENGTH = 230e9, 1e-3
 ESTIMATED = {"contact_area_fraction", "plastic_area_fraction", "plasticity_index", "mean_separation", "separation", "datum"}
@@ -49,10 +49,9 @@ def test_every_figure_has_an_estimate(asperity, tmp_path):
     assert "+-" not in asperity("case.nml").stdout
 
 
-def test_no_estimate_without_a_solution(run_case, tmp_path, asperity):
+def test_no_estimate_without_a_solution(solved_case, tmp_path, asperity):
     content = case_text(profile("C"), [100e6]).replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3")
-    run_case(content, "--quiet", status=2)
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(content, status=2) as file:
         for name in SUMMARY:
             assert np.isnan(file["summary"][name].attrs["error_estimate"]), name
     surface = "shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3"
@@ -100,14 +99,12 @@ def test_bars_of_many_nodes_are_sharp(asperity, tmp_path):
     wave = np.hypot(*np.meshgrid(*[np.fft.fftfreq(nodes, 1 / nodes)] * 2))
     kept = np.where((wave >= 1) & (wave <= most), np.maximum(wave, 1), np.inf)
     heights = np.fft.ifft2(np.fft.fft2(rng.standard_normal((nodes, nodes))) * kept**-1.8).real
-    with h5py.File(tmp_path / "z.h5", "w") as file:
-        data = file.create_dataset("z", data=2e-7 * heights / heights.std())
-        data.attrs["spacing_x"] = data.attrs["spacing_y"] = 2.4e-4 / nodes
+    write_heights(tmp_path, 2e-7 * heights / heights.std(), 2.4e-4 / nodes)
     found = {}
     for n, more in ((nodes, ""), (2 * nodes, OFF)):
         domain = f"&domain length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = {n}, intervals_y = {n} /"
         options = {"more": f"{more}\n{domain}", "problem": "dry_area", "modulus": MODULUS}
-        with solve(asperity, tmp_path, "shape = 'file', file = 'z.h5', dataset = 'z'", [1e8], "", **options) as file:
+        with solve(asperity, tmp_path, HEIGHTS, [1e8], "", **options) as file:
             found[n] = {name: (file["summary"][name][()], file["summary"][name].attrs["error_estimate"]) for name in SUMMARY}
     for name, widest in {"mean_separation": 2e-3, "p_max": 0.15, "contact_area_fraction": 0.15}.items():
         value, bar = found[nodes][name]

@@ -1,9 +1,8 @@
 """Measured heights on other nodes than those of the file: Fourier resampling, and where it is refused."""
 
-import h5py
 import numpy as np
 import pytest
-from dry_cases import case_text, solve
+from dry_cases import HEIGHTS, case_text, solve, write_heights
 
 
 def resampled(z, nodes):
@@ -46,11 +45,9 @@ def test_files_on_other_nodes(asperity, tmp_path):
         assert file["sweep/contact_area_fraction"][0] == pytest.approx(2 * np.arcsin(np.sqrt(share)) / np.pi, abs=2 / 2000)
     assert gap == pytest.approx(1 - share * (1 - np.log(share)), rel=1e-4)
     z = heights(24 * 20).reshape(20, 24)
-    with h5py.File(tmp_path / "z.h5", "w") as file:
-        file.create_dataset("z", data=z).attrs["spacing"] = 1e-6
-    surface = "shape = 'file', file = 'z.h5', dataset = 'z'"
+    write_heights(tmp_path, z, 1e-6)
     domain = "&domain intervals_x = 36, intervals_y = 15 /"
-    with solve(asperity, tmp_path, surface, [1e7], "", domain, "dry_area") as file:
+    with solve(asperity, tmp_path, HEIGHTS, [1e7], "", domain, "dry_area") as file:
         rows = np.array([resampled(row, 36) for row in z])
         expected = np.array([resampled(column, 15) for column in rows.T]).T
         np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)

@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from dry_cases import case_text, solve
+from dry_cases import HEIGHTS, case_text, solve, write_heights
 
 RADIUS, MODULUS, PEAK = 0.01, 230e9, 1e9
 LINE = 4 * RADIUS * PEAK / MODULUS  # half-width of the Hertzian line
@@ -140,10 +140,8 @@ def rough_area(nx=36, ny=24):
 
 def press(asperity, folder, heights, spacing, pressure, hardness):
     """Pressure and heights after unloading of an area, solved as far as rounding allows."""
-    with h5py.File(folder / "z.h5", "w") as file:
-        dataset = file.create_dataset("z", data=heights)
-        dataset.attrs["spacing_x"], dataset.attrs["spacing_y"] = spacing
-    text = case_text("shape = 'file', file = 'z.h5', dataset = 'z'", [pressure], f", hardness = {hardness!r}", problem="dry_area")
+    write_heights(folder, heights, spacing)
+    text = case_text(HEIGHTS, [pressure], f", hardness = {hardness!r}", problem="dry_area")
     (folder / "case.nml").write_text(text.replace("1e-12", "1e-14"), encoding="utf-8")
     assert asperity("case.nml", "--quiet").returncode == 0
     with h5py.File(folder / "case.h5") as file:

@@ -5,6 +5,7 @@ import os
 import h5py
 import numpy as np
 import pytest
+from cases import ended, write
 from dry_cases import case_text, close, solve
 
 SURFACE = "shape = 'synthetic', rms_height = 0.5e-6, wavelength_rolloff = 1e-4, wavelength_short = 1.25e-5"
@@ -167,9 +168,8 @@ BAD_ATTRIBUTES = {
 def refused_heights(asperity, tmp_path):
     """The message about the dataset z of bad.h5."""
     text = case_text("shape = 'file', file = 'bad.h5', dataset = 'z'", [1e6], "")
-    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
-    done = asperity("case.nml")
-    assert done.returncode == 1
+    write(tmp_path, "case.nml", text)
+    done = ended(asperity("case.nml"), 1)
     assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
     assert "bad.h5" in done.stderr
     assert not (tmp_path / "case.h5").exists()

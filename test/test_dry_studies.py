@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from study_runs import rows, run_quick
+from cases import rows
+from study_runs import run_quick
 
 
 def verdicts(path):

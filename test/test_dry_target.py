@@ -1,12 +1,12 @@
 """Dry contacts with a wanted accuracy: which grid is chosen, that the surface stays the same, what is told."""
 
-import subprocess
+import contextlib
 
 import h5py
 import numpy as np
 import pytest
-from cases import HANGING, text, write
-from dry_cases import HARD, case_text, profile
+from cases import called, ended, text, write
+from dry_cases import HARD, HEIGHTS, case_text, profile, write_heights
 
 MODULUS, LENGTH = 230e9, 1e-3
 SYNTHETIC = "shape = 'synthetic', seed = 3, rms_height = 1e-6, wavelength_rolloff = 3e-4, wavelength_short = 1e-4"
@@ -14,13 +14,14 @@ PARABOLA = ", reduced_radius = 0.02"
 LINE, AREA = f"&domain length = {LENGTH!r}", f"&domain length_x = {LENGTH!r}, length_y = {LENGTH!r}"
 
 
+@contextlib.contextmanager
 def run(asperity, folder, surface, loads, target, bodies="", domain=LINE, more="", **options):
     """A case with a target: its open result and what it prints."""
     content = case_text(surface, loads, bodies, f"{domain} /\n&accuracy target = {target!r} /{more}", modulus=MODULUS, **options)
     write(folder, "case.nml", content.replace("&solver tolerance = 1e-12 /", ""))
-    done = asperity("case.nml")
-    assert done.returncode == 0, done.stderr
-    return h5py.File(folder / "case.h5"), done.stderr + done.stdout
+    done = ended(asperity("case.nml"))
+    with h5py.File(folder / "case.h5") as file:
+        yield file, done.stderr + done.stdout
 
 
 def shares(file):
@@ -59,8 +60,10 @@ def test_hertz_is_as_good_as_wanted(asperity, tmp_path, area, target):
     peak = width * LENGTH / 2 * MODULUS / ((np.pi if area else 4) * 0.02)
     exact = np.pi * width**2 / 4 if area else width
     options = {"problem": "dry_area", "domain": AREA} if area else {}
-    file, printed = run(asperity, tmp_path, "shape = 'parabola'", [peak], target, PARABOLA, key="hertz_pressure", **options)
-    with file:
+    with run(asperity, tmp_path, "shape = 'parabola'", [peak], target, PARABOLA, key="hertz_pressure", **options) as (
+        file,
+        printed,
+    ):
         data = file["summary/contact_area_fraction"]
         assert abs(data[()] - exact) <= target * exact
         assert target / 1.5 < shares(file)[0] <= target
@@ -83,8 +86,7 @@ def test_a_synthetic_surface_stays_the_same(asperity, tmp_path, area, open_domai
     z = on_nodes(asperity, tmp_path, first, area)
     load = [2e8 if area else 4e8] if not open_domain else [2e7]
     bodies, body = (PARABOLA, "\n&surface_2 shape = 'parabola' /") if open_domain else ("", "")
-    file, _ = run(asperity, tmp_path, SYNTHETIC, load, target, bodies, (AREA if area else LINE) + more, body, **options)
-    with file:
+    with run(asperity, tmp_path, SYNTHETIC, load, target, bodies, (AREA if area else LINE) + more, body, **options) as (file, _):
         found = file["solution/height_undeformed"][()]
         nodes, shift = found.shape[0], 0.5 if open_domain else 0.0
         assert nodes > first
@@ -99,8 +101,7 @@ def test_a_synthetic_surface_stays_the_same(asperity, tmp_path, area, open_domai
 
 def test_a_periodic_file_has_its_fourier_series(solved_case, asperity, tmp_path):
     surface = profile("C")
-    file, _ = run(asperity, tmp_path, surface, [25e6, 250e6], 0.01, HARD, "&domain", loading=", loading = 'history'")
-    with file:
+    with run(asperity, tmp_path, surface, [25e6, 250e6], 0.01, HARD, "&domain", loading=", loading = 'history'") as (file, _):
         nodes = file["solution/x"].size
         found, worst = file["solution/height_undeformed"][()], shares(file)
         assert 0.005 < worst.max() <= 0.01
@@ -113,13 +114,9 @@ def test_a_periodic_file_has_its_fourier_series(solved_case, asperity, tmp_path)
 def test_an_open_file_keeps_its_nodes(asperity, tmp_path):
     """Its heights are known at its nodes only: a target is judged and told."""
     x = (np.arange(96) + 0.5) / 96 - 0.5
-    with h5py.File(tmp_path / "z.h5", "w") as file:
-        file["z"] = 1e-7 * np.cos(60 * x) - (x * LENGTH) ** 2 / 0.04
-        file["z"].attrs["spacing"] = LENGTH / 96
-    surface = "shape = 'file', file = 'z.h5', dataset = 'z'"
+    write_heights(tmp_path, 1e-7 * np.cos(60 * x) - (x * LENGTH) ** 2 / 0.04, LENGTH / 96)
     for target in (0.1, 1e-3):
-        file, printed = run(asperity, tmp_path, surface, [1e8], target, domain="&domain periodic = .false.")
-        with file:
+        with run(asperity, tmp_path, HEIGHTS, [1e8], target, domain="&domain periodic = .false.") as (file, printed):
             assert (file.attrs["converged"], file["solution/x"].size) == (1, 96)
             assert ("report/note" in file) == (target < shares(file)[0])
             if target == 1e-3:
@@ -136,8 +133,7 @@ def test_a_target_beyond_the_memory_is_told(program, tmp_path):
     surface = f"shape = 'sinusoid', amplitude = 1e-6, wavelength = {LENGTH!r}"
     write(tmp_path, "case.nml", case_text(surface, [1e8], "", domain, modulus=MODULUS).replace("1e-12", "1e-8"))
     command = f"ulimit -v 300000; OPENBLAS_NUM_THREADS=1 '{program}' case.nml"
-    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=HANGING, check=False)
-    assert done.returncode == 0, done.stderr
+    ended(called(["bash", "-c", command], cwd=tmp_path))
     with h5py.File(tmp_path / "case.h5") as file:
         note, nodes = text(file["report/note"][()]), file["solution/x"].size
         assert "was wanted, and grids of more than " in note
@@ -149,17 +145,15 @@ def test_a_target_beyond_the_memory_is_told(program, tmp_path):
 def test_waves_are_seen_from_the_start(asperity, tmp_path):
     """A feature that a coarse grid would miss has its nodes, and there is no note about them."""
     surface = "shape = 'sinusoid', 'feature', amplitude = 1e-6, 5e-7, wavelength = 1e-3, 1e-5, position = 0.0, 3.3e-4"
-    file, _ = run(asperity, tmp_path, surface, [1e7], 0.1)
-    with file:
+    with run(asperity, tmp_path, surface, [1e7], 0.1) as (file, _):
         assert file["solution/x"].size >= 800
         assert "report/note" not in file
 
 
 @pytest.mark.path
-def test_no_solution_is_no_accuracy(run_case, tmp_path):
+def test_no_solution_is_no_accuracy(solved_case):
     content = case_text(SYNTHETIC, [1e8], "", f"{LINE} /\n&accuracy target = 0.05 /", modulus=MODULUS)
-    run_case(content.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 2"), "--quiet", status=2)
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(content.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 2"), status=2) as file:
         assert file.attrs["converged"] == 0
         assert np.isnan(file["summary/contact_area_fraction"].attrs["error_estimate"])
 
@@ -167,8 +161,7 @@ def test_no_solution_is_no_accuracy(run_case, tmp_path):
 def test_a_separation_that_the_first_grid_misses(asperity, tmp_path):
     """Only the very top of the wave touches."""
     surface = f"shape = 'sinusoid', amplitude = 1e-6, wavelength = {LENGTH!r}, position = 4e-6"
-    file, _ = run(asperity, tmp_path, surface, [0.9995e-6], 0.02, key="separation")
-    with file:
+    with run(asperity, tmp_path, surface, [0.9995e-6], 0.02, key="separation") as (file, _):
         area = file["summary/contact_area_fraction"]
         share = area[()]
         assert area.attrs["error_estimate"] <= 0.02 * share

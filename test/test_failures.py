@@ -7,7 +7,7 @@ import h5py
 import namelists
 import numpy as np
 import pytest
-from cases import text
+from cases import text, write
 
 FAS = "fas_block_jacobi"
 METHODS = {
@@ -114,7 +114,7 @@ def look_at(path: Path, returncode: int) -> str:
 
 @pytest.mark.parametrize("name", CASES)
 def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
-    (tmp_path / "case.nml").write_text(CASES[name])
+    write(tmp_path, "case.nml", CASES[name])
     done = diverging("case.nml", "--quiet", seconds=PATIENCE)
     assert done.returncode in {0, 2}, done.stderr
     reason = look_at(tmp_path / "case.h5", done.returncode)
@@ -130,7 +130,7 @@ def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
 def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):
     # the residual cannot fall to this tolerance: its round-off floor is 1e5 times higher
     solver = {"method": "newton_krylov", "tolerance": 1e-14}
-    (tmp_path / "case.nml").write_text(namelists.case_1(2**20, solver, accuracy={"error_bars": False}))
+    write(tmp_path, "case.nml", namelists.case_1(2**20, solver, accuracy={"error_bars": False}))
     done = asperity("case.nml", "--quiet", seconds=PATIENCE)
     assert done.returncode in {0, 2}, done.stderr
     look_at(tmp_path / "case.h5", done.returncode)
@@ -148,10 +148,9 @@ def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):
         (2**14, {"method": "newton_krylov"}, 5 * 1.5e-12 * 16),
     ],
 )
-def test_round_off_bounds_the_residual(asperity, tmp_path, intervals, solver, bound):
+def test_round_off_bounds_the_residual(run_case, tmp_path, intervals, solver, bound):
     text = namelists.case_1(intervals, solver | {"tolerance": 1e-14}, accuracy={"error_bars": False})
-    (tmp_path / "case.nml").write_text(text)
-    assert asperity("case.nml", "--quiet", seconds=PATIENCE).returncode == 0
+    run_case(text, "--quiet", seconds=PATIENCE)
     with h5py.File(tmp_path / "case.h5") as file:
         assert math.isclose(file["report/tolerance_effective"][()], bound, rel_tol=0.05)
         assert file["report/residual_history"][-1] <= file["report/tolerance_effective"][()]
@@ -159,10 +158,9 @@ def test_round_off_bounds_the_residual(asperity, tmp_path, intervals, solver, bo
 
 # H_min of before the rest of P was kept, when the residual ended at 1.1e-7 and 1.8e-6.
 @pytest.mark.parametrize(("intervals", "h_min"), [(2**16, 0.3854881180690946), (2**18, 0.3854881286127418)])
-def test_reaches_its_tolerance_on_fine_grids(asperity, tmp_path, intervals, h_min):
+def test_reaches_its_tolerance_on_fine_grids(run_case, tmp_path, intervals, h_min):
     solver = {"method": "newton_krylov", "tolerance": 1e-8}
-    (tmp_path / "case.nml").write_text(namelists.case_1(intervals, solver, accuracy={"error_bars": False}))
-    assert asperity("case.nml", "--quiet", seconds=PATIENCE).returncode == 0
+    run_case(namelists.case_1(intervals, solver, accuracy={"error_bars": False}), "--quiet", seconds=PATIENCE)
     with h5py.File(tmp_path / "case.h5") as file:
         assert file["report/tolerance_effective"][()] == 1e-8
         assert file["report/residual_history"][-1] <= 1e-8

@@ -41,7 +41,7 @@ def test_breakdown_stops_and_says_where_and_when(run_case, tmp_path):
 
 
 @pytest.mark.path
-def test_breakdown_goes_on_with_a_mark(asperity, tmp_path, run_case):
+def test_breakdown_goes_on_with_a_mark(solved_case, asperity, tmp_path):
     write(tmp_path, "a.nml", HIGH + floor("15e-9", "continue"))
     write(tmp_path, "b.nml", HIGH)
     done = ended(asperity("a.nml", "b.nml", "--quiet"))
@@ -59,16 +59,14 @@ def test_breakdown_goes_on_with_a_mark(asperity, tmp_path, run_case):
         assert file["report/film_breakdown_step"][()] == np.flatnonzero(low)[0]
         # the floor is no part of the equations
         assert (file["transient/film_thickness"][()] == free["transient/film_thickness"][()]).all()
-    run_case(HIGH.replace("x_outlet = 3.0", "x_outlet = 1.5"), "--quiet", status=2, name="a")
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(HIGH.replace("x_outlet = 3.0", "x_outlet = 1.5"), status=2, name="a") as file:
         assert "smallest film before it: H = 0.01" in text(file.attrs["reason"])
         assert file["transient/film_thickness"][()].min() > 0
 
 
 @pytest.mark.parametrize("action", ["stop", "continue"])
-def test_surfaces_that_touch_at_the_start_leave_no_negative_film(run_case, tmp_path, action):
-    run_case(HIGH.replace("1e-6", "5e-6").replace("-3.0", "0.0") + floor("1e-9", action), "--quiet", status=2, name="a")
-    with h5py.File(tmp_path / "a.h5") as file:
+def test_surfaces_that_touch_at_the_start_leave_no_negative_film(solved_case, action):
+    with solved_case(HIGH.replace("1e-6", "5e-6").replace("-3.0", "0.0") + floor("1e-9", action), status=2, name="a") as file:
         assert file.attrs["converged"] == 0
         assert file.attrs["film_breakdown"] == 1
         reason = text(file.attrs["reason"])
@@ -78,10 +76,8 @@ def test_surfaces_that_touch_at_the_start_leave_no_negative_film(run_case, tmp_p
 
 
 @pytest.mark.parametrize(("action", "status"), [("stop", 2), ("continue", 0)])
-def test_steady_breakdown(asperity, tmp_path, action, status):
-    write(tmp_path, "a.nml", STEADY + floor("500e-9", action))
-    assert asperity("a.nml", "--quiet").returncode == status
-    with h5py.File(tmp_path / "a.h5") as file:
+def test_steady_breakdown(solved_case, action, status):
+    with solved_case(STEADY + floor("500e-9", action), status=status, name="a") as file:
         assert file.attrs["film_breakdown"] == 1
         assert file.attrs["converged"] == (status == 0)
         assert text(file.attrs["reason"]).startswith("film breakdown at x = " if status else "converged")

@@ -1,6 +1,5 @@
 """batch/gather.py: a row for each case, whatever became of it, in files that other programs open without a word."""
 
-import csv
 import os
 import shutil
 import subprocess
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 from batch_runs import ROOT, call, swept
 from case_folder import header, read_folder, split_header
+from cases import called, ended
 
 
 @pytest.fixture(scope="module", name="finished")
@@ -29,14 +29,12 @@ def folder(finished, tmp_path):
 
 
 def gather(folder, program, *options):
-    done = call("gather.py", folder.name, *options, folder=folder.parent, program=program)
-    assert done.returncode == 0, done.stderr
+    done = ended(call("gather.py", folder.name, *options, folder=folder.parent, program=program))
     return done.stdout
 
 
 def rows_of(folder):
-    with (folder / "gathered.csv").open(newline="", encoding="utf-8") as file:
-        return {row["case"]: row for row in csv.DictReader(file)}
+    return {row["case"]: row for row in cases.rows(folder / "gathered.csv")}
 
 
 ROUGH = """base = "base.nml"
@@ -49,8 +47,7 @@ domain.intervals = 256
 
 def test_film_below_the_roughness_has_a_status_of_its_own(tmp_path, program):
     folder = swept(tmp_path, program, ROUGH)
-    done = call("run.py", "small", folder=tmp_path, program=program)
-    assert done.returncode == 2
+    done = ended(call("run.py", "small", folder=tmp_path, program=program), 2)
     assert "  done                1\n  outside the model   1\n    case_0002  outside the model: mixed lubr" in done.stdout
     assert "2 of 2 cases, 1 outside the model\n" in done.stderr
     assert gather(folder, program) == "small/gathered.h5: 1 done, 1 outside the model: mixed\n"
@@ -243,32 +240,32 @@ def measured_gather(folder, block, jobs):
 
 
 def test_time_and_memory_do_not_grow_with_the_number_of_files(folder, tmp_path):
-    """Processor time of a result among 800 and among 200, and memory of both: the bench times 10 000 (docs/batch.md)."""
+    """Processor time of a result among 240 and among 60, and memory of both: the bench times 10 000 (docs/batch.md)."""
     seconds, kilobytes = {}, {}
-    for count in (200, 800):
+    for count in (60, 240):
         many = many_of(folder, tmp_path / f"many{count}", count)
-        seconds[count], kilobytes[count], _ = measured_gather(many, 200, 1)
-    assert seconds[800] / 800 < 2 * seconds[200] / 200  # a search through all that was read would give 4
-    assert kilobytes[800] < kilobytes[200] + 4000
+        seconds[count], kilobytes[count], _ = measured_gather(many, 60, 1)
+    assert seconds[240] / 240 < 2 * seconds[60] / 60  # a search through all that was read would give 4
+    assert kilobytes[240] < kilobytes[60] + 4000
 
 
 def test_any_number_of_processes_writes_the_same_files(folder, tmp_path):
     """Blocks with different columns, in their order; the reading is done by the others."""
-    many = many_of(folder, tmp_path / "many", 170)
-    for i in (3, 60, 61, 120):
+    many = many_of(folder, tmp_path / "many", 90)
+    for i in (3, 30, 31, 60):
         (many / "cases" / f"case_{i:04d}.h5").unlink()
-    with_words(many / "cases" / "case_0110.h5", "cycles", "seven")
+    with_words(many / "cases" / "case_0055.h5", "cycles", "seven")
     (many / "log").mkdir()
-    (many / "log" / "a.csv").write_text("case_0061,3,no room\0\n", encoding="utf-8")
+    (many / "log" / "a.csv").write_text("case_0031,3,no room\0\n", encoding="utf-8")
     written, seconds = {}, {}
     for jobs in (1, 2, 3):
-        seconds[jobs], *_ = measured_gather(many, 50, jobs)
+        seconds[jobs], *_ = measured_gather(many, 25, jobs)
         written[jobs] = [(many / f"gathered.{ending}").read_bytes() for ending in ("h5", "csv")]
     assert written[1] == written[2] == written[3]
     assert seconds[2] < 0.7 * seconds[1]
     status = [row["status"] for row in rows_of(many).values()]
-    assert [i + 1 for i, word in enumerate(status) if word == "not run"] == [3, 60, 120]
-    assert rows_of(many)["case_0061"]["reason"] == "no room\ufffd"
+    assert [i + 1 for i, word in enumerate(status) if word == "not run"] == [3, 30, 60]
+    assert rows_of(many)["case_0031"]["reason"] == "no room\ufffd"
 
 
 def test_a_process_that_is_killed_leaves_the_older_table(folder, tmp_path):
@@ -281,7 +278,7 @@ def test_a_process_that_is_killed_leaves_the_older_table(folder, tmp_path):
         "sys.exit(gather.main([sys.argv[2]]))"
     )
     command = [sys.executable, "-c", script, str(ROOT / "batch"), str(many)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = called(command)
     assert (done.returncode, done.stderr) == (
         3,
         f"gather.py: {many / 'cases'}: a process that reads results was ended, by somebody or for lack of memory\n",

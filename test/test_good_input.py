@@ -19,6 +19,11 @@ def check(asperity, folder, content):
     assert done.stdout == f"{path}: no findings\n"
 
 
+def ridges(old, amplitudes, positions, count=2):
+    """The passage with several ridges, their amplitudes written in place of `old`."""
+    return TRANSIENT.replace(old, amplitudes).replace("= 1e-4", f"= {count}*1e-4").replace("-2.1", positions)
+
+
 FORMS = {
     "as_it_is": STEADY,
     "transient": TRANSIENT,
@@ -48,17 +53,10 @@ FORMS = {
     "no_blanks": STEADY.replace(" = ", "="),
     "short_logical": TRANSIENT.replace(".true.", "T"),
     "word_logical": TRANSIENT.replace(".true.", ".TRUE."),
-    "array_with_commas": TRANSIENT.replace("0.2e-6", "1e-7, 2e-7").replace("= 1e-4", "= 2*1e-4").replace("-2.1", "-2.0 -2"),
-    "array_by_elements": TRANSIENT.replace("amplitude = 0.2e-6", "amplitude(2) = 1e-7, amplitude( 1 ) = 2e-7")
-    .replace("= 1e-4", "= 2*1e-4")
-    .replace("-2.1", "-2.0 -2"),
-    "array_tail": TRANSIENT.replace("amplitude = 0.2e-6", "amplitude = 1e-7 amplitude(2) = 2e-7, 3e-7")
-    .replace("= 1e-4", "= 3*1e-4")
-    .replace("-2.1", "3*-2.0"),
-    "shapes_mixed": TRANSIENT.replace("'feature'", "'feature', 'sinusoid'")
-    .replace("0.2e-6", "1e-7, 2e-7")
-    .replace("= 1e-4", "= 2*1e-4")
-    .replace("-2.1", "2*-2.0"),
+    "array_with_commas": ridges("0.2e-6", "1e-7, 2e-7", "-2.0 -2"),
+    "array_by_elements": ridges("amplitude = 0.2e-6", "amplitude(2) = 1e-7, amplitude( 1 ) = 2e-7", "-2.0 -2"),
+    "array_tail": ridges("amplitude = 0.2e-6", "amplitude = 1e-7 amplitude(2) = 2e-7, 3e-7", "3*-2.0", 3),
+    "shapes_mixed": ridges("0.2e-6", "1e-7, 2e-7", "2*-2.0").replace("'feature'", "'feature', 'sinusoid'"),
     "one_field": TRANSIENT + "&output fields = 'pressure' profile_stride = 3 /\n",
     "still_rough_steady": STEADY.replace("speed_1 = 0.1", "speed_1 = 0")
     + "&surface_1 shape = 'sinusoid', amplitude = 1e-8, wavelength = 1e-4 /\n",
@@ -96,7 +94,7 @@ SHEETS = {
 
 
 @pytest.mark.parametrize("sheet", SHEETS)
-def test_an_oil_by_its_data_sheet_is_that_of_its_viscosity(run_case, tmp_path, sheet):
+def test_an_oil_by_its_data_sheet_is_that_of_its_viscosity(solved_case, run_case, tmp_path, sheet):
     """Bit for bit, thermal_viscosity as stated; the words stand in the log and in the result."""
     said = run_case(STEADY.replace("viscosity = 0.14", sheet), name="sheet")
     assert f"sheet.nml:5: {SHEETS[sheet]}" in said.stderr
@@ -106,8 +104,7 @@ def test_an_oil_by_its_data_sheet_is_that_of_its_viscosity(run_case, tmp_path, s
         assert SHEETS[sheet] in text(file["report/note"][()])
     assert float(SHEETS[sheet].split("mm2/s, ")[-1].split()[0]) == pytest.approx(oil["viscosity"], rel=5e-3)
     assert (oil["thermal_viscosity"] == 0.04) == ("temperature" not in sheet)
-    run_case(STEADY.replace("viscosity = 0.14", f"viscosity = {oil['viscosity']}"), "--quiet")
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(STEADY.replace("viscosity = 0.14", f"viscosity = {oil['viscosity']}")) as file:
         assert (file["solution/film_thickness"][()] == film).all()
 
 
@@ -232,21 +229,9 @@ def test_two_cases_with_one_result(asperity, tmp_path):
     assert not list(tmp_path.rglob("*.h5*"))
 
 
-def test_result_on_top_of_the_namelist(asperity, tmp_path):
-    path = tmp_path / "case.nml"
-    path.write_text(STEADY.replace("&case", "&case output = 'case.nml'"), encoding="utf-8")
-    assert "found the namelist case.nml as its result" in ended(asperity("case.nml"), 1).stderr
-
-
-def test_output_key_is_relative_to_the_namelist(asperity, tmp_path):
+def test_output_key_is_relative_to_the_namelist_and_output_folder_wins(asperity, tmp_path):
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "case.nml").write_text(STEADY.replace("&case", "&case output = 'mine.h5'"), encoding="utf-8")
-    assert asperity("a/case.nml", "--quiet").returncode == 0
-    assert (tmp_path / "a" / "mine.h5").is_file()
-
-
-def test_output_folder_wins(asperity, tmp_path):
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "case.nml").write_text(STEADY.replace("&case", "&case output = 'mine.h5'"), encoding="utf-8")
-    assert asperity("a/case.nml", "--quiet", "--output", ".").returncode == 0
-    assert (tmp_path / "mine.h5").is_file()
+    for options, result in (((), "a/mine.h5"), (("--output", "."), "mine.h5")):
+        assert asperity("a/case.nml", "--quiet", *options).returncode == 0
+        assert (tmp_path / result).is_file()

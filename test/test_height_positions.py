@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray
 from cases import STEADY, write
-from dry_cases import case_text
+from dry_cases import LEAN, case_text
 from test_height_tables import FILE, SPACING, heights, read_back
 
 NODES = 96
@@ -30,10 +30,10 @@ def assert_profile(found, z=Z, spacing=SPACING):
     assert np.diff(found[1]) == pytest.approx(np.full(len(z) - 1, spacing), rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("offset", [0.0, 1e-3, -5e-5])
-def test_positions_give_the_spacing(asperity, tmp_path, offset):
-    store(tmp_path / "z.h5", x=X + offset)
-    assert_profile(profile(asperity, tmp_path))
+@pytest.mark.parametrize(("x", "z"), [(X, Z), (X + 1e-3, Z), (X - 5e-5, Z), (X[::-1] + 1e-4, Z[::-1])])
+def test_positions_give_the_spacing(asperity, tmp_path, x, z):
+    store(tmp_path / "z.h5", x=x)
+    assert_profile(profile(asperity, tmp_path), z)
 
 
 @pytest.mark.parametrize(
@@ -52,20 +52,6 @@ def test_units_of_positions(asperity, tmp_path, attributes, keys, factors):
     assert_profile(profile(asperity, tmp_path, keys))
 
 
-@pytest.mark.parametrize(
-    ("attributes", "keys", "message"),
-    [
-        ({"x": {"units": "mm"}}, "", "(x): found a unit of positions only, expected both, or the key z_unit"),
-        ({"z": {"units": "um"}}, "", "(x): found a unit of heights only, expected both, or the key x_unit"),
-        ({"x": {"units": "furlong"}, "z": {"units": "um"}}, "", "found the unit furlong in the attributes of x"),
-        ({"x": {"units": "mm"}, "z": {"units": "um"}}, ", x_unit = 'um'", "but x_unit = 'um', expected the same of both"),
-    ],
-)
-def test_units_that_say_too_little(asperity, tmp_path, attributes, keys, message):
-    store(tmp_path / "z.h5", Z, attributes, x=X)
-    assert message in profile(asperity, tmp_path, keys, refused=True)
-
-
 def bent(x):
     """Positions of which one is off by a tenth of a spacing."""
     x = x.copy()
@@ -80,26 +66,43 @@ def with_value(value):
     return x
 
 
-@pytest.mark.parametrize(
-    ("x", "message"),
-    [
-        (bent(X), "(x): node 41: found uneven positions, expected a uniform grid"),
-        (bent(X[::-1]), "(x): node 41: found uneven positions, expected a uniform grid"),
-        (np.zeros(NODES), "(x): found positions that neither rise nor fall, expected those of a uniform grid"),
-        (np.concatenate([X[:-1], [0.0]]), "found positions that neither rise nor fall"),
-        (with_value(np.nan), "(x): node 8: found a position of NaN m"),
-        (with_value(np.inf), "(x): node 8: found a position of Infinity m"),
-        (np.full(NODES, b"1"), "(x): found text, expected numbers"),
-    ],
-)
-def test_positions_that_are_none(asperity, tmp_path, x, message):
-    store(tmp_path / "z.h5", x=x)
-    assert message in profile(asperity, tmp_path, refused=True)
+MM, UM = {"units": "mm"}, {"units": "um"}
+# Positions, attributes, keys and the message.
+REFUSED = [
+    (X, {"x": MM}, "", "(x): found a unit of positions only, expected both, or the key z_unit"),
+    (X, {"z": UM}, "", "(x): found a unit of heights only, expected both, or the key x_unit"),
+    (X, {"x": {"units": "furlong"}, "z": UM}, "", "found the unit furlong in the attributes of x"),
+    (X, {"x": MM, "z": UM}, ", x_unit = 'um'", "but x_unit = 'um', expected the same of both"),
+    (bent(X), {}, "", "(x): node 41: found uneven positions, expected a uniform grid"),
+    (bent(X[::-1]), {}, "", "(x): node 41: found uneven positions, expected a uniform grid"),
+    (np.zeros(NODES), {}, "", "(x): found positions that neither rise nor fall, expected those of a uniform grid"),
+    (np.concatenate([X[:-1], [0.0]]), {}, "", "found positions that neither rise nor fall"),
+    (with_value(np.nan), {}, "", "(x): node 8: found a position of NaN m"),
+    (with_value(np.inf), {}, "", "(x): node 8: found a position of Infinity m"),
+    (np.full(NODES, b"1"), {}, "", "(x): found text, expected numbers"),
+    (X, {"z": {"_Unsigned": "true"}}, "", "found _Unsigned = true"),
+    (X, {"z": {"scale_factor": np.nan}}, "", "in scale_factor and add_offset, expected numbers"),
+    (X, {"z": {"scale_factor": 0.0}}, "", "(scale_factor): found 0"),
+    (X, {"z": {"add_offset": "none"}}, "", "(add_offset): found text, expected numbers"),
+    (X, {"z": {"missing_value": [1.0, 2.0]}}, "", "(missing_value): found 2 values, expected 1"),
+    (X, {}, ", positions = 'x'", "found the key positions, expected it for a table only"),
+]
 
 
-def test_falling_positions_of_a_dataset(asperity, tmp_path):
-    store(tmp_path / "z.h5", x=X[::-1] + 1e-4)
-    assert_profile(profile(asperity, tmp_path), Z[::-1])
+@pytest.mark.parametrize(("x", "attributes", "keys", "message"), REFUSED)
+def test_positions_and_attributes_that_are_none(asperity, tmp_path, x, attributes, keys, message):
+    store(tmp_path / "z.h5", Z, attributes, x=x)
+    assert message in profile(asperity, tmp_path, keys, refused=True)
+
+
+def assert_area(run_case, folder, dataset, z, tolerance):
+    """The area of a dataset of z.h5 is `z` on spacings of 2 and 3 um, and nothing is said."""
+    surface = FILE.format("z.h5") + f", dataset = '{dataset}', detrend = 'none'"
+    assert run_case(case_text(surface, [1e6], "", LEAN, problem="dry_area"), "--quiet").stderr == ""
+    with h5py.File(folder / "case.h5") as file:
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], z, rtol=tolerance, atol=1e-20)
+        for axis, spacing in (("x", 2e-6), ("y", 3e-6)):
+            assert np.diff(file[f"solution/{axis}"][()]) == pytest.approx(spacing, rel=1e-9, abs=0)
 
 
 @pytest.mark.path
@@ -110,13 +113,7 @@ def test_positions_of_an_area(run_case, tmp_path, falls):
     x, y = 2e-6 * np.arange(nx), 3e-6 * np.arange(ny)
     steps = [-1 if fall else 1 for fall in falls]
     store(tmp_path / "z.h5", z, x=x[:: steps[0]], y=y[:: steps[1]])
-    surface = FILE.format("z.h5") + ", dataset = 'z', detrend = 'none'"
-    more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
-    assert run_case(case_text(surface, [1e6], "", more, problem="dry_area"), "--quiet").stderr == ""
-    with h5py.File(tmp_path / "case.h5") as file:
-        assert file["solution/height_undeformed"][()] == pytest.approx(z[:: steps[1], :: steps[0]], rel=1e-12, abs=1e-20)
-        assert np.diff(file["solution/x"][()]) == pytest.approx(np.full(nx - 1, 2e-6), rel=1e-9, abs=0)
-        assert np.diff(file["solution/y"][()]) == pytest.approx(np.full(ny - 1, 3e-6), rel=1e-9, abs=0)
+    assert_area(run_case, tmp_path, "z", z[:: steps[1], :: steps[0]], 1e-12)
 
 
 def test_an_attribute_goes_before_positions(asperity, tmp_path):
@@ -216,17 +213,11 @@ def test_dimension_scales_of_an_area(run_case, tmp_path, library):
     z = 1e-7 * np.random.default_rng(29).standard_normal((ny, nx))
     axes = {"across": 3e-3 * np.arange(ny)[::-1], "along": 2e-3 * np.arange(nx)}
     store_with_scales(tmp_path / "z.h5", library, 1e6 * z, axes)
-    surface = FILE.format("z.h5") + ", dataset = 'relief', detrend = 'none'"
-    more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
-    run_case(case_text(surface, [1e6], "", more, problem="dry_area"), "--quiet")
-    with h5py.File(tmp_path / "case.h5") as file:
-        np.testing.assert_allclose(file["solution/height_undeformed"][()], z[::-1], rtol=1e-10, atol=1e-20)
-        assert np.diff(file["solution/x"][()]) == pytest.approx(2e-6, rel=1e-9, abs=0)
-        assert np.diff(file["solution/y"][()]) == pytest.approx(3e-6, rel=1e-9, abs=0)
+    assert_area(run_case, tmp_path, "relief", z[::-1], 1e-10)
 
 
 def test_a_scale_without_unit_needs_the_key(asperity, tmp_path):
-    """It may count pixels; x beside the heights goes before it."""
+    """It may count pixels; x beside the heights goes before it. A unit that is none, or of one of the two, is refused."""
     pixels = {"pixel": np.arange(NODES)}
     store_with_scales(tmp_path / "z.h5", "h5py", Z, pixels, ("", ""))
     assert "spacing" in relief(asperity, tmp_path, refused=True)
@@ -234,18 +225,12 @@ def test_a_scale_without_unit_needs_the_key(asperity, tmp_path):
     assert_profile(relief(asperity, tmp_path))
     store_with_scales(tmp_path / "z.h5", "h5py", 1e6 * Z, {"distance": 1e3 * X}, ("", ""))
     assert_profile(relief(asperity, tmp_path, keys=", x_unit = 'mm', z_unit = 'um'"))
-
-
-@pytest.mark.parametrize(
-    ("units", "message"),
-    [
+    for units, message in (
         (("mm", ""), "(/distance): found a unit of positions only, expected both, or the key z_unit"),
         (("pixel", "um"), "found the unit pixel in the attributes of /distance"),
-    ],
-)
-def test_units_of_scales_that_say_too_little(asperity, tmp_path, units, message):
-    store_with_scales(tmp_path / "z.h5", "h5py", Z, {"distance": X}, units)
-    assert message in relief(asperity, tmp_path, refused=True)
+    ):
+        store_with_scales(tmp_path / "z.h5", "h5py", Z, {"distance": X}, units)
+        assert message in relief(asperity, tmp_path, refused=True)
 
 
 @pytest.mark.parametrize("kind", ["text", "numbers", "gone", "none attached"])
@@ -316,19 +301,3 @@ def test_a_missing_point_of_an_area(asperity, tmp_path, value, message):
     found = asperity("case.nml", "--quiet").stderr
     assert f"z.h5: node 117: {message}" in found
     assert found.endswith("expected heights without gaps (node 5 in x, 8 in y)\n")
-
-
-@pytest.mark.parametrize(
-    ("attributes", "keys", "message"),
-    [
-        ({"_Unsigned": "true"}, "", "found _Unsigned = true"),
-        ({"scale_factor": np.nan}, "", "in scale_factor and add_offset, expected numbers"),
-        ({"scale_factor": 0.0}, "", "(scale_factor): found 0"),
-        ({"add_offset": "none"}, "", "(add_offset): found text, expected numbers"),
-        ({"missing_value": [1.0, 2.0]}, "", "(missing_value): found 2 values, expected 1"),
-        ({}, ", positions = 'x'", "found the key positions, expected it for a table only"),
-    ],
-)
-def test_attributes_that_are_none(asperity, tmp_path, attributes, keys, message):
-    store(tmp_path / "z.h5", Z, {"z": attributes}, x=X)
-    assert message in profile(asperity, tmp_path, keys, refused=True)

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from asperity import heights
 from asperity.height_tables import METRES
+from cases import called, ended
 from conftest import ROOT
-from dry_cases import solve
+from dry_cases import LEAN, solve
 
 UNITS = {"m": ["m"], "mm": ["mm", "Millimeters"], "um": ["um", "\u00b5m", "\u03bcm", "micron"], "nm": ["nm", "nanometre"]}
 FORMS = ["{} [{}]", "{} ({})", "{}/{}", "{}_{}", "{}[{}]"]
@@ -387,13 +388,10 @@ def test_the_program_reads_what_is_written(asperity, tmp_path):
         sample = Sample(kind, 5)
         sample.units = ["um", "nm"]
         (tmp_path / "scan.txt").write_bytes(sample.data())
-        done = subprocess.run(
-            [command, "scan.txt", "scan.h5", *sample.options], cwd=tmp_path, capture_output=True, text=True, check=False
-        )
+        done = called([command, "scan.txt", "scan.h5", *sample.options], cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
         surface = "shape = 'file', file = 'scan.h5', dataset = 'z', detrend = 'none'"
-        more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
-        with solve(asperity, tmp_path, surface, [1e3], "", more, problem=problem) as file:
+        with solve(asperity, tmp_path, surface, [1e3], "", LEAN, problem=problem) as file:
             z = file["solution/height_undeformed"][()]
             np.testing.assert_allclose(z, sample.z * 1e-9, rtol=1e-12, atol=1e-21)
             assert file["solution/x"][1] - file["solution/x"][0] == pytest.approx(sample.step * 1e-6, rel=1e-9, abs=0)
@@ -405,10 +403,7 @@ def test_without_the_library_it_is_said(tmp_path):
     (tmp_path / "scan.x3p").write_bytes(b"PK\x03\x04\x00")
     folders = [str(tmp_path), str(ROOT / "python")]
     command = f"import sys; sys.path[:0] = {folders!r}; import asperity.heights as h; sys.exit(h.main())"
-    done = subprocess.run(
-        [sys.executable, "-c", command, "scan.x3p", "out.h5"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
+    done = ended(called([sys.executable, "-c", command, "scan.x3p", "out.h5"], cwd=tmp_path), 1)
     assert (
         f"scan.x3p: found no text; the files of instruments need a library: {sys.executable} -m pip install Surface" in done.stderr
     )

@@ -6,6 +6,7 @@ import h5py
 import namelists
 import numpy as np
 import pytest
+from cases import ended
 from conftest import ROOT
 
 STARTS = (({}, True), ({}, False), ({"levels": 1}, False))
@@ -69,8 +70,7 @@ def target_in_time(asperity, folder, scheme):
     groups |= {"time": {"transient": True, "end_time": 0.25}, "domain": namelists.WINDOW, "accuracy": {"target": 0.1}}
     groups["solver"] = {"max_cycles": 4, "space_scheme": scheme}
     (folder / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
-    done = asperity("case.nml", "--quiet")
-    assert done.returncode == 0, done.stderr
+    ended(asperity("case.nml", "--quiet"))
     with h5py.File(folder / "case.h5") as file:
         effective = file["input/effective"]
         return effective["solver"].attrs["space_scheme"].decode(), effective["domain"].attrs["intervals"], file["summary/h_min"][()]

@@ -7,6 +7,7 @@ import stability_cells
 import stability_dry
 import stability_figure
 from bench_program import Answer
+from cases import write
 
 
 def answer(cycles, reason="converged", steps=0):
@@ -66,7 +67,7 @@ def test_maps_in_time_have_contacts_without_sliding(asperity, tmp_path):
     assert len(cells) == len(each.methods) * len(each.x.values) * len(each.y.values)
     assert {name.split(": ")[1] for name in each.methods} == {"Eyring", "Newtonian"}
     assert all("speed_1 = 0.6\n   speed_2 = 0.6\n" in cell for cell in cells)
-    (tmp_path / "cell.nml").write_text(cells[0], encoding="utf-8")
+    write(tmp_path, "cell.nml", cells[0])
     assert asperity("--check", "cell.nml").returncode == 0
 
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from cases import HANGING, STEADY, TRANSIENT, write
+from cases import HANGING, STEADY, TRANSIENT, called, ended, write
 from dry_cases import case_text
 
 MEGABYTE = 1e6
@@ -42,16 +42,7 @@ def call(program, folder, text, kinds=(), limit=0.0, **env):
             resource.setrlimit(kind, (int(limit * MEGABYTE),) * 2)
 
     write(folder, "case.nml", text)
-    return subprocess.run(
-        [program, "case.nml", "--quiet"],
-        cwd=folder,
-        env=os.environ | env,
-        preexec_fn=restrict,
-        capture_output=True,
-        text=True,
-        timeout=HANGING,
-        check=False,
-    )
+    return called([program, "case.nml", "--quiet"], cwd=folder, env=os.environ | env, preexec_fn=restrict)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -64,7 +55,7 @@ def test_what_is_predicted_is_enough_and_asked_for(program, tmp_path, name):
     assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
     predicted = float(found[1])
     command = [sys.executable, "-S", "-E", "-c", MEASURE, program, "case.nml", "--quiet"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=HANGING, check=False)
+    done = called(command, cwd=tmp_path)
     assert done.returncode in (0, 2), done.stderr
     assert int(done.stdout) * 1024 / MEGABYTE <= predicted - mapped
     for kind, most in (resource.RLIMIT_DATA, predicted), (resource.RLIMIT_AS, predicted + 100):
@@ -74,8 +65,7 @@ def test_what_is_predicted_is_enough_and_asked_for(program, tmp_path, name):
 
 @pytest.mark.parametrize("limit", [60.0, 100.0, 140.0])
 def test_address_space_that_is_too_small(program, tmp_path, limit):
-    done = call(program, tmp_path, STEADY, [resource.RLIMIT_AS], limit)
-    assert done.returncode == 1
+    done = ended(call(program, tmp_path, STEADY, [resource.RLIMIT_AS], limit), 1)
     assert "what the limit of the address space (ulimit -v) leaves beside the libraries" in done.stderr
     assert not (tmp_path / "case.h5").exists()
 
@@ -91,8 +81,7 @@ def test_libraries_with_threads_under_a_limit(program, tmp_path):
     )
     command = ["gcc", "-shared", "-fPIC", "-o", "threads.so", "threads.c", "-lpthread"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=HANGING)
-    done = call(program, tmp_path, STEADY, [resource.RLIMIT_AS], 1000.0, LD_PRELOAD=str(tmp_path / "threads.so"))
-    assert done.returncode == 1
+    done = ended(call(program, tmp_path, STEADY, [resource.RLIMIT_AS], 1000.0, LD_PRELOAD=str(tmp_path / "threads.so")), 1)
     assert done.stderr == (
         "found a library with threads under a limit of memory (ulimit -v or -d), "
         "expected OPENBLAS_NUM_THREADS=1 in the environment\n"

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import STOKES, members
-from kill_and_resume import different, kill_until_complete, start, undisturbed, wait_for
+from kill_and_resume import different, kill_often, start, undisturbed, wait_for
 
 
 @pytest.mark.path
@@ -247,16 +247,11 @@ def counters(path):
 
 def test_a_killed_passage_goes_on_to_the_same_bits(program, tmp_path):
     """A passage by both equations, killed at random moments and resumed: fields, series and counters as if nothing had been."""
-    reference, seconds = undisturbed(program, tmp_path, with_checkpoints(1000.0))
-    source, kills, resumed = random.Random(5), 0, 0
-    while kills < 5 or resumed < 3:
-        cases.write(tmp_path, "case.nml", with_checkpoints(0.02))
-        new_kills, new_resumed = kill_until_complete(program, tmp_path, reference, source, 0.6 * seconds)
-        kills, resumed = kills + new_kills, resumed + new_resumed
-        assert different(reference, tmp_path / "case.h5") == []
+
+    def check(reference):
         assert counters(reference) == counters(tmp_path / "case.h5")
-        assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5", "case.nml", "reference.h5"]
-        (tmp_path / "case.h5").unlink()
+
+    kill_often(program, tmp_path, with_checkpoints, random.Random(5), 5, 3, check)
 
 
 def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):

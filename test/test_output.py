@@ -8,7 +8,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from cases import HANGING, LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
+from cases import HANGING, LONG, MOES, STEADY, TRANSIENT, called, contents, ended, same_bits, text, write
 from kill_and_resume import wait_for
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
@@ -241,10 +241,7 @@ def test_a_result_reproduces_itself(results, asperity, tmp_path, name):
 
 
 def test_h5dump_reads_it(results):
-    done = subprocess.run(
-        ["h5dump", "-a", "/summary/h_min/long_name", results / "steady.h5"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0
+    done = ended(called(["h5dump", "-a", "/summary/h_min/long_name", results / "steady.h5"]))
     assert "smallest film thickness" in done.stdout
 
 
@@ -266,7 +263,9 @@ def test_output_goes_where_it_is_sent(asperity, tmp_path):
 
 @pytest.mark.path
 def test_missing_folder_is_status_3(asperity, tmp_path):
+    """As is a folder in the place of the result, and one that takes no files."""
     write(tmp_path, "a.nml", STEADY)
+    assert "cannot write /proc/a.h5" in ended(asperity("a.nml", "--output", "/proc"), 3).stderr
     write(tmp_path, "b.nml", STEADY.replace("problem", "output = 'missing/a.h5', problem"))
     write(tmp_path, "file", "")
     for arguments in (("b.nml",), ("a.nml", "--output", "file/missing")):
@@ -274,17 +273,9 @@ def test_missing_folder_is_status_3(asperity, tmp_path):
         assert "missing/a.h5" in done.stderr
         assert "there is no folder " in done.stderr
         assert not (tmp_path / "missing").exists()
-
-
-def test_name_that_is_a_folder_is_status_3(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
     (tmp_path / "a.h5").mkdir()
     assert "a.h5: it is a folder" in ended(asperity("a.nml", "--quiet"), 3).stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
-
-
-def test_folder_that_takes_no_files_is_status_3(run_case):
-    assert "cannot write /proc/a.h5" in run_case(STEADY, "--output", "/proc", status=3, name="a").stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml", "b.nml", "file"]
 
 
 def test_read_only_folder_is_status_3(program, tmp_path):
@@ -293,8 +284,7 @@ def test_read_only_folder_is_status_3(program, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o555)
-    done = subprocess.run([program, "a.nml", "--output", "locked"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 3
+    done = ended(called([program, "a.nml", "--output", "locked"], cwd=tmp_path), 3)
     assert "Permission denied" in done.stderr
 
 
@@ -310,12 +300,9 @@ def test_full_disk_is_status_3_and_keeps_the_older_result(program, tmp_path):
     older = older_result(program, tmp_path)
     write(tmp_path, "a.nml", TRANSIENT.replace("time_step = 0.05", "time_step = 0.01"))
     for limit in (0, 3000, 60_000, 200_000):
-        done = subprocess.run(
+        done = called(
             [program, "a.nml", "--quiet"],
             cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
             preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
         )
         assert done.returncode == 3, limit

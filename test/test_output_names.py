@@ -14,6 +14,7 @@ DRY = """&case problem = 'dry_line' /
 &load mean_pressure = 1e8 /
 &surface_1 shape = 'file', file = 'rough.h5', dataset = 'z' /
 """
+HEIGHTS = ["rough.h5", "./rough.h5", "sub/../rough.h5", "link.h5", "hard.h5", "sub/link.h5"]
 
 
 def to(output, text=STEADY):
@@ -36,40 +37,37 @@ def refused(asperity, folder, *arguments):
     return done[0].stderr.splitlines()
 
 
-@pytest.mark.parametrize("name", ["rough.h5", "./rough.h5", "sub/../rough.h5", "link.h5", "hard.h5", "sub/link.h5"])
-def test_heights_are_no_place_for_a_result(asperity, tmp_path, name):
-    """The default result of rough.nml is rough.h5, where the heights are."""
+# The name of a result that is taken, the namelists of the call, and the finding; the default result of rough.nml is rough.h5.
+TAKEN = [
+    *((name, {"rough.nml": to(name, DRY)}, "the height file rough.h5 as its result") for name in HEIGHTS[1:]),
+    (HEIGHTS[0], {"rough.nml": DRY}, "the height file rough.h5 as its result"),
+    *(
+        (name, {"case.nml": to(name)}, "the namelist case.nml as its result")
+        for name in ("case.nml", "./case.nml", "sub/../case.nml")
+    ),
+    ("link", {"case.nml": to("link")}, "the namelist case.nml as its result"),
+    # a.h5.tmp is removed when a.h5 is begun
+    ("a.h5.tmp", {"a.nml": STEADY, "a.h5.tmp": to("b.h5")}, "the namelist a.h5.tmp as its temporary file"),
+]
+# Two results of one name, or one in the way of the checkpoint of the other.
+TWICE = ["x.h5", "./x.h5", "sub/../x.h5", "loop/x.h5", "x.h5.ckpt"]
+
+
+@pytest.mark.parametrize(("name", "namelists", "finding"), TAKEN)
+def test_inputs_are_no_place_for_a_result(asperity, tmp_path, name, namelists, finding):
     (tmp_path / "sub").mkdir()
     heights(tmp_path / "rough.h5")
     (tmp_path / "link.h5").symlink_to("rough.h5")
+    (tmp_path / "link").symlink_to("case.nml")
     (tmp_path / "sub" / "link.h5").symlink_to(tmp_path / "link.h5")
     os.link(tmp_path / "rough.h5", tmp_path / "hard.h5")
-    write(tmp_path, "rough.nml", DRY if name == "rough.h5" else to(name, DRY))
-    assert refused(asperity, tmp_path, "rough.nml") == [
-        "rough.nml: found the height file rough.h5 as its result, expected another &case output"
-    ]
+    for file, content in namelists.items():
+        write(tmp_path, file, content)
+    first = next(iter(namelists))
+    assert refused(asperity, tmp_path, *namelists) == [f"{first}: found {finding}, expected another &case output"], name
 
 
-@pytest.mark.parametrize("name", ["case.nml", "./case.nml", "sub/../case.nml", "link"])
-def test_a_namelist_is_no_place_for_a_result(asperity, tmp_path, name):
-    (tmp_path / "sub").mkdir()
-    (tmp_path / "link").symlink_to("case.nml")
-    write(tmp_path, "case.nml", to(name))
-    assert refused(asperity, tmp_path, "case.nml") == [
-        "case.nml: found the namelist case.nml as its result, expected another &case output"
-    ]
-
-
-def test_inputs_are_no_place_for_temporary_files(asperity, tmp_path):
-    """a.h5.tmp is removed when a.h5 is begun."""
-    write(tmp_path, "a.nml", STEADY)
-    write(tmp_path, "a.h5.tmp", to("b.h5"))
-    assert refused(asperity, tmp_path, "a.nml", "a.h5.tmp") == [
-        "a.nml: found the namelist a.h5.tmp as its temporary file, expected another &case output"
-    ]
-
-
-@pytest.mark.parametrize("name", ["x.h5", "./x.h5", "sub/../x.h5", "loop/x.h5"])
+@pytest.mark.parametrize("name", TWICE)
 def test_two_results_of_one_name(asperity, tmp_path, name):
     (tmp_path / "sub").mkdir()
     (tmp_path / "loop").symlink_to(".")
@@ -80,25 +78,15 @@ def test_two_results_of_one_name(asperity, tmp_path, name):
     ]
 
 
-def test_a_result_in_the_way_of_another_ones_checkpoint(asperity, tmp_path):
-    write(tmp_path, "x.nml", STEADY)
-    write(tmp_path, "y.nml", to("x.h5.ckpt"))
-    assert refused(asperity, tmp_path, "x.nml", "y.nml") == [
-        "y.nml: found the result x.h5.ckpt, which is also that of x.nml, expected different names"
-    ]
-
-
 def foreign(path, kind):
     if kind == "text":
         path.write_text("precious", encoding="utf-8")
     elif kind == "empty":
         path.touch()
-    elif kind == "other HDF5":
-        heights(path)
-    elif kind == "HDF5 of another program":
+    elif "HDF5" in kind:
         heights(path)
         with h5py.File(path, "r+") as file:
-            file.attrs["program"] = np.bytes_("another")
+            file.attrs.update({"program": np.bytes_("another")} if "program" in kind else {})
     elif kind == "damaged":
         path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(range(256)))
     elif kind == "pipe":

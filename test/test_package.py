@@ -13,6 +13,7 @@ import f90nml
 import h5py
 import numpy as np
 import pytest
+from cases import called, ended
 from conftest import ROOT
 from PIL import Image
 
@@ -150,17 +151,14 @@ def test_the_version_is_that_of_the_program(asperity_version=re.compile(r"asperi
 def command(name, *arguments):
     code = f"import sys; from asperity.commands import {name}; sys.argv[0] = {name!r}; {name}()"
     environment = os.environ | {"MPLBACKEND": "agg"}
-    return subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, check=False, env=environment
-    )
+    return called([sys.executable, "-c", code, *map(str, arguments)], env=environment)
 
 
 def test_commands(tmp_path):
     assert command("asperity", MINIMAL, "--quiet").returncode == 0
     assert command("plot", "profile", "minimal.h5", "--format", "png").returncode == 0
     assert np.ptp(np.asarray(Image.open(next(tmp_path.glob("minimal*.png"))))) > 0
-    unknown = command("plot", "nothing")
-    assert unknown.returncode == 1
+    unknown = ended(command("plot", "nothing"), 1)
     assert "profile" in unknown.stderr
     assert "sweep" in command("batch", "--help").stdout
     assert command("batch", "gather", "--help").returncode == 0
@@ -197,9 +195,7 @@ def test_the_wheel_carries_program_and_scripts(wheel):
 def test_the_wheel_runs_where_there_is_only_python(wheel):
     if os.geteuid() != 0:
         pytest.skip("not applicable: a new root folder needs root")
-    done = subprocess.run(
-        [ROOT / "python" / "packaging" / "try_wheel.sh", wheel], cwd=ROOT, capture_output=True, text=True, check=False
-    )  # fmt: skip
+    done = called([ROOT / "python" / "packaging" / "try_wheel.sh", wheel], cwd=ROOT)  # fmt: skip
     if "mount: " in done.stderr:
         pytest.skip("not applicable: no mounts here: " + done.stderr.splitlines()[-1])
     assert done.returncode == 0, done.stderr
@@ -233,10 +229,7 @@ def test_a_plain_fpm_install_from_a_tarball(program, tmp_path):
     cases = sorted((tmp_path / "input").rglob("*.nml"))
     subprocess.run([plain, "--check", *cases], check=True, capture_output=True)
     for name in ("minimal", "dry_profile", "scenes/10_run_in"):
-        done = subprocess.run(
-            [plain, tmp_path / "input" / f"{name}.nml"], cwd=tmp_path, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stderr
+        ended(called([plain, tmp_path / "input" / f"{name}.nml"], cwd=tmp_path))
 
 
 def test_a_tarball_names_its_commit(tmp_path):

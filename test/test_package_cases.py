@@ -2,7 +2,6 @@
 
 import datetime
 import os
-import subprocess
 import sys
 from decimal import Decimal
 from enum import Enum
@@ -15,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from cases import called, ended
 
 pytestmark = pytest.mark.usefixtures("package")
 
@@ -182,8 +182,7 @@ def test_a_program_that_dies_or_does_not_start_is_said(words, tmp_path, monkeypa
         assert not isinstance(caught.value, asperity.InputError)
     if PROGRAMS[words] is None:
         code = "import sys; from asperity.commands import asperity; asperity()"
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-        assert done.returncode == 1
+        done = ended(called([sys.executable, "-c", code]), 1)
         assert done.stderr.startswith("asperity: ")
         assert words in done.stderr
         assert done.stderr.count("\n") == 1

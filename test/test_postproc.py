@@ -1,12 +1,9 @@
 """The figure scripts: each draws a small result, and refuses what is not one with a message."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import io
 import re
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 import result_maker
-from cases import HANGING, STEADY, STOKES, seal
+from cases import STEADY, STOKES, called, ended, seal
 from conftest import ROOT
 
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
@@ -37,7 +34,7 @@ def load(script: str) -> ModuleType:
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
     spec = importlib.util.spec_from_file_location(f"figures_{script}", folder / f"{script}.py")
-    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
@@ -109,8 +106,7 @@ def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: 
     assert first.split()[:2] == ["smooth", "129"]
     assert "+0.000%" in first
     assert second.split()[0] == "ridge"
-    done = run("compare", steady)
-    assert done.returncode == 1
+    done = ended(run("compare", steady), 1)
     assert "at least two" in done.stderr
 
 
@@ -138,8 +134,7 @@ def test_compare_warns_where_there_is_no_si(solved_cases: Callable, tmp_path: Pa
     points = {"m10": (10.0, 5.0, 0.01), "m20": (20.0, 5.0, 0.01), "coarse": (10.0, 5.0, 0.05)}
     solved_cases(**{name: MOES.format(*point) for name, point in points.items()})
     results = [tmp_path / f"{name}.h5" for name in points]
-    done = run("compare", *results[:2], "--output", tmp_path / "out", "--format", "png")
-    assert done.returncode == 0
+    done = ended(run("compare", *results[:2], "--output", tmp_path / "out", "--format", "png"))
     assert "the scales of the results differ, and " in done.stderr
     assert run("compare", results[0], results[2], "--output", tmp_path / "out", "--format", "png").stderr == ""
 
@@ -171,8 +166,7 @@ def test_transient_with_other_surfaces(tmp_path: Path, features: dict[str, objec
 def test_not_converged_is_said(tmp_path: Path, script: str) -> None:
     result = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
     extra = ("--parts", "xt") if script == "transient" else ()
-    done = run(script, result, "--output", tmp_path / "out", *extra)
-    assert done.returncode == 0
+    done = ended(run(script, result, "--output", tmp_path / "out", *extra))
     assert "not converged: cycle limit of 12 reached" in done.stderr
     assert len(done.stderr.splitlines()) == 1
 
@@ -337,21 +331,17 @@ def test_friction_of_a_chosen_time(run_case, tmp_path: Path, steady: Path) -> No
             np.testing.assert_allclose(curve, file["si/transient"][name], rtol=1e-12)  # rounding
             assert curve.shape == (11,)
         style.plt.close(figure)
-    # A steady result has no time, a passage without stored stresses only the last one: each is said.
+    # A steady result has no time, a passage without stored stresses only the last one, a contact by Moes' numbers no speeds: each
+    # is said, as is a file without friction.
     passage = "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&time transient = .true., end_time = 0.2 /"
-    for name, more, words in (("steady", "", "has no /transient"), ("passage", passage, "&output fields = pressure")):
-        run_case(FRICTION.format(more), "--quiet", name=name)
-        done = run("friction", tmp_path / f"{name}.h5", "--time", 0.1)
-        assert done.returncode == 1
-        assert words in done.stderr
-    # A file without friction, and a contact by Moes' numbers, whose speeds are not known.
-    done = run("friction", steady)
-    assert done.returncode == 1
-    assert "has no friction" in done.stderr
-    run_case(MOES.format(10.0, 5.0, 1e-2), "--quiet", name="moes")
-    done = run("friction", tmp_path / "moes.h5")
-    assert done.returncode == 1
-    assert "speeds of the surfaces are not known" in done.stderr
+    for name, text, time, words in (
+        ("steady", FRICTION.format(""), ("--time", 0.1), "has no /transient"),
+        ("passage", FRICTION.format(passage), ("--time", 0.1), "&output fields = pressure"),
+        ("moes", MOES.format(10.0, 5.0, 1e-2), (), "speeds of the surfaces are not known"),
+    ):
+        run_case(text, "--quiet", name=name)
+        assert words in ended(run("friction", tmp_path / f"{name}.h5", *time), 1).stderr
+    assert "has no friction" in ended(run("friction", steady), 1).stderr
 
 
 def test_regime_table_is_what_the_program_computes(solved_cases) -> None:
@@ -414,8 +404,7 @@ def refused(script: str, path: Path, tmp_path: Path) -> str:
     """Runs a script on a bad file; one line, status 1, nothing drawn; returns the message."""
     out = tmp_path / "refused"
     extra = (path,) if script == "compare" else ()
-    done = run(script, path, *extra, "--output", out)
-    assert done.returncode == 1
+    done = ended(run(script, path, *extra, "--output", out), 1)
     assert done.stdout == ""
     assert "Traceback" not in done.stderr
     assert not out.exists()
@@ -457,15 +446,9 @@ def test_no_result(script: str, kind: str, steady: Path, tmp_path: Path) -> None
         assert NO_RESULTS[kind] in refused(script, no_result(kind, steady), tmp_path)
 
 
-def test_transient_needs_transient(steady: Path, tmp_path: Path) -> None:
+def test_missing_groups_and_fields(steady: Path, moving: Path, tmp_path: Path) -> None:
     assert "has no /transient" in refused("transient", steady, tmp_path)
-
-
-def test_film_statistics_need_statistics(moving: Path, tmp_path: Path) -> None:
     assert "has no /statistics" in refused("film_statistics", moving, tmp_path)
-
-
-def test_missing_field(steady: Path, tmp_path: Path) -> None:
     with h5py.File(steady, "r+") as file:
         del file["solution/pressure"]
     seal(steady)
@@ -473,14 +456,12 @@ def test_missing_field(steady: Path, tmp_path: Path) -> None:
 
 
 def test_one_bad_file_and_none_is_drawn(steady: Path, tmp_path: Path) -> None:
-    done = run("profile", steady, tmp_path / "none.h5", "--output", tmp_path / "out")
-    assert done.returncode == 1
+    ended(run("profile", steady, tmp_path / "none.h5", "--output", tmp_path / "out"), 1)
     assert not (tmp_path / "out").exists()
 
 
 def test_output_is_a_file(steady: Path) -> None:
-    done = run("profile", steady, "--output", steady)
-    assert done.returncode == 3
+    done = ended(run("profile", steady, "--output", steady), 3)
     assert "cannot write" in done.stderr
 
 
@@ -488,8 +469,7 @@ def test_si_of_a_dimensionless_study(tmp_path: Path) -> None:
     x, pressure, film = result_maker.smooth_contact()
     fields = {"x": x, "pressure": pressure, "film_thickness": film}
     result = result_maker.write_result(tmp_path / "moes.h5", fields, has_si=False)
-    done = run("profile", result, "--si", "--output", tmp_path / "out")
-    assert done.returncode == 1
+    done = ended(run("profile", result, "--si", "--output", tmp_path / "out"), 1)
     assert "leave out --si" in done.stderr
     assert run("profile", result, "--output", tmp_path / "out").returncode == 0
 
@@ -497,7 +477,7 @@ def test_si_of_a_dimensionless_study(tmp_path: Path) -> None:
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_help_has_an_example(script: str) -> None:
     command = [sys.executable, str(ROOT / "postproc" / f"{script}.py"), "--help"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=HANGING, check=False)
+    done = called(command)
     assert (done.returncode, done.stderr) == (0, "")
     assert f"python postproc/{script}.py" in done.stdout
 
@@ -510,8 +490,7 @@ def test_values_that_are_not_finite(tmp_path: Path) -> None:
     result = result_maker.write_result(tmp_path / "nan.h5", fields, RIDGE, converged=False)
     for script in ("profile", "convergence"):
         assert run(script, result, "--output", tmp_path / "out", "--format", "png").returncode == 0
-    done = run("transient", result, "--output", tmp_path / "out", "--frames", 3, "--format", "png")
-    assert done.returncode == 0
+    ended(run("transient", result, "--output", tmp_path / "out", "--frames", 3, "--format", "png"))
 
 
 DRY = """&case problem = 'dry_line' /
@@ -525,8 +504,7 @@ DRY = """&case problem = 'dry_line' /
 def test_regime_of_any_result(solved_cases, tmp_path: Path) -> None:
     """A contact by the full momentum equations has its place; of a dry one the command says that it has none."""
     solved_cases(stokes=STOKES.replace("256", "128"), dry=DRY)
-    both = run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png")
-    assert both.returncode == 0, both.stderr
+    both = ended(run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png"))
     assert "dry: dry, without a film" in both.stdout
     assert "stokes: M 5.1" in both.stdout
     assert (tmp_path / "stokes_regime.png").exists()

@@ -2,12 +2,11 @@
 
 import base64
 import re
-import subprocess
 import sys
 from xml.etree import ElementTree
 
 import pytest
-from cases import STEADY, TRANSIENT
+from cases import STEADY, TRANSIENT, called, ended
 from conftest import ROOT
 from dry_cases import case_text, profile
 
@@ -25,8 +24,7 @@ class Page:
 
 
 def report(*arguments):
-    command = [sys.executable, str(ROOT / "postproc" / "report.py"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return called([sys.executable, str(ROOT / "postproc" / "report.py"), *map(str, arguments)])
 
 
 @pytest.fixture(scope="module")
@@ -71,9 +69,8 @@ BAD = {
 
 
 @pytest.mark.parametrize("words", BAD)
-def test_no_solution_is_said_first(asperity, tmp_path, words):
-    (tmp_path / "bad.nml").write_text(BAD[words])
-    assert asperity("bad.nml").returncode == 2
+def test_no_solution_is_said_first(run_case, tmp_path, words):
+    run_case(BAD[words], status=2, name="bad")
     assert report(tmp_path / "bad.h5", "--output", tmp_path / "page.html").returncode == 0
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert text.index(words) < text.index("Results")
@@ -82,7 +79,6 @@ def test_no_solution_is_said_first(asperity, tmp_path, words):
 
 def test_other_files_are_refused(tmp_path):
     (tmp_path / "no.h5").write_text("nothing")
-    done = report(tmp_path / "no.h5", tmp_path / "missing.h5")
-    assert done.returncode == 1
+    done = ended(report(tmp_path / "no.h5", tmp_path / "missing.h5"), 1)
     assert len(done.stderr.splitlines()) == 2
     assert not list(tmp_path.glob("*.html"))

@@ -39,8 +39,7 @@ def write_hdf5(path, heights, spacing=SPACING, **options):
 
 def run(asperity, tmp_path, text, name="case"):
     write(tmp_path, f"{name}.nml", text)
-    done = asperity(f"{name}.nml", "--verbose")
-    assert done.returncode == 0, done.stderr
+    done = ended(asperity(f"{name}.nml", "--verbose"))
     return tmp_path / f"{name}.h5", done.stderr + done.stdout
 
 
@@ -79,7 +78,7 @@ def test_long_profile_is_the_same_from_every_file(asperity, tmp_path, speeds, gr
     write_hdf5(tmp_path / "plain.h5", heights, FINE)
     write_hdf5(tmp_path / "packed.h5", heights, FINE, chunks=(10000,), compression="gzip")
     results = [
-        run(asperity, tmp_path, fine_passage(name, speeds, group), f"result_{i}")[0]
+        run(asperity, tmp_path, fine_passage(name, speeds, group).replace("checkpoint_interval = 0.0, ", ""), f"result_{i}")[0]
         for i, name in enumerate(("p.csv", "plain.h5", "packed.h5"))
     ]
     assert different(results[0], results[1]) == []

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import h5py
 import pytest
-from cases import HANGING, LONG, STEADY, write
+from cases import HANGING, LONG, STEADY, called, ended, write
 from kill_and_resume import wait_for
 from test_resume import names
 
@@ -120,7 +120,7 @@ def test_closed_streams_do_not_end_up_in_a_result(program, tmp_path, closed):
     assert subprocess.run(f"'{program}' case.nml {closed}", shell=True, cwd=tmp_path, check=False).returncode == 0
     with h5py.File(tmp_path / "case.h5") as file:
         assert file.attrs["converged"] == 1
-    done = subprocess.run([program, "case.nml", "--resume"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = called([program, "case.nml", "--resume"], cwd=tmp_path)
     assert done.stderr == "case.nml: case.h5 is complete: nothing to do\n"
 
 
@@ -129,6 +129,5 @@ def test_closed_streams_do_not_end_up_in_a_result(program, tmp_path, closed):
 def test_lost_text_is_told(program, tmp_path, option, target):
     write(tmp_path, "case.nml", STEADY)
     command = f"'{program}' {option} {target}"
-    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 3
+    done = ended(called(command, shell=True, cwd=tmp_path), 3)
     assert done.stderr == "cannot write to standard output: the disk is full, or nobody reads it\n"

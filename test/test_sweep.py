@@ -1,25 +1,28 @@
 """batch/sweep.py: from a TOML file to checked namelists and an index."""
 
 import codecs
-import csv
 import fcntl
 import keyword
 import os
 import random
 
 import batch_runs
+import cases
 import f90nml
 import numpy as np
 import pytest
 from batch_runs import BASE, call, swept, write_sweep
 from case_folder import read_folder
 from case_plan import read_base
+from cases import ended, write
 from formulas import CONSTANTS, FUNCTIONS, FormulaError, evaluate
 from gather import MEANINGS
 from result_row import GROUPS, PASSED
 from sweep_file import SweepError, read_sweep_file
 
-HEAD = 'base = "base.nml"\n[vary]\n'
+TOP = 'base = "base.nml"\n'
+HEAD = TOP + "[vary]\n"
+LOAD = HEAD + "load.hertz_pressure = "
 
 
 @pytest.fixture
@@ -32,8 +35,7 @@ def sweep(tmp_path, program):
 
 
 def rows_of(folder):
-    with (folder / "index.csv").open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return cases.rows(folder / "index.csv")
 
 
 def column(folder, head):
@@ -67,14 +69,14 @@ def test_product_of_a_list_and_two_ranges(sweep, tmp_path):
 
 
 def test_values_of_ranges_are_where_numpy_puts_them(sweep, tmp_path):
-    text = HEAD + 'load.hertz_pressure = { from = 0.3e9, to = 0.9e9, count = 7, spacing = "log" }\n'
+    text = LOAD + '{ from = 0.3e9, to = 0.9e9, count = 7, spacing = "log" }\n'
     assert sweep(text).returncode == 0
     # values are written with 12 digits, so that 0.3 stays 0.3
     np.testing.assert_allclose(column(tmp_path / "small", "load.hertz_pressure [Pa]"), np.geomspace(0.3e9, 0.9e9, 7), rtol=1e-11)
 
 
 def test_together_goes_step_by_step_and_integers_stay_integers(sweep, tmp_path):
-    text = 'base = "base.nml"\ntogether = ["domain.intervals", "lubricant.viscosity"]\n[vary]\n'
+    text = TOP + 'together = ["domain.intervals", "lubricant.viscosity"]\n[vary]\n'
     text += "domain.intervals = [64, 128]\nload.hertz_pressure = [4e8, 5e8]\nlubricant.viscosity = [0.1, 0.2]\n"
     assert sweep(text).returncode == 0
     folder = tmp_path / "small"
@@ -85,7 +87,7 @@ def test_together_goes_step_by_step_and_integers_stay_integers(sweep, tmp_path):
 
 @pytest.mark.parametrize(("method", "count"), [("sobol", 64), ("latin_hypercube", 50)])
 def test_samples_fill_their_ranges_evenly(sweep, tmp_path, method, count):
-    text = f'base = "base.nml"\n[sample]\nmethod = "{method}"\ncount = {count}\nseed = 3\n[vary]\n'
+    text = TOP + f'[sample]\nmethod = "{method}"\ncount = {count}\nseed = 3\n[vary]\n'
     text += "load.hertz_pressure = { from = 3e8, to = 9e8 }\n"
     text += 'lubricant.viscosity = { from = 0.01, to = 1.0, spacing = "log" }\n'
     text += "domain.intervals = [64, 128]\n"
@@ -101,7 +103,7 @@ def test_samples_fill_their_ranges_evenly(sweep, tmp_path, method, count):
 
 
 def test_a_seed_repeats_a_sample_and_integers_are_drawn_as_such(sweep, tmp_path):
-    text = 'base = "base.nml"\n[sample]\ncount = 8\nseed = 5\n[vary]\nsolver.max_cycles = { from = 1, to = 8 }\n'
+    text = TOP + "[sample]\ncount = 8\nseed = 5\n[vary]\nsolver.max_cycles = { from = 1, to = 8 }\n"
     assert sweep(text, "--output", "one").returncode == 0
     assert sweep(text, "--output", "two").returncode == 0
     one = [row["solver.max_cycles [1]"] for row in rows_of(tmp_path / "one")]
@@ -121,21 +123,15 @@ def test_heights_are_found_from_the_new_place(sweep, tmp_path):
 BAD = {
     "an unknown key": (HEAD + "load.hertz_presure = [4e8, 5e8]\n", "small.toml:3: &load hertz_presure: found an unknown key"),
     "an unknown group": (HEAD + "loads.hertz_pressure = [4e8, 5e8]\n", "found an unknown group"),
-    "a range of nothing": (
-        HEAD + "load.hertz_pressure = { from = 5e8, to = 5e8, count = 4 }\n",
-        "small.toml:3: load.hertz_pressure",
-    ),
-    "an empty list": (HEAD + "load.hertz_pressure = []\n", "small.toml:3: found no values for load.hertz_pressure"),
-    "no cases": (HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8, count = 0 }\n", "found count = 0, expected an integer >= 1"),
+    "a range of nothing": (LOAD + "{ from = 5e8, to = 5e8, count = 4 }\n", "small.toml:3: load.hertz_pressure"),
+    "an empty list": (LOAD + "[]\n", "small.toml:3: found no values for load.hertz_pressure"),
+    "no cases": (LOAD + "{ from = 4e8, to = 5e8, count = 0 }\n", "found count = 0, expected an integer >= 1"),
     "a billion cases": (
-        HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8, count = 1000000000 }\n",
+        LOAD + "{ from = 4e8, to = 5e8, count = 1000000000 }\n",
         "found 1000000000 cases, expected at most 100000 (or --yes",
     ),
     "what the base forbids": (HEAD + "load.load_per_length = [1e5, 2e5]\n", "found more than one load"),
-    "one value twice": (
-        HEAD + "load.hertz_pressure = [4e8, 5e8, 4e8]\n",
-        "small.toml:3: load.hertz_pressure: found 400000000.0 as value",
-    ),
+    "one value twice": (LOAD + "[4e8, 5e8, 4e8]\n", "small.toml:3: load.hertz_pressure: found 400000000.0 as value"),
     "a value out of range": (HEAD + "lubricant.viscosity = [0.1, 1e9]\n", "small.toml:3: &lubricant viscosity: found 1000000000.0"),
     "one name for all results": (HEAD + 'case.output = ["a.h5", "b.h5"]\n', "small.toml:3: found case.output: results are named"),
     "a formula without value": (
@@ -143,32 +139,23 @@ BAD = {
         "small.toml:5: bodies.speed_1: '1/u' has no",
     ),
     "an unknown name": (HEAD + 'u = [0.5, 1.0]\n[formula]\nbodies.speed_1 = "2*v"\n', "found v, expected a parameter"),
-    "no TOML": (HEAD + "load.hertz_pressure = [4e8\n", "small.toml:3: is not TOML"),
-    "nothing to vary": ('base = "base.nml"\n', "small.toml:1: found nothing to vary"),
+    "no TOML": (LOAD + "[4e8\n", "small.toml:3: is not TOML"),
+    "nothing to vary": (TOP, "small.toml:1: found nothing to vary"),
     "no base": ('base = "none.nml"\n[vary]\nload.hertz_pressure = [4e8]\n', "small.toml:1: there is no base case"),
-    "an unknown entry": (
-        'base = "base.nml"\nlimit = 3\n[vary]\nload.hertz_pressure = [4e8]\n',
-        "small.toml:2: found the unknown entry limit",
-    ),
-    "a range without count": (
-        HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8 }\n",
-        "small.toml:3: load.hertz_pressure: found a range",
-    ),
+    "an unknown entry": (TOP + "limit = 3\n[vary]\nload.hertz_pressure = [4e8]\n", "small.toml:2: found the unknown entry limit"),
+    "a range without count": (LOAD + "{ from = 4e8, to = 5e8 }\n", "small.toml:3: load.hertz_pressure: found a range"),
     "a negative logarithm": (
         HEAD + 'bodies.speed_1 = { from = -1, to = 1, count = 3, spacing = "log" }\n',
         "expected both ends above zero",
     ),
-    "set twice": (
-        HEAD + "load.hertz_pressure = [4e8]\n[set]\nload.hertz_pressure = 5e8\n",
-        "small.toml:5: found load.hertz_pressure in",
-    ),
+    "set twice": (LOAD + "[4e8]\n[set]\nload.hertz_pressure = 5e8\n", "small.toml:5: found load.hertz_pressure in"),
     "unequal lengths": (
-        'base = "base.nml"\ntogether = ["lubricant.viscosity", "load.hertz_pressure"]\n[vary]\nlubricant.viscosity = [0.1]\n'
+        TOP + 'together = ["lubricant.viscosity", "load.hertz_pressure"]\n[vary]\nlubricant.viscosity = [0.1]\n'
         "load.hertz_pressure = [4e8, 5e8]\n",
         "small.toml:2: found different numbers of values",
     ),
     "left out twice": (
-        'base = "base.nml"\nleave_out = ["load.load_per_length"]\n[vary]\nload.hertz_pressure = [4e8]\n',
+        TOP + 'leave_out = ["load.load_per_length"]\n[vary]\nload.hertz_pressure = [4e8]\n',
         "small.toml:2: found load.load_per_length in leave_out",
     ),
     "an own name that is a constant": (
@@ -176,7 +163,7 @@ BAD = {
         "small.toml:3: found the name pi, which means something else in formulas",
     ),
     "an own name that is a column of the table": (
-        HEAD + "load.hertz_pressure = [4e8]\nprogram = [1, 2]\n",
+        LOAD + "[4e8]\nprogram = [1, 2]\n",
         "small.toml:4: found the name program, expected group.key, or a name of your own",
     ),
     "lists ten thousand deep": (HEAD + f"u = {'[' * 10000}{']' * 10000}\n", "small.toml: found lists or tables too deep"),
@@ -191,7 +178,7 @@ BAD = {
         "small.toml:5: v: '((9**999)**999)**999' has no value",
     ),
     "an odd Sobol sample": (
-        'base = "base.nml"\n[sample]\nmethod = "sobol"\ncount = 50\n[vary]\nload.hertz_pressure = { from = 4e8, to = 5e8 }\n',
+        TOP + '[sample]\nmethod = "sobol"\ncount = 50\n[vary]\nload.hertz_pressure = { from = 4e8, to = 5e8 }\n',
         "small.toml:2: found 50 points of a Sobol sample",
     ),
 }
@@ -200,16 +187,14 @@ BAD = {
 @pytest.mark.parametrize("fault", BAD)
 def test_bad_sweeps_are_refused_with_their_line_and_leave_nothing(fault, sweep, tmp_path):
     text, words = BAD[fault]
-    done = sweep(text)
-    assert done.returncode == 1
+    done = ended(sweep(text), 1)
     assert words in done.stderr
     assert "Traceback" not in done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["base.nml", "small.toml"]
 
 
 def test_a_base_that_is_no_namelist(sweep):
-    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n", base="&case problem = \n")
-    assert done.returncode == 1
+    done = ended(sweep(LOAD + "[4e8]\n", base="&case problem = \n"), 1)
     assert "small.toml:1:" in done.stderr
     assert "Traceback" not in done.stderr
 
@@ -233,7 +218,7 @@ def test_every_name_that_formulas_index_and_table_use_themselves_is_refused(tmp_
 def test_text_that_looks_like_a_number_stays_text(sweep, tmp_path):
     words = ["1_0", "10", "1e5", "nan", "=1", 'a "b", c', " 2"]
     quoted = ", ".join(f"'{word}'" for word in words)
-    text = f'base = "base.nml"\ntogether = ["case.title", "load.hertz_pressure"]\n[vary]\ncase.title = [{quoted}]\n'
+    text = TOP + f'together = ["case.title", "load.hertz_pressure"]\n[vary]\ncase.title = [{quoted}]\n'
     assert sweep(text + f"load.hertz_pressure = {[4e8 + 1 / 3 + i for i in range(7)]}\n").returncode == 0
     folder = read_folder(tmp_path / "small")
     assert [row[0] for row in folder.rows] == words
@@ -242,7 +227,7 @@ def test_text_that_looks_like_a_number_stays_text(sweep, tmp_path):
 
 
 def test_an_index_of_an_earlier_version_is_read_and_replaced_by_the_same_sweep(sweep, tmp_path):
-    text = HEAD + "load.hertz_pressure = [4e8, 5e8]\n"
+    text = LOAD + "[4e8, 5e8]\n"
     assert sweep(text).returncode == 0
     index = tmp_path / "small" / "index.csv"
     new = index.read_text(encoding="utf-8")
@@ -271,8 +256,8 @@ def test_a_base_is_read_the_same_whatever_ends_its_lines(tmp_path):
     source = random.Random(30)
     text = BASE.replace("&load", "! \u00d6l: a comment / & \n&surface_1\n amplitude{}\n wavelength = 1e-4, 2e-4 ! [m]\n/\n&load")
     lists = (" = 1e-7, 2e-7", "(1) = 1e-7\n amplitude(2) = 2e-7", "(2) = 2e-7, amplitude(1) = 1e-7", "(1:2) = 1e-7, 2e-7")
-    sweep_file = write_sweep(tmp_path, HEAD + "load.hertz_pressure = [4e8]\n")
-    (tmp_path / "base.nml").write_text(text.format(lists[0]), encoding="utf-8")
+    sweep_file = write_sweep(tmp_path, LOAD + "[4e8]\n")
+    write(tmp_path, "base.nml", text.format(lists[0]))
     expected = read_base(read_sweep_file(sweep_file), tmp_path)
     assert expected["surface_1"] == {"amplitude": [1e-7, 2e-7], "wavelength": [1e-4, 2e-4]}
     for _ in range(60):
@@ -293,7 +278,7 @@ def test_a_base_is_read_the_same_whatever_ends_its_lines(tmp_path):
     ],
 )
 def test_other_encodings_are_told_by_their_names(tmp_path, encoding, words):
-    sweep_file = write_sweep(tmp_path, HEAD + "load.hertz_pressure = [4e8]\n")
+    sweep_file = write_sweep(tmp_path, LOAD + "[4e8]\n")
     content = ("# one\r# \u00d6l\n" + sweep_file.read_text(encoding="utf-8")).encode(encoding)
     (tmp_path / "base.nml").write_bytes(("! one\r! \u00d6l\n" + BASE).encode(encoding))
     with pytest.raises(SweepError, match=rf"small\.toml:1: .*base\.nml:?.*{words}.*, expected a text file in UTF-8"):
@@ -308,32 +293,30 @@ def test_bases_with_subscripts_are_written_as_lists(sweep, tmp_path):
         BASE + "&surface_1 shape = 'feature', amplitude(2) = 2e-7, amplitude(1) = 1e-7, wavelength = 2*1e-4, position = -2, -1 /\n"
     )
     base += "&time transient = .true., end_time = 1.0, time_step = 0.05 /\n"
-    done = sweep(HEAD + "load.hertz_pressure = [4e8, 5e8]\n", base=base)
-    assert done.returncode == 0, done.stderr
+    done = ended(sweep(LOAD + "[4e8, 5e8]\n", base=base))
     assert namelist(tmp_path / "small", 1)["surface_1"]["amplitude"] == [1e-7, 2e-7]
-    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n", "--output", "other", base=base.replace("amplitude(1) = 1e-7,", ""))
+    done = sweep(LOAD + "[4e8]\n", "--output", "other", base=base.replace("amplitude(1) = 1e-7,", ""))
     assert (done.returncode, "&surface_1 amplitude: found" in done.stderr) == (1, True)
 
 
 def test_names_of_files_that_are_no_text(tmp_path, program):
     """Bytes of Latin-1 in the names of sweep and folder: read, printed, and found again."""
     name = os.fsdecode(b"s\xf6")
-    write_sweep(tmp_path, HEAD + "load.hertz_pressure = [4e8]\n", BASE, f"{name}.toml")
+    write_sweep(tmp_path, LOAD + "[4e8]\n", BASE, f"{name}.toml")
     done = call("all.py", f"{name}.toml", folder=tmp_path, program=program)
     assert (done.returncode, done.stdout.splitlines()[0]) == (0, "s\\udcf6: 1 cases, checked"), done.stderr
     assert (tmp_path / name / "gathered.h5").exists()
 
 
 def test_the_same_sweep_again_changes_nothing_and_another_one_needs_a_word(sweep, tmp_path):
-    first = HEAD + "load.hertz_pressure = [4e8, 5e8, 6e8]\n"
-    other = HEAD + "load.hertz_pressure = [4e8, 7e8]\n"
+    first = LOAD + "[4e8, 5e8, 6e8]\n"
+    other = LOAD + "[4e8, 7e8]\n"
     assert sweep(first).returncode == 0
     result = tmp_path / "small" / "cases" / "case_0001.h5"
     result.write_text("kept", encoding="utf-8")
     stamp = (tmp_path / "small" / "cases" / "case_0001.nml").stat().st_mtime_ns
     assert sweep(first).returncode == 0
-    refused = sweep(other)
-    assert refused.returncode == 1
+    refused = ended(sweep(other), 1)
     assert "holds another sweep (1 cases differ)" in refused.stderr
     assert len(rows_of(tmp_path / "small")) == 3
     assert sweep(other, "--replace").returncode == 0
@@ -349,29 +332,28 @@ def test_a_folder_that_another_process_is_writing(sweep, tmp_path):
     part.mkdir()
     descriptor = os.open(part, os.O_RDONLY)
     fcntl.flock(descriptor, fcntl.LOCK_EX)
-    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n")
+    done = sweep(LOAD + "[4e8]\n")
     os.close(descriptor)
     assert (done.returncode, "another process is writing this sweep" in done.stderr) == (1, True)
-    assert sweep(HEAD + "load.hertz_pressure = [4e8]\n").returncode == 0  # the one that was killed has left its folder
+    assert sweep(LOAD + "[4e8]\n").returncode == 0  # the one that was killed has left its folder
 
 
 def test_a_folder_of_the_user_is_left_alone(sweep, tmp_path):
     (tmp_path / "small").mkdir()
     (tmp_path / "small" / "thesis.txt").write_text("mine", encoding="utf-8")
-    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n")
+    done = sweep(LOAD + "[4e8]\n")
     assert (done.returncode, "is there and no sweep" in done.stderr) == (1, True)
     assert [path.name for path in (tmp_path / "small").iterdir()] == ["thesis.txt"]
 
 
 @pytest.mark.parametrize("path", sorted((batch_runs.ROOT / "input" / "sweeps").glob("*.toml")), ids=lambda path: path.stem)
 def test_shipped_sweeps_pass_their_checks(path, tmp_path, program):
-    done = call("sweep.py", path, folder=tmp_path, program=program)
-    assert done.returncode == 0, done.stderr
+    ended(call("sweep.py", path, folder=tmp_path, program=program))
     assert len(rows_of(tmp_path / path.stem)) > 10
 
 
 def test_keys_that_are_left_out(sweep, tmp_path):
-    text = 'base = "base.nml"\nleave_out = ["load.hertz_pressure"]\n[vary]\nload.load_per_length = [1e5, 2e5]\n'
+    text = TOP + 'leave_out = ["load.hertz_pressure"]\n[vary]\nload.load_per_length = [1e5, 2e5]\n'
     assert sweep(text).returncode == 0
     assert dict(namelist(tmp_path / "small", 2)["load"]) == {"load_per_length": 2e5}
 

@@ -9,10 +9,11 @@ import overtaking
 import pytest
 import trends
 import waviness
+from cases import rows
 from conftest import ROOT
 from linear_response import Advection
 from study import Claims, Runner, exchanged
-from study_runs import rows, run_quick
+from study_runs import run_quick
 
 
 @pytest.fixture

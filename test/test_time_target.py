@@ -10,16 +10,14 @@ import pytest
 COUNT = 10
 
 
-def test_an_error_above_the_target_is_noted(asperity, tmp_path):
+def test_an_error_above_the_target_is_noted(run_case, tmp_path):
     """Passages at random, the domain given: there is a note where grid and time step err by more than wanted, else none."""
     (family,) = families.chosen(["target_in_time"])
     noted = []
     source = random.Random(7002)
     for i in range(COUNT):
         case = family.draw(source, i).case
-        (tmp_path / "case.nml").write_text(namelists.namelist(case), encoding="utf-8")
-        done = asperity("case.nml", "--verbose")
-        assert done.returncode == 0, done.stderr
+        done = run_case(namelists.namelist(case), "--verbose")
         target = case["accuracy"]["target"]
         with h5py.File(tmp_path / "case.h5") as file:
             film = file["summary/h_min"]

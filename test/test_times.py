@@ -1,11 +1,12 @@
 """Which times of a transient count: periodic passages, features without a place, what starts inside the contact; whole steps."""
 
+import contextlib
 import random
 
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, TRANSIENT, contents, same_bits, text, write
+from cases import STEADY, TRANSIENT, contents, ended, same_bits, text, write
 
 WAVE = "&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 1e-4, position = 0.2 /\n"
 RIDGE = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4{} /\n"
@@ -13,12 +14,13 @@ TIME = "&time transient = .true., end_time = {}, time_step = 0.01{} /\n"
 PERIOD = 1e-4 / 1.05797e-4 / (11 / 6)
 
 
+@contextlib.contextmanager
 def run(asperity, folder, surface, end, others="", extra=""):
     """The result of a passage through Case 1, and what is said."""
     write(folder, "a.nml", STEADY + surface + TIME.format(end, others) + extra)
-    done = asperity("a.nml", "--verbose")
-    assert done.returncode == 0, done.stderr
-    return h5py.File(folder / "a.h5"), " ".join((done.stderr + done.stdout).split())
+    done = ended(asperity("a.nml", "--verbose"))
+    with h5py.File(folder / "a.h5") as file:
+        yield file, " ".join((done.stderr + done.stdout).split())
 
 
 @pytest.mark.parametrize(
@@ -31,13 +33,11 @@ def run(asperity, folder, surface, end, others="", extra=""):
     ],
     ids=["wave", "ridge inside", "ridge", "profile"],
 )
-def test_a_chosen_end_shows_everything(asperity, tmp_path, surface, expected):
+def test_a_chosen_end_shows_everything(run_case, tmp_path, surface, expected):
     """Nothing is left to be told about the times; the last ridge or node leaves at |X| = 1."""
     x = np.linspace(0, 1e-3, 201)
     write(tmp_path, "z.csv", "x_m,z_m\n" + "".join(f"{a},{1e-8 * np.sin(6e4 * a)}\n" for a in x))
-    write(tmp_path, "a.nml", STEADY + surface + "&time transient = .true., time_step = 0.04 /\n")
-    done = asperity("a.nml", "--verbose")
-    assert done.returncode == 0, done.stderr
+    done = run_case(STEADY + surface + "&time transient = .true., time_step = 0.04 /\n", "--verbose", name="a")
     assert "end_time" not in done.stderr
     with h5py.File(tmp_path / "a.h5") as file:
         end = file["input/effective/time"].attrs["end_time"]
@@ -45,32 +45,27 @@ def test_a_chosen_end_shows_everything(asperity, tmp_path, surface, expected):
     assert expected is None or end == pytest.approx(expected, rel=2e-3)
 
 
-def test_an_end_in_seconds_is_that_in_half_widths(asperity, tmp_path):
+def test_an_end_in_seconds_is_that_in_half_widths(run_case, asperity, tmp_path):
     """The same passage, to the last bit of its steps."""
-    first, _ = run(asperity, tmp_path, RIDGE.format(""), 0.2)
-    with first:
+    with run(asperity, tmp_path, RIDGE.format(""), 0.2) as (first, _):
         times, scale = first["transient/time"][()], first["transient/time"].attrs["si_scale"]
-    write(tmp_path, "b.nml", STEADY + RIDGE.format("") + TIME.format(0.2, "").replace("end_time = 0.2", f"duration = {0.2 * scale:.17g}"))
-    assert asperity("b.nml").returncode == 0
+    run_case(STEADY + RIDGE.format("") + TIME.format(0.2, "").replace("end_time = 0.2", f"duration = {0.2 * scale:.17g}"), name="b")
     with h5py.File(tmp_path / "b.h5") as file:
         assert file["transient/time"][()] == pytest.approx(times, rel=1e-12)
         assert file["input/effective/time"].attrs["end_time"] == pytest.approx(0.2, rel=1e-12)
 
 
 @pytest.mark.parametrize(("end", "expected"), [(500.0, None), (8e3, "about 5 min 7 s"), (1.2e5, "about 1 h 16 min")])
-def test_a_check_says_how_long_a_passage_takes(asperity, tmp_path, end, expected):
+def test_a_check_says_how_long_a_passage_takes(run_case, end, expected):
     """Minutes, and of hours what makes them fewer."""
-    write(tmp_path, "a.nml", STEADY + RIDGE.format("") + TIME.format(end, ""))
-    done = asperity("a.nml", "--check")
-    assert done.returncode == 0
+    done = run_case(STEADY + RIDGE.format("") + TIME.format(end, ""), "--check", name="a")
     assert (": no findings; about " in done.stdout) == (expected is not None)
     assert (expected or "") in done.stdout
     assert ("harmonics" in done.stdout) == (end > 1e5)
 
 
 def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
-    file, told = run(asperity, tmp_path, WAVE, 9.0)
-    with file:
+    with run(asperity, tmp_path, WAVE, 9.0) as (file, told):
         attributes, series, h_min = file["summary"].attrs, file["transient"], file["summary/h_min"]
         begin, period = attributes["statistics_from"], attributes["period"]
         assert period == pytest.approx(PERIOD, rel=1e-5)
@@ -93,15 +88,13 @@ def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
 
 @pytest.mark.path
 def test_an_end_too_early_is_told(asperity, tmp_path):
-    file, told = run(asperity, tmp_path, WAVE, 3.0)
-    with file:
+    with run(asperity, tmp_path, WAVE, 3.0) as (file, told):
         note = text(file["report/note"][()])
         assert np.isnan(file["summary/h_min"].attrs["error_estimate"])
         assert text(file["summary/h_min"].attrs["no_estimate"]) == "the start is in the quantities, see /report/note"
     assert note in told
     needed = float(note.split("end_time = ")[1].split()[0])
-    file, told = run(asperity, tmp_path, WAVE, needed)
-    with file:
+    with run(asperity, tmp_path, WAVE, needed) as (file, told):
         assert "note" not in file["report"]
         assert np.isfinite(file["summary/h_min"].attrs["error_estimate"])
 
@@ -110,8 +103,7 @@ def test_a_ridge_without_a_place_begins_in_front(asperity, tmp_path):
     """It meets the same film as one that begins far outside, and all of its passage counts."""
     found = {}
     for position, end in (("", 3.0), (", position = -3.5", 3.5)):
-        file, _ = run(asperity, tmp_path, RIDGE.format(position), end)
-        with file:
+        with run(asperity, tmp_path, RIDGE.format(position), end) as (file, _):
             found[position] = [file[f"summary/{name}"][()] for name in ("h_min", "h_central", "p_max")]
             place = float(file["input/effective/surface_2"].attrs["position"])
             assert file["summary"].attrs["statistics_from"] == 0
@@ -125,8 +117,7 @@ def test_a_ridge_without_a_place_begins_in_front(asperity, tmp_path):
     ("position", "words"), [("0.3", "stands in the contact at T = 0"), ("-12.0", "still in the contact or in")]
 )
 def test_a_passage_that_is_not_whole_is_told(asperity, tmp_path, position, words):
-    file, told = run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 6.0)
-    with file:
+    with run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 6.0) as (file, told):
         assert words in text(file["report/note"][()])
     assert words in told
 
@@ -135,8 +126,7 @@ def test_a_passage_that_is_not_whole_is_told(asperity, tmp_path, position, words
 def test_a_ridge_that_passes_before_its_companion_has_settled_is_told(asperity, tmp_path, position, is_told):
     """A wave of the other surface is in the contact from T = 0 on; the ridge counts whole, or there is a note."""
     beside = "&surface_1 shape = 'sinusoid', amplitude = 1e-8, wavelength = 1e-4 /\n"
-    file, told = run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 3.5 - position, "", beside)
-    with file:
+    with run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 3.5 - position, "", beside) as (file, told):
         summary = file["summary/h_min"].attrs["dimensionless"]
         passage = file["transient/h_min"][()].min()
         assert (summary > 1.1 * passage) == is_told
@@ -164,15 +154,13 @@ def test_steps_too_long_for_an_estimate_are_told(asperity, tmp_path):
 
 def test_what_is_asked_for_counts(asperity, tmp_path):
     """From the given time on; statistics of the film too, and after an interruption as well (test_resume.py)."""
-    file, _ = run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 5.0", "&output film_thresholds = 4e-7 /\n")
-    with file:
+    with run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 5.0", "&output film_thresholds = 4e-7 /\n") as (file, _):
         values = file["transient/h_min"][()][file["transient/time"][()] >= 5.0 - 1e-9]
         assert file["summary/h_min"].attrs["dimensionless"] == values.min()
         below = values * file["transient/h_min"].attrs["si_scale"] < 4e-7
         assert file["statistics/time_below"][()] == pytest.approx([below.mean()])
         assert "note" not in file["report"]
-    file, told = run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 0.0")
-    with file:
+    with run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 0.0") as (file, told):
         assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
     assert "statistics_from lies in the artificial start" in told
 
@@ -188,8 +176,10 @@ def test_what_is_asked_for_counts(asperity, tmp_path):
 )
 def test_statistics_begin_when_the_ridge_arrives(asperity, tmp_path, ridge, others, first):
     """The smooth film before it is no peak of the distribution, unless asked for; what never arrives leaves all times."""
-    file, _ = run(asperity, tmp_path, ridge, 12.0 if "surface_1" in ridge else 5.0, others, "&output film_thresholds = 4e-7 /\n")
-    with file:
+    with run(asperity, tmp_path, ridge, 12.0 if "surface_1" in ridge else 5.0, others, "&output film_thresholds = 4e-7 /\n") as (
+        file,
+        _,
+    ):
         time, films = file["transient/time"][()], file["transient/h_min"]
         values = films[()] * films.attrs["si_scale"]
         begin = file["statistics"].attrs["statistics_from"]
@@ -212,9 +202,8 @@ def test_statistics_begin_when_the_ridge_arrives(asperity, tmp_path, ridge, othe
 def test_output_keys_do_not_change_a_periodic_passage(asperity, tmp_path):
     found = []
     for keys in ("", "&output profile_stride = 50, checkpoint_interval = 0.0 /\n"):
-        file, _ = run(asperity, tmp_path, WAVE, 6.0, "", keys)
-        file.close()
-        found.append({path: value for path, value in contents(tmp_path / "a.h5").items() if path.startswith("summary")})
+        with run(asperity, tmp_path, WAVE, 6.0, "", keys):
+            found.append({path: value for path, value in contents(tmp_path / "a.h5").items() if path.startswith("summary")})
     assert found[0].keys() == found[1].keys()
     assert all(same_bits(found[0][path], found[1][path]) for path in found[0])
 

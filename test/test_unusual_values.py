@@ -6,7 +6,7 @@ import re
 
 import h5py
 import pytest
-from cases import ended, text, write
+from cases import called, ended, text, write
 from conftest import ROOT
 
 SHIPPED = sorted((ROOT / "input").glob("*.nml")) + sorted((ROOT / "input" / "scenes").glob("*.nml"))
@@ -122,12 +122,11 @@ def test_sign_and_nothing_are_usual(asperity, tmp_path, signed):
 
 if __name__ == "__main__":
     import collections
-    import subprocess
     import tempfile
 
     def call(*arguments):
         command = [str(ROOT / "build" / "bin" / "asperity"), *map(str, arguments)]
-        return subprocess.run(command, cwd=FOLDER, capture_output=True, text=True, check=False)
+        return called(command, cwd=FOLDER)
 
     with tempfile.TemporaryDirectory() as FOLDER:
         counts = collections.Counter((s[3], told(call, pathlib.Path(FOLDER), s)) for s in slips(call))

@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, text, write
+from cases import AT_REST, ended, text, write
 
 OPEN = AT_REST.replace(", intervals = 256", "")
 WAVE = "&surface_1 shape = '{}', amplitude = 0.1e-6, wavelength = {}, position = 0.0 /\n"
@@ -12,8 +12,7 @@ DX = 5.5 / 256 * 1.05797e-4
 
 def solved(asperity, tmp_path, content):
     write(tmp_path, "case.nml", content)
-    done = asperity("case.nml", "--verbose")
-    assert done.returncode == 0, done.stderr
+    done = ended(asperity("case.nml", "--verbose"))
     with h5py.File(tmp_path / "case.h5") as file:
         h_min = file["summary/h_min"]
         note = text(file["report/note"][()]) if "report/note" in file else ""

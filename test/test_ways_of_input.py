@@ -4,7 +4,7 @@ import random
 
 import h5py
 import pytest
-from cases import STEADY, contents, text, write
+from cases import STEADY, contents, ended, text, write
 
 CASE = STEADY.replace("intervals = 256", "intervals = 128") + "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
 SPEEDS = "speed_1 = 0.1, speed_2 = 1.1"
@@ -21,8 +21,7 @@ PARABOLA = """&case problem = 'dry_area' /
 def solved(asperity, folder, content, name="a"):
     """Contents of the result, and what is said."""
     write(folder, f"{name}.nml", content)
-    done = asperity(f"{name}.nml")
-    assert done.returncode == 0, done.stderr
+    done = ended(asperity(f"{name}.nml"))
     return contents(folder / f"{name}.h5"), done
 
 

@@ -1,7 +1,5 @@
 """Limits of address space or data: a result or one message with both numbers, no backtrace, no waiting for memory."""
 
-from __future__ import annotations
-
 import os
 import random
 import resource

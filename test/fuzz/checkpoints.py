@@ -1,7 +1,5 @@
 """Damaged checkpoints, and damaged files of time steps beside whole ones: refused, or resumed to the same bits."""
 
-from __future__ import annotations
-
 import functools
 import random
 import shutil

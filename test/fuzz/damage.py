@@ -1,7 +1,5 @@
 """Damage to the bytes of a file, as disks, copies and editors do it."""
 
-from __future__ import annotations
-
 import random
 
 

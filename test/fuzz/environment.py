@@ -1,7 +1,5 @@
 """Environment variables of the run-time libraries, and small stacks: the same answer to the bit, or one message."""
 
-from __future__ import annotations
-
 import os
 import random
 import resource
@@ -74,12 +72,10 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     limits = {resource.RLIMIT_STACK: source.choice(STACKS) * 1024} if source.random() < 0.3 else {}
     (folder / "case.nml").write_text(text, encoding="utf-8")
     run = call(program, folder, "case.nml", env=env, limits=limits)
-    if run.trouble():
-        return run.trouble()
     if run.status == 1 and limits and "ulimit -s" in run.err:
-        return None
-    if run.status != 0:
-        return f"status {run.status}: {run.err.strip()[-200:]}"
+        return run.trouble()
+    if run.trouble(0):
+        return run.trouble(0)
     if "***" in run.err + run.out or not run.err + run.out:
         return f"broken report: {run.err.strip()[-200:]}"
     with h5py.File(folder / "case.h5") as file:

@@ -1,7 +1,5 @@
 """Damaged and foreign result files given to the figure scripts: a figure, or one line and a status that is not 0."""
 
-from __future__ import annotations
-
 import functools
 import random
 import sys

@@ -1,12 +1,11 @@
 """HDF5 files of heights with damaged bytes: an answer with the heights as they are in the file, or one message."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 
 import h5py
 import numpy as np
+from damage import damaged
 from surfaces import judged, solved
 
 TITLE = "HDF5 files of heights, damaged bytes"
@@ -26,23 +25,6 @@ def write(path: Path, source: random.Random) -> None:
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     path = folder / "z.h5"
     write(path, source)
-    content = bytearray(path.read_bytes())
-    for _ in range(source.choice([1, 1, 2, 4, 16])):
-        place = source.randrange(source.choice([len(content), min(len(content), 2500)]))
-        length = source.choice([1, 1, 4, 8, 64])
-        kind = source.randrange(4)
-        if kind == 0:
-            content[place] ^= 1 << source.randrange(8)
-        elif kind == 1:
-            content[place : place + length] = bytes(source.choice([0, 255]) for _ in content[place : place + length])
-        elif kind == 2:
-            content[place] = source.randrange(256)
-        else:
-            other = source.randrange(len(content))
-            piece = content[other : other + length]
-            content[place : place + len(piece)] = piece
-        if source.random() < 0.05:
-            del content[source.randrange(1, len(content)) :]
-    path.write_bytes(content)
+    path.write_bytes(damaged(path.read_bytes(), source))
     kind = source.choice(["line", "oil"])
     return judged(solved(program, folder, kind, "z.h5", ", dataset = 'scan/z'"), folder, "z.h5")

@@ -1,7 +1,5 @@
 """Tables of heights with one field, row or header that is not what it should be: refused with the command that converts them."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

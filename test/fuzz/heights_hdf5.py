@@ -1,7 +1,5 @@
 """HDF5 files of heights with attributes, types, shapes, values and storage that nobody expects."""
 
-from __future__ import annotations
-
 import os
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Namelists with a few bytes changed, cut, doubled or swapped: an answer, or findings with file and line."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 
@@ -29,8 +27,6 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
             text[place:end] = bytes(reversed(text[place:end]))
     (folder / "case.nml").write_bytes(text)
     run = call(program, folder, "--check", "case.nml")
-    if run.trouble():
-        return run.trouble()
     if run.status == 1 and "case.nml" not in run.err:
         return f"no file in the message: {run.err.strip()[-200:]}"
-    return None if run.status in (0, 1) else f"status {run.status}"
+    return run.trouble(0, 1)

@@ -1,7 +1,5 @@
 """Namelists in every way of writing that the standard knows: the values they state, or findings with file and line."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One namelist with every mix of line ends and in every encoding: the same values and findings at the same lines, or a refusal."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Files that are none: pipes, devices, folders, sockets, links that lead nowhere or in circles, odd names."""
 
-from __future__ import annotations
-
 import os
 import random
 import socket

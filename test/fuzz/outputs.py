@@ -1,7 +1,5 @@
 """Names of results that lead to something else: inputs, other results, files of the user, through links and folders."""
 
-from __future__ import annotations
-
 import os
 import random
 from pathlib import Path

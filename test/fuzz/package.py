@@ -1,7 +1,5 @@
 """Random cases of the Python package: what each gives is what the program gives for the same values, or findings."""
 
-from __future__ import annotations
-
 import datetime
 import functools
 import os

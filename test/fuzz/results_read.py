@@ -1,7 +1,5 @@
 """Damaged and foreign results given to the package and to gather: refused with the reason, never shown, never another error."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

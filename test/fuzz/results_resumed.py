@@ -1,7 +1,5 @@
 """Damaged results read back by --resume: recognised as damaged and made again, or refused; never taken for complete."""
 
-from __future__ import annotations
-
 import functools
 import random
 import shutil

@@ -1,7 +1,5 @@
 """Damaged results in `asperity table`: a row with the reason and status 1, or the row of the whole result."""
 
-from __future__ import annotations
-
 import json
 import random
 from pathlib import Path

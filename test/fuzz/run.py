@@ -15,8 +15,6 @@ says `converged`, a lost or half-written file. --page writes the table of docs/t
 the environment variable ASPERITY, else build/bin/asperity. The quick form is test_fuzz.py.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import os
@@ -48,14 +46,13 @@ class Run:
     out: str
     err: str
 
-    def trouble(self) -> str | None:
-        """A crash, hang, trap or backtrace, in words."""
-        if self.status is None:
-            return f"hang: {self.err.strip()[-200:]}"
-        if self.status not in STATUSES:
-            return f"status {self.status}: {self.err.strip()[-200:]}"
+    def trouble(self, *right: int) -> str | None:
+        """A crash, hang, trap, backtrace or a status that is not right, in words."""
+        said = self.err.strip()[-200:]
+        if self.status is None or self.status not in (right or STATUSES):
+            return f"hang: {said}" if self.status is None else f"status {self.status}: {said}"
         found = [word for word in CRASH_WORDS if word in self.err]
-        return f"{found[0]}: {self.err.strip()[-200:]}" if found else None
+        return f"{found[0]}: {said}" if found else None
 
 
 def call(program: Path, folder: Path, *arguments: str, env: dict[str, str] | None = None, limits: dict | None = None, **io) -> Run:

@@ -1,8 +1,6 @@
 """Signals at random moments of random kinds of work: a word or the end within a second of processor time, status 4 and no left-over
 files; or a complete result."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

@@ -1,7 +1,5 @@
 """Long runs of all kinds of work, to their end or to a limit of processor time: a line at least every 5 s of it."""
 
-from __future__ import annotations
-
 import random
 import resource
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Grids of every size, spacings and numbers of threads at the ends of what numbers hold, and limits of memory."""
 
-from __future__ import annotations
-
 import random
 import resource
 from pathlib import Path
@@ -66,8 +64,6 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
         text = AREA.format(x=x, y=y, periodic=source.choice([".true.", ".false."]) if kind == "area" else ".true.")
     (folder / "case.nml").write_text(text, encoding="utf-8")
     run = call(program, folder, "case.nml", *arguments, limits=limits)
-    if run.trouble():
-        return run.trouble()
-    if is_too_large and (run.status != 1 or "case.nml:" not in run.err):
+    if is_too_large and run.trouble() is None and (run.status != 1 or "case.nml:" not in run.err):
         return f"too large and taken: {run.status} {run.err.strip()[-200:]}"
-    return None if run.status in (0, 1) else f"status {run.status}: {run.err.strip()[-200:]}"
+    return run.trouble(0, 1)

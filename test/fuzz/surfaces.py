@@ -1,7 +1,5 @@
 """Cases that read a file of heights, and what counts as broken in their answers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import h5py

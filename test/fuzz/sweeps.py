@@ -1,7 +1,5 @@
 """Sweeps: odd sweep files, bases and names, indices, results and tables that are none, `--replace` that is ended at any moment."""
 
-from __future__ import annotations
-
 import csv
 import os
 import random

@@ -4,6 +4,8 @@ import pathlib
 import subprocess
 import sys
 
+from cases import called
+
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
 
 
@@ -14,7 +16,7 @@ def check(tool, folder, **sources):
         path = folder / "src" / layer / f"{module}.f90"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    result = subprocess.run([sys.executable, str(TOOLS / tool), str(folder)], capture_output=True, text=True, check=False)
+    result = called([sys.executable, str(TOOLS / tool), str(folder)])
     return result.returncode, result.stdout
 
 

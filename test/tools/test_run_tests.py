@@ -2,8 +2,9 @@
 
 import pathlib
 import shutil
-import subprocess
 import sys
+
+from cases import called
 
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
 UNIT = """module test_a
@@ -34,7 +35,7 @@ def run(folder, unit_output, python_tests, status=0):
     (folder / "pyproject.toml").write_text("", encoding="utf-8")
     unit_command = [sys.executable, "-c", f"print({unit_output!r}, end=''); raise SystemExit({status})"]
     command = [sys.executable, str(folder / "tools" / "run_tests.py"), "asperity", *unit_command]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    result = called(command)
     return result.returncode, result.stdout
 
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from cases import HANGING
+from cases import called, ended
 
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
 TESTS = pathlib.Path(__file__).resolve().parent
@@ -110,7 +110,7 @@ def translate(folder, **files):
         path.write_text(text, encoding="utf-8")
         paths.append(str(path))
     command = [sys.executable, str(TOOLS / "pf2f90.py"), str(folder / "out"), *paths]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return called(command)
 
 
 @pytest.fixture(scope="session")
@@ -133,15 +133,14 @@ def run(tmp_path, runtime):
     """Translates, compiles and runs .pf files given as name=text; options of the test program come first."""
 
     def call(*options, **files):
-        result = translate(tmp_path, **files)
-        assert result.returncode == 0, result.stderr
+        ended(translate(tmp_path, **files))
         out = tmp_path / "out"
         (out / "unit.f90").write_text("program unit\nuse pf_suites\ncall run_suites()\nend program\n", encoding="utf-8")
         names = [*[f"{name}.f90" for name in files], "pf_suites.f90", "unit.f90"]
         compile_files(out, *names, extra=[f"-I{runtime}"])
         objects = [str(runtime / name) for name in ("funit_lite.o", "funit.o")] + [f"{name[:-4]}.o" for name in names]
         subprocess.run(["gfortran", *objects, "-o", "unit"], cwd=out, check=True)
-        return subprocess.run([str(out / "unit"), *options], capture_output=True, text=True, check=False, timeout=HANGING)
+        return called([str(out / "unit"), *options])
 
     return call
 
@@ -166,11 +165,9 @@ def test_good_assertions_pass_and_bad_ones_fail(run):
 
 def test_all_passing_exits_0_and_a_filter_without_match_2(run):
     files = {"test_x": module("@test\nsubroutine good()\n@assertTrue(.true.)\nend subroutine")}
-    result = run(**files)
-    assert result.returncode == 0
+    result = ended(run(**files))
     assert result.stdout.endswith("1 passed, 0 failed\n")
-    result = run("-f", "nothing_like_this", **files)
-    assert result.returncode == 2
+    result = ended(run("-f", "nothing_like_this", **files), 2)
     assert result.stdout.endswith("0 passed, 0 failed\n")
     assert "test_x_suite.good" in run("-v", "-f", "go", **files).stdout
 
@@ -178,8 +175,7 @@ def test_all_passing_exits_0_and_a_filter_without_match_2(run):
 def test_disabled_does_not_run(run):
     body = "@test\n@disable\nsubroutine bad()\n@assertTrue(.false.)\nend subroutine\n"
     body += "@test\nsubroutine good()\n@assertTrue(.true.)\nend subroutine"
-    result = run(test_x=module(body))
-    assert result.returncode == 0
+    result = ended(run(test_x=module(body)))
     assert "1 disabled\n1 passed, 0 failed\n" in result.stdout
 
 
@@ -215,8 +211,7 @@ def test_fixture_types_and_parameters(run):
 
 def test_long_line_and_strings_survive(run):
     message = "it''s @ " + "long " * 18
-    result = run(test_x=module(f"@test\nsubroutine long()\n@assertEqual(max(1, 2), 2, '{message}, (')\nend subroutine"))
-    assert result.returncode == 0
+    ended(run(test_x=module(f"@test\nsubroutine long()\n@assertEqual(max(1, 2), 2, '{message}, (')\nend subroutine")))
 
 
 def test_modules_that_tests_share_are_copied(run, tmp_path):
@@ -224,8 +219,7 @@ def test_modules_that_tests_share_are_copied(run, tmp_path):
     text = module("@test\nsubroutine a()\nuse answers, only: answer\n@assertEqual(42, answer)\nend subroutine")
     assert run(answers=shared, test_x=text).returncode == 0
     for wrong in (shared.replace("implicit", "@test\nimplicit"), shared.replace("module answers", "module other")):
-        result = translate(tmp_path, answers=wrong, test_x=text)
-        assert result.returncode == 1
+        result = ended(translate(tmp_path, answers=wrong, test_x=text), 1)
         assert "answers.pf:" in result.stderr
 
 
@@ -249,8 +243,7 @@ REFUSED = {
 @pytest.mark.parametrize("case", REFUSED)
 def test_refused_inside_a_test(tmp_path, case):
     text, line, reason = REFUSED[case]
-    result = translate(tmp_path, test_x=module(f"@test\n{text_of_test(text)}"))
-    assert result.returncode == 1
+    result = ended(translate(tmp_path, test_x=module(f"@test\n{text_of_test(text)}")), 1)
     assert f"test_x.pf:{line + 1}: " in result.stderr
     assert reason in result.stderr
 
@@ -302,16 +295,14 @@ STRUCTURE = {
 @pytest.mark.parametrize("case", STRUCTURE)
 def test_refused_structure(tmp_path, case):
     text, reason = STRUCTURE[case]
-    result = translate(tmp_path, test_x=module(text))
-    assert result.returncode == 1
+    result = ended(translate(tmp_path, test_x=module(text)), 1)
     assert "test_x.pf:" in result.stderr
     assert reason in result.stderr
     assert not (tmp_path / "out").exists()
 
 
 def test_refused_module_of_another_name(tmp_path):
-    result = translate(tmp_path, test_x=module(f"@test\n{PLAIN}", name="test_y"))
-    assert result.returncode == 1
+    result = ended(translate(tmp_path, test_x=module(f"@test\n{PLAIN}", name="test_y")), 1)
     assert "must be called test_x" in result.stderr
 
 
