@@ -91,8 +91,7 @@ contains
       type(error_t), allocatable :: error
       type(closing_words_t) :: words
 
-      listener%writer%inputs = case%effective
-      call listener%writer%finish(state, report, error)
+      call listener%writer%finish(case, state, report, error)
       if (allocated(error)) then
          if (listener%writer%name%has_checkpoint) error%message = error%message &
             //'; --resume goes on after step '// &

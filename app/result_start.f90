@@ -64,8 +64,7 @@ contains
       if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
          listener%writer%profile_stride
       listener%writer%has_si = case%output_settings%has_si .and. listener%log%scaling%is_dimensional
-      call listener%writer%describe(trim(case%problem), case%title, case%namelist, &
-         listener%log%scaling)
+      listener%writer%scaling = listener%log%scaling
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, of the mark of a film below the floor, if

@@ -42,7 +42,6 @@ contains
       call check_memory(case, error)
       if (.not. allocated(error)) call open_result(result, path, error)
       if (allocated(error)) return
-      call result%describe(trim(case%problem), case%title, case%namelist)
       associate (outcome => record%outcome, report => record%outcome%solution%report)
          call solve_to_target(case%dry, record, error)
          if (.not. allocated(error) .and. case%dry%wants_adequacy) then
@@ -55,8 +54,7 @@ contains
             if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
             if (allocated(words)) call move_alloc(words, report%note)
             call list_dry(case)
-            result%inputs = case%effective
-            call result%begin_end()
+            call result%begin_end(case)
             call write_dry_result(result%file, case%dry, outcome, error)
          end if
          if (allocated(error)) then

@@ -118,12 +118,12 @@ contains
       directions = merge(2, 1, trend%form%grid(2) > 1)
       call set_effective(case, group, 'detrend', text=trim(trend%word))
       if (trend%word == 'none') return
-      call set_effective(case, group, 'heights_mean', trend%form%terms(:1), unit='m')
+      call set_effective(case, group, 'heights_mean', trend%form%terms(:1))
       if (trend%word == 'mean') return
       associate (curvatures => curvature_of(trend), tilts => tilt_of(trend))
-         call set_effective(case, group, 'heights_tilt', tilts(:directions), unit='-')
+         call set_effective(case, group, 'heights_tilt', tilts(:directions))
          if (trend%word == 'line') return
-         call set_effective(case, group, 'heights_curvature', curvatures(:directions), unit='1/m')
+         call set_effective(case, group, 'heights_curvature', curvatures(:directions))
       end associate
    end subroutine list_trend
 

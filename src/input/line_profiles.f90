@@ -101,7 +101,7 @@ contains
       if (values%is_given(group, 'cutoff_short')) profile%finest_wave = max(profile%finest_wave, &
          0.5_wp*values%real_value(group, 'cutoff_short'))
       call set_effective(case, group, 'heights_checksum', text=heights%digits)
-      call set_effective(case, group, 'heights_spacing', [profile%spacing], unit='m')
+      call set_effective(case, group, 'heights_spacing', [profile%spacing])
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
       if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
          truncate_profile(values, group, profile)
