@@ -131,16 +131,12 @@ contains
       type(case_t), intent(in) :: cases(:)
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: lines
-      integer :: i, k
+      integer :: i
 
       do i = 1, size(cases)
          lines = cases(i)%file//': no findings'
          if (expected_seconds(cases(i)) >= 60) lines = lines//'; '//time_text(cases(i))
-         lines = lines//new_line('a')
-         do k = 1, size(cases(i)%unusual)
-            lines = lines//unusual_text(cases(i), k)//new_line('a')
-         end do
-         call write_text(lines, error)
+         call write_text(lines//unusual_text(cases(i))//new_line('a'), error)
          if (allocated(error)) return
       end do
       call print_text('', error)   ! error: handed up

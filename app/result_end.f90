@@ -5,11 +5,10 @@ module result_end
       status_not_written
    use case_record, only: case_t
    use closing_table, only: close_case, closing_words_t, spike_lines
-   use decision_section, only: decision_lines, solved_text
    use errors, only: error_t
    use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines, formulas_of
-   use adequacy_section, only: model_line, model_sentence
+   use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
    use inlet_change, only: film_loss
    use iteration_report, only: report_t
    use kinds, only: wp

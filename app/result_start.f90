@@ -3,8 +3,7 @@ module result_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: git_commit, program_version
    use case_record, only: case_identity, case_t
-   use checkpoint, only: read_checkpoint
-   use checkpoint_content, only: checkpoint_t
+   use checkpoint, only: checkpoint_t, read_checkpoint
    use errors, only: error_t
    use file_bytes, only: seal_fault
    use film_heating, only: new_heating

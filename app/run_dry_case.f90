@@ -5,9 +5,8 @@ module run_dry_case
    use case_outcome, only: case_outcome_t, outcome_of
    use case_record, only: case_t
    use dry_adequacy, only: dry_adequacy_t, measure_dry_adequacy
-   use dry_closing_table, only: close_dry_case
    use dry_record, only: dry_record_t
-   use dry_result, only: write_dry_adequacy, write_dry_result
+   use dry_result, only: close_dry_case, write_dry_adequacy, write_dry_result
    use dry_target, only: solve_to_target
    use errors, only: error_t, fail, input_error
    use progress_log, only: progress_log_t

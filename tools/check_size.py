@@ -11,7 +11,7 @@ COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", 
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
     r"src/accuracy/|/(contact_edges|grid_comparison|dry_target"
-    r"|side_by_side|case_notes|(dry_)?adequacy_section|decision_section|validity_section|formulas_section)\.f90"
+    r"|case_notes|(dry_)?adequacy_section|formulas_section)\.f90"
 )
 # name: bound
 BOUNDS = {

@@ -14,12 +14,13 @@ module closing_table
    use scaling, only: scaling_t
    use text, only: counted
    use validity, only: limit_t
-   use validity_section, only: limit_sentence
-   use validity_table, only: mixed_lubrication, starvation
+   use validity_table, only: film_over_wave, hardness, inlet_heating, limiting_stress, &
+      mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &
+      surface_slope, turbulence, viscosity_data
    implicit none (type, external)
    private
 
-   public :: breakdown_sentence, close_case, closing_words_t, spike_lines
+   public :: breakdown_sentence, close_case, closing_words_t, limit_sentence, spike_lines
 
    !> Rows of the closing table: the pressure away from a spike before that of the spike.
    integer, parameter :: lambda_ratio = 0, table_rows(*) = [h_min, h_central, lambda_ratio, &
@@ -28,6 +29,8 @@ module closing_table
    real(wp), parameter :: well_known = 0.01_wp
    !> Columns before the words of a row.
    integer, parameter :: margin = 12
+   !> The largest temperature rise that is printed as it is [K].
+   real(wp), parameter :: hottest = 999.0_wp
 
    !> Lines of the table, unless it is to be whole.
    integer, parameter :: most_lines = 12
@@ -119,6 +122,51 @@ contains
             //limit_sentence(i, limits(i)))
       end do
    end function limit_lines
+
+   !> What passing limit `i` means: one line of the closing table.
+   pure function limit_sentence(i, limit) result(words)
+      integer, intent(in) :: i
+      type(limit_t), intent(in) :: limit
+      character(:), allocatable :: bound, number, percent, pressure, words
+
+      number = number_text(limit%value, 2)
+      percent = number_text(100.0_wp*limit%value, 2)//' %'
+      pressure = prefixed_text(limit%value, 'Pa')
+      bound = prefixed_text(limit%threshold, 'Pa')
+      select case (i)
+      case (mixed_lubrication)
+         words = 'the film is '//number//' times the composite roughness: mixed lubrication'
+      case (viscosity_data)
+         words = 'pressures to '//pressure//', viscosities are measured to '//bound
+      case (limiting_stress)
+         words = 'the shear stress is '//number//' of the pressure: oils give way near 0.1'
+      case (hardness)
+         words = 'pressures to '//pressure//' pass the hardness, '//bound
+      case (shakedown)
+         words = 'Hertzian pressure '//pressure//' passes the shakedown limit, '//bound
+      case (shear_heating)
+         ! of an isothermal oil that does not thin it may come out beyond all sense
+         if (limit%value > hottest) number = '>'//number_text(hottest, 3)
+         words = 'sliding heats by '//number//' K: '//number_text(100*limit%viscosity_loss, 2) &
+            //' % less viscosity, up to '//number_text(100*limit%film_loss, 2)//' % less film'
+      case (inlet_heating)
+         words = 'heat of the inlet, not in the model, would thin the film by '//percent
+      case (starvation)
+         words = 'starves the film by '//percent//' (x_inlet further out cures it)'
+      case (side_flow)
+         words = 'flow to the sides takes '//percent//' of the film: the contact is short'
+      case (stokes_number)
+         words = 'stress rises by '//number//" with p (T_max): Reynolds' equation in doubt"
+      case (surface_slope)
+         words = 'surfaces are as steep as '//number//": too much for Reynolds' equation"
+      case (film_over_wave)
+         words = 'the film is '//number//" of the finest wave: thick for Reynolds' equation"
+      case (turbulence)
+         words = 'the Reynolds number of the film is '//number//': not laminar'
+      case default
+         error stop 'limit_sentence: a limit without its case'
+      end select
+   end function limit_sentence
 
    !> Leaves as many lines of `body` as there is `room` for, and says that there are more.
    subroutine shorten(body, room)

@@ -1,10 +1,9 @@
 !> The result of a lubricated case: what is known, written into its file at the end.
 module result_writer
    use adequacy, only: adequacy_t, judge
-   use adequacy_section, only: write_adequacy
+   use adequacy_section, only: write_adequacy, write_decision, write_validity
    use case_record, only: case_t
-   use checkpoint_content, only: run_record_t
-   use decision_section, only: write_decision
+   use checkpoint, only: run_record_t
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t
    use film_fields, only: film_fields_t
@@ -22,7 +21,6 @@ module result_writer
    use result_file, only: result_file_t
    use result_sections, only: write_breakdown, write_scaling, write_summary, write_times
    use validity, only: limit_t
-   use validity_section, only: write_validity
    use validity_table, only: mixed_lubrication
    implicit none (type, external)
    private
@@ -94,8 +92,8 @@ contains
          summary)
    end function quantities_at_end
 
-   !> Writes input, last solution, quantities and report, closes the file and gives it its final name.
-   !> An error leaves only an older result (and NAME.part, if there is a checkpoint).
+   !> Writes input, last solution, quantities and report, closes the file and gives it its final
+   !> name. An error leaves only an older result (and NAME.part, if there is a checkpoint).
    subroutine finish(self, case, state, report, error)
       class(result_writer_t), intent(inout) :: self
       type(case_t), intent(in) :: case

@@ -2,8 +2,7 @@
 !> solver when the run is interrupted, and keeps a checkpoint then and from time to time.
 module run_observer
    use closing_table, only: breakdown_sentence
-   use checkpoint, only: write_checkpoint
-   use checkpoint_content, only: checkpoint_t
+   use checkpoint, only: checkpoint_t, write_checkpoint
    use errors, only: error_t, fail, output_error
    use film_passage, only: new_passage
    use iteration_report, only: phase_output, phase_transient, report_t
