@@ -113,7 +113,7 @@ contains
                //solved_text(writer%choice)
          end if
          call close_case(listener%log, writer%summary, report, writer%name%path, &
-            writer%run%passage%times, writer%limits, words)
+            writer%run%passage%times, words, writer%limits)
       end associate
       outcome = outcome_of(report)
    end subroutine finish_result

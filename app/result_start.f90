@@ -117,38 +117,25 @@ contains
       character(:), allocatable, intent(out) :: outcome, reason
       type(error_t), allocatable, intent(out) :: error
       type(result_name_t) :: name
+      type(hdf5_input_t) :: reader
+      type(error_t), allocatable :: failure
 
       is_complete = .false.
       call hold_name(name, path, error)
       if (allocated(error)) return
-      call judge_result(path, case, is_complete, outcome, reason)
+      if (seal_fault(path) == '') then
+         call open_hdf5_input(reader, path, failure)   ! error: the reader keeps it
+         is_complete = reader%text('/', 'version') == program_version
+         if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
+         if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
+         if (is_complete) is_complete = has_same_heights(reader, case)
+         outcome = reader%text('/', 'outcome')
+         reason = reader%text('/', 'reason')
+         call reader%close(failure)
+         is_complete = is_complete .and. .not. allocated(failure)
+      end if
       call name%give_back(is_complete)
    end subroutine find_complete_result
-
-   !> Whether `path` is the complete result of this very case by this very program, its outcome and
-   !> the reason.
-   subroutine judge_result(path, case, is_complete, outcome, reason)
-      character(*), intent(in) :: path
-      type(case_t), intent(in) :: case
-      logical, intent(out) :: is_complete
-      character(:), allocatable, intent(out) :: outcome, reason
-      type(hdf5_input_t) :: reader
-      type(error_t), allocatable :: error
-
-      is_complete = seal_fault(path) == ''
-      if (.not. is_complete) return
-      call open_hdf5_input(reader, path, error)
-      is_complete = .not. allocated(error)
-      if (.not. is_complete) return
-      if (is_complete) is_complete = reader%text('/', 'version') == program_version
-      if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
-      if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
-      if (is_complete) is_complete = has_same_heights(reader, case)
-      outcome = reader%text('/', 'outcome')
-      reason = reader%text('/', 'reason')
-      call reader%close(error)
-      if (allocated(error)) is_complete = .false.
-   end subroutine judge_result
 
    !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names
    !> their files.

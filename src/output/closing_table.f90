@@ -47,14 +47,14 @@ contains
    !> The outcome, and the closing table: contact, quantities with their errors, limits of the model
    !> that are passed, what others say (`words`), path of the result. Of more than `most_lines` the
    !> last are left out, unless the log is verbose.
-   subroutine close_case(log, summary, report, path, times, limits, words)
+   subroutine close_case(log, summary, report, path, times, words, limits)
       type(progress_log_t), intent(inout) :: log
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
+      type(closing_words_t), intent(in) :: words
       type(limit_t), intent(in), optional :: limits(:)
-      type(closing_words_t), intent(in), optional :: words
       character(:), allocatable :: head, body
       real(wp) :: ratio
 
@@ -70,22 +70,19 @@ contains
       if (exceeds(summary%of(p_max)%value, 0.0_wp)) head = head//rows_of(summary, ratio, report, &
          log)
       body = ''
-      if (present(words)) then
-         call add_words(body, words%spike)
-         call add_words(body, words%formulas)
-      end if
+      call add_words(body, words%spike)
+      call add_words(body, words%formulas)
       if (present(limits)) body = body//limit_lines(limits, report%is_mixed)
       if (log%is_verbose .and. times%counts_from > 0.0_wp) call add_words(body, 'times     ' &
          //times_text(times))
-      if (present(words)) call add_words(body, words%decision)
+      call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
-      if (present(words)) call add_words(body, words%model)
+      call add_words(body, words%model)
       if (present(limits) .and. log%scaling%is_dimensional .and. .not. ieee_is_finite(ratio) &
          .and. lines_of(head//body) < most_lines - 1) call add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
       if (.not. log%is_verbose) call shorten(body, most_lines - 1 - lines_of(head))
-      call log%add_to_summary(head//body//'  result    '//path)
-      call log%print_summary()
+      call log%print_summary(head//body//'  result    '//path)
    end subroutine close_case
 
    !> The contact and the quantities; in a verbose log in two units, with the residuals.

@@ -373,7 +373,8 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
       type(dry_adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: words
+      character(:), allocatable :: table, words
+      character(*), parameter :: nl = new_line('a')
       character(len=columns) :: line
       integer :: i
 
@@ -383,35 +384,33 @@ contains
          'error of ' // number_text(100.0_wp*dry%target, 2) // ' % of the contact area')
       associate (rows => outcome%rows, solution => outcome%solution)
          if (solution%report%converged) then
-            call log%add_to_summary(name // ': converged, ' // counted(solution%report%cycles, &
-               'iteration') // ', ' // to_text(solution%report%cost%wall_seconds, 3) // ' s')
+            table = name // ': converged, ' // counted(solution%report%cycles, 'iteration') &
+               // ', ' // to_text(solution%report%cost%wall_seconds, 3) // ' s'
          else
-            if (log%prints_errors_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
-               // solution%report%reason)
-            call log%add_to_summary(name // ': NOT CONVERGED: ' // solution%report%reason)
+            table = name // ': NOT CONVERGED: ' // solution%report%reason
+            if (log%prints_errors_apart()) call log%say_error(table)
          end if
-         call log%add_to_summary( &
-            '  mean pressure   contact   plastic   separation   largest p      error')
+         table = table // nl // &
+            '  mean pressure   contact   plastic   separation   largest p      error' // nl
          do i = 1, size(rows)
             associate (values => rows(i)%values)
                write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') &
                   values(mean_pressure), ' Pa', 100.0_wp*values(contact_area), ' %', &
                   100.0_wp*values(plastic_area), ' %', values(mean_separation), ' m', &
                   values(p_max), ' Pa', rows(i)%kkt
-               call log%add_to_summary(trim(line))
+               table = table // trim(line) // nl
                if (.not. allocated(outcome%errors)) cycle
                write (line, '(a15,2a10,2a13)') '+-', percent(outcome%errors(:, i), values)
-               call log%add_to_summary(trim(line))
+               table = table // trim(line) // nl
             end associate
          end do
          if (allocated(adequacy%rows)) then
             words = model_line(adequacy%rows%judged_t, adequacy%accuracy)
-            if (words /= '') call log%add_to_summary('  ' // wrapped(words, columns - 2, 12))
+            if (words /= '') table = table // '  ' // wrapped(words, columns - 2, 12) // nl
          end if
-         if (allocated(solution%report%note)) call log%add_to_summary('  ' // wrapped('note      ' &
-            // solution%report%note, columns - 2))
-         call log%add_to_summary('  result    ' // path)
-         call log%print_summary()
+         if (allocated(solution%report%note)) table = table // '  ' // wrapped('note      ' &
+            // solution%report%note, columns - 2) // nl
+         call log%print_summary(table // '  result    ' // path)
       end associate
    end subroutine close_dry_case
 
