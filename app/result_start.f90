@@ -18,6 +18,7 @@ module result_start
    use scaling, only: scaling_t
    use text, only: to_text
    use transient_store, only: breakdown_name, sliding_names
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -36,7 +37,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
 
-      call listener%start_clock()
+      listener%start = wall_seconds()
+      listener%last_checkpoint = listener%start
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
       listener%writer%profile_stride = case%output_settings%profile_stride
       inquire (file=path//'.ckpt', exist=has_checkpoint)

@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface")
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
-    r"src/accuracy/|/(contact_edges|grid_comparison|dry_target"
+    r"src/accuracy/|/(contact_edges|grid_comparison"
     r"|case_notes|(dry_)?adequacy_section|formulas_section)\.f90"
 )
 # name: bound

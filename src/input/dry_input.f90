@@ -161,6 +161,7 @@ contains
          end if
          dry%settings%method = merge(method_steepest_descent, method_conjugate_gradient, &
             values%word_value('solver', 'method') == 'steepest_descent')
+         dry%settings%keeps_pressures = dry%is_compared()
          dry%settings%tolerance = values%real_value('solver', 'tolerance')
          dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
       end associate
