@@ -52,7 +52,7 @@ module key_row
       !> Words that are built, separated by blanks; of a logical those that it may have beside it.
       character(len=96) :: words = ''
       !> With what the key is used and needed: rules of module key_rules; empty: always, never.
-      character(len=80) :: used = '', needed = ''
+      character(len=96) :: used = '', needed = ''
       !> Value with &moes where none is given.
       character(len=8) :: moes_default = ''
       !> Problems that use the key, separated by blanks; each may have a row of its own.
