@@ -19,8 +19,8 @@ module case_notes
    private
 
    public :: add_note, expected_seconds, note_coarse_waves, note_expected_time, &
-      note_measured_error, note_missed_target, note_pressure_error, log_unusual, note_unusual, &
-      time_text, unusual_text
+      note_measured_error, note_missed_target, note_pressure_error, note_unusual, time_text, &
+      unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -68,25 +68,17 @@ contains
       if (expected_seconds(case) >= long_run) call log%say(case%file//': '//time_text(case))
    end subroutine note_expected_time
 
-   !> Logs the unusual values, a line each.
-   subroutine log_unusual(case, log)
+   !> Behind each other the lines on the unusual values, each with file and line.
+   pure function unusual_text(case) result(lines)
       type(case_t), intent(in) :: case
-      type(progress_log_t), intent(inout) :: log
+      character(:), allocatable :: lines
       integer :: i
 
+      lines = ''
       do i = 1, size(case%unusual)
-         call log%say(unusual_text(case, i))
+         lines = lines//new_line('a')//case%file//':'//to_text(case%unusual(i)%line)//': ' &
+            //case%unusual(i)%words//trim(case%unusual(i)%question)
       end do
-   end subroutine log_unusual
-
-   !> What is unusual in value `i` of the unusual ones, with file and line.
-   pure function unusual_text(case, i) result(line)
-      type(case_t), intent(in) :: case
-      integer, intent(in) :: i
-      character(:), allocatable :: line
-
-      line = case%file//':'//to_text(case%unusual(i)%line)//': '//case%unusual(i)%words &
-         //trim(case%unusual(i)%question)
    end function unusual_text
 
    !> Begins the note of the result with what is unusual; not allocated: nothing.

@@ -56,6 +56,7 @@ contains
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: words
 
       if (case%layers == 0 .or. .not. report%converged) return
       call begin_activity('full momentum equations of the film')
@@ -65,8 +66,13 @@ contains
             type is (momentum_march_t)
                writer%momentum = march%fields()
                call compare_passage(writer%run%film_passage, writer%momentum)
-               call add_note(case, listener, march_sentence(march)//'; ' &
-                  //difference_sentence(writer%momentum), report%note)
+               associate (cost => march%history)
+                  words = 'extremes of the passage are compared ('//to_text(cost%solutions) &
+                     //' steps, at most '//to_text(cost%most_steps)//' of Newton for one'
+                  if (cost%longer > 0) words = words//', more than three for '//to_text(cost%longer)
+               end associate
+               call add_note(case, listener, words//'); '//difference_sentence(writer%momentum), &
+                  report%note)
             end select
             report%cost%peak_memory = peak_memory()
             return
@@ -84,18 +90,5 @@ contains
          end if
       end associate
    end subroutine follow_momentum
-
-   !> What the march has cost.
-   pure function march_sentence(march) result(words)
-      type(momentum_march_t), intent(in) :: march
-      character(:), allocatable :: words
-
-      associate (cost => march%history)
-         words = 'extremes of the passage are compared ('//to_text(cost%solutions) &
-            //' steps, at most '//to_text(cost%most_steps)//' of Newton for one'
-         if (cost%longer > 0) words = words//', more than three for '//to_text(cost%longer)
-         words = words//')'
-      end associate
-   end function march_sentence
 
 end module film_momentum

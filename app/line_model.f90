@@ -1,8 +1,8 @@
 !> What a lubricated case could do without: chosen before its run, measured after it.
 module line_model
    use adequacy, only: accuracy_for
+   use adequacy_section, only: solved_text
    use case_record, only: case_t, set_effective
-   use decision_section, only: solved_text
    use domain_choice, only: choose_anew
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment

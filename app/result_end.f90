@@ -5,11 +5,10 @@ module result_end
       status_not_written
    use case_record, only: case_t
    use closing_table, only: close_case, closing_words_t, spike_lines
-   use decision_section, only: decision_lines, solved_text
    use errors, only: error_t
    use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines, formulas_of
-   use adequacy_section, only: model_line, model_sentence
+   use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
    use inlet_errors, only: film_loss
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -91,8 +90,7 @@ contains
       type(error_t), allocatable :: error
       type(closing_words_t) :: words
 
-      listener%writer%inputs = case%effective
-      call listener%writer%finish(state, report, error)
+      call listener%writer%finish(case, state, report, error)
       if (allocated(error)) then
          if (listener%writer%name%has_checkpoint) error%message = error%message &
             //'; --resume goes on after step '// &
@@ -115,7 +113,7 @@ contains
                //solved_text(writer%choice)
          end if
          call close_case(listener%log, writer%summary, report, writer%name%path, &
-            writer%run%passage%times, writer%limits, words)
+            writer%run%passage%times, words, writer%limits)
       end associate
       outcome = outcome_of(report)
    end subroutine finish_result

@@ -3,8 +3,7 @@ module result_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: git_commit, program_version
    use case_record, only: case_identity, case_t
-   use checkpoint, only: read_checkpoint
-   use checkpoint_content, only: checkpoint_t
+   use checkpoint, only: checkpoint_t, read_checkpoint
    use errors, only: error_t
    use file_bytes, only: seal_fault
    use film_heating, only: new_heating
@@ -19,6 +18,7 @@ module result_start
    use scaling, only: scaling_t
    use text, only: to_text
    use transient_store, only: breakdown_name, sliding_names
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -37,7 +37,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
 
-      call listener%start_clock()
+      listener%start = wall_seconds()
+      listener%last_checkpoint = listener%start
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
       listener%writer%profile_stride = case%output_settings%profile_stride
       inquire (file=path//'.ckpt', exist=has_checkpoint)
@@ -64,8 +65,7 @@ contains
       if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
          listener%writer%profile_stride
       listener%writer%has_si = case%output_settings%has_si .and. listener%log%scaling%is_dimensional
-      call listener%writer%describe(trim(case%problem), case%title, case%namelist, &
-         listener%log%scaling)
+      listener%writer%scaling = listener%log%scaling
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
@@ -119,38 +119,25 @@ contains
       character(:), allocatable, intent(out) :: outcome, reason
       type(error_t), allocatable, intent(out) :: error
       type(result_name_t) :: name
+      type(hdf5_input_t) :: reader
+      type(error_t), allocatable :: failure
 
       is_complete = .false.
       call hold_name(name, path, error)
       if (allocated(error)) return
-      call judge_result(path, case, is_complete, outcome, reason)
+      if (seal_fault(path) == '') then
+         call open_hdf5_input(reader, path, failure)   ! error: the reader keeps it
+         is_complete = reader%text('/', 'version') == program_version
+         if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
+         if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
+         if (is_complete) is_complete = has_same_heights(reader, case)
+         outcome = reader%text('/', 'outcome')
+         reason = reader%text('/', 'reason')
+         call reader%close(failure)
+         is_complete = is_complete .and. .not. allocated(failure)
+      end if
       call name%give_back(is_complete)
    end subroutine find_complete_result
-
-   !> Whether `path` is the complete result of this very case by this very program, its outcome and
-   !> the reason.
-   subroutine judge_result(path, case, is_complete, outcome, reason)
-      character(*), intent(in) :: path
-      type(case_t), intent(in) :: case
-      logical, intent(out) :: is_complete
-      character(:), allocatable, intent(out) :: outcome, reason
-      type(hdf5_input_t) :: reader
-      type(error_t), allocatable :: error
-
-      is_complete = seal_fault(path) == ''
-      if (.not. is_complete) return
-      call open_hdf5_input(reader, path, error)
-      is_complete = .not. allocated(error)
-      if (.not. is_complete) return
-      if (is_complete) is_complete = reader%text('/', 'version') == program_version
-      if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
-      if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
-      if (is_complete) is_complete = has_same_heights(reader, case)
-      outcome = reader%text('/', 'outcome')
-      reason = reader%text('/', 'reason')
-      call reader%close(error)
-      if (allocated(error)) is_complete = .false.
-   end subroutine judge_result
 
    !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names
    !> their files.

@@ -185,21 +185,14 @@ contains
          fault)
       call reader%close(error)
       row%is_read = .not. allocated(error)
-      if (allocated(error)) row%reason = reason_of(error%message, file)
+      if (row%is_read) return
+      row%reason = error%message   ! "cannot read FILE: reason"
+      i = index(row%reason, file//': ')
+      if (i > 0) row%reason = row%reason(i + len(file) + 2:)
    end subroutine read_row
 
-   !> The reason in a message "cannot read FILE: reason".
-   pure function reason_of(message, file) result(reason)
-      character(*), intent(in) :: message, file
-      character(:), allocatable :: reason
-      integer :: place
-
-      reason = message
-      place = index(message, file//': ')
-      if (place > 0) reason = message(place + len(file) + 2:)
-   end function reason_of
-
-   !> Writes columns of equal width: file, quantities with their errors, what there is to say.
+   !> Writes columns of equal width: file, quantities with a prefix of their units, their errors in
+   !> per cent, what there is to say.
    !> Error: standard output is lost.
    subroutine write_table(rows, error)
       type(result_row_t), intent(in) :: rows(:)
@@ -223,8 +216,13 @@ contains
          cells(1, 2*j + 1) = '+- %'
          of_column: do i = 1, size(rows)
             if (rows(i)%units(k) == '') cycle of_column
-            cells(i + 1, 2*j) = shown_value(rows(i)%values(k), rows(i)%units(k))
-            cells(i + 1, 2*j + 1) = shown_error(rows(i)%values(k), rows(i)%errors(k))
+            associate (value => rows(i)%values(k), doubt => rows(i)%errors(k))
+               cells(i + 1, 2*j) = number_text(value, 4)
+               if (rows(i)%units(k) /= '1') cells(i + 1, 2*j) = prefixed_text(value, &
+                  trim(rows(i)%units(k)))
+               if (ieee_is_finite(doubt) .and. abs(value) > 0.0_wp) cells(i + 1, 2*j + 1) = &
+                  number_text(100*abs(doubt/value), 2)
+            end associate
          end do of_column
       end do
       widths = maxval(len_trim(cells), dim=1)
@@ -238,29 +236,6 @@ contains
          if (allocated(error)) return
       end do
    end subroutine write_table
-
-   !> A value with a prefix of its unit.
-   pure function shown_value(value, unit) result(shown)
-      real(wp), intent(in) :: value
-      character(*), intent(in) :: unit
-      character(:), allocatable :: shown
-
-      if (unit == '1') then
-         shown = number_text(value, 4)
-      else
-         shown = prefixed_text(value, trim(unit))
-      end if
-   end function shown_value
-
-   !> An estimated error in per cent of its value.
-   pure function shown_error(value, error) result(shown)
-      real(wp), intent(in) :: value, error
-      character(:), allocatable :: shown
-
-      shown = ''
-      if (ieee_is_finite(error) .and. abs(value) > 0.0_wp) shown = &
-         number_text(100*abs(error/value), 2)
-   end function shown_error
 
    !> What a row says beside its numbers.
    pure function remark(row) result(words)

@@ -1,6 +1,6 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use case_notes, only: log_unusual
+   use case_notes, only: unusual_text
    use case_outcome, only: case_outcome_t, give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use command_line, only: command_t
@@ -34,7 +34,7 @@ contains
       type(case_outcome_t), intent(out) :: outcome
       type(progress_log_t) :: log
       type(error_t), allocatable :: error
-      character(:), allocatable :: earlier, path, reason
+      character(:), allocatable :: earlier, path, reason, words
       logical :: is_complete
 
       log = new_progress_log(command%is_quiet, command%has_outcomes)
@@ -59,7 +59,8 @@ contains
          end if
          return
       end if
-      call log_unusual(case, log)
+      words = unusual_text(case)
+      if (words /= '') call log%say(words(2:))
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else

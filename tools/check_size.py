@@ -10,8 +10,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface")
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
-    r"src/accuracy/|/(contact_edges|grid_comparison|dry_target"
-    r"|side_by_side|case_notes|(dry_)?adequacy_section|decision_section|validity_section|formulas_section)\.f90"
+    r"src/accuracy/|/(contact_edges|grid_comparison"
+    r"|case_notes|(dry_)?adequacy_section|formulas_section)\.f90"
 )
 # name: bound
 BOUNDS = {

@@ -9,7 +9,7 @@ module case_effective
    use key_rules, only: is_used
    use kinds, only: wp
    use lubricant, only: density_constant, viscosity_constant, viscosity_roelands
-   use surface_keys, only: has_shape, read_synthesis
+   use surface_keys, only: has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t
    use text, only: joined
    implicit none (type, external)
@@ -85,6 +85,7 @@ contains
    !> What follows from the given values of a dry case, or was chosen.
    subroutine list_dry(case)
       type(case_t), intent(inout) :: case
+      integer :: i
 
       associate (dry => case%dry)
          call set_effective(case, 'bodies', 'reduced_modulus', [dry%reduced_modulus])
@@ -101,10 +102,10 @@ contains
             call set_effective(case, 'domain', 'intervals_y', integer=dry%grid%ny)
          end if
       end associate
-      call list_trend(case, 'surface_1', case%dry%trends(1))
-      call list_trend(case, 'surface_2', case%dry%trends(2))
-      call list_waves(case, 'surface_1')
-      call list_waves(case, 'surface_2')
+      do i = 1, size(surfaces)
+         call list_trend(case, surfaces(i), case%dry%trends(i))
+         call list_waves(case, surfaces(i))
+      end do
    end subroutine list_dry
 
    !> What was taken off the heights of the file of a surface, if it has one.
@@ -118,12 +119,12 @@ contains
       directions = merge(2, 1, trend%form%grid(2) > 1)
       call set_effective(case, group, 'detrend', text=trim(trend%word))
       if (trend%word == 'none') return
-      call set_effective(case, group, 'heights_mean', trend%form%terms(:1), unit='m')
+      call set_effective(case, group, 'heights_mean', trend%form%terms(:1))
       if (trend%word == 'mean') return
       associate (curvatures => curvature_of(trend), tilts => tilt_of(trend))
-         call set_effective(case, group, 'heights_tilt', tilts(:directions), unit='-')
+         call set_effective(case, group, 'heights_tilt', tilts(:directions))
          if (trend%word == 'line') return
-         call set_effective(case, group, 'heights_curvature', curvatures(:directions), unit='1/m')
+         call set_effective(case, group, 'heights_curvature', curvatures(:directions))
       end associate
    end subroutine list_trend
 

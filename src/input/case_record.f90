@@ -3,7 +3,6 @@ module case_record
    use bodies, only: bodies_t
    use dry_case, only: dry_case_t
    use features, only: rough_surface_t
-   use input_keys, only: find_key, key_rows
    use key_rules, only: unusual_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -23,8 +22,6 @@ module case_record
    type :: effective_t
       character(len=12) :: group
       character(len=20) :: key
-      !> SI unit, '-' for pure numbers, 'half-widths' for X, empty for words.
-      character(len=12) :: unit
       real(wp), allocatable :: reals(:)
       integer, allocatable :: integer
       character(:), allocatable :: text
@@ -169,25 +166,22 @@ contains
    end function effective_text
 
    !> Sets or adds a value in the list of effective values: `reals` (at least one), `integer` or
-   !> `text`. Its unit is that of the key table, or `unit` where it is no key.
-   pure subroutine set_effective(case, group, key, reals, integer, text, unit)
+   !> `text`.
+   pure subroutine set_effective(case, group, key, reals, integer, text)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key
       real(wp), intent(in), optional :: reals(:)
       integer, intent(in), optional :: integer
-      character(*), intent(in), optional :: text, unit
-      integer :: place, row
+      character(*), intent(in), optional :: text
+      integer :: place
 
       if (.not. allocated(case%effective)) allocate (case%effective(0))
       do place = 1, size(case%effective)
          if (case%effective(place)%group == group .and. case%effective(place)%key == key) exit
       end do
       if (place > size(case%effective)) call make_room(case%effective)
-      case%effective(place) = effective_t(group, key, '')
+      case%effective(place) = effective_t(group, key)
       associate (entry => case%effective(place))
-         row = find_key(group, key, case%problem)
-         if (row > 0) entry%unit = key_rows(row)%unit
-         if (present(unit)) entry%unit = unit
          if (present(reals)) entry%reals = reals
          if (present(integer)) entry%integer = integer
          if (present(text)) entry%text = text
@@ -204,7 +198,6 @@ contains
       do i = 1, size(entries)
          more(i)%group = entries(i)%group
          more(i)%key = entries(i)%key
-         more(i)%unit = entries(i)%unit
          call move_alloc(entries(i)%reals, more(i)%reals)
          call move_alloc(entries(i)%integer, more(i)%integer)
          call move_alloc(entries(i)%text, more(i)%text)

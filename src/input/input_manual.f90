@@ -3,7 +3,7 @@
 !> the thesis (Table 5.1), or of a synthetic, elastic-perfectly plastic surface under three loads.
 module input_manual
    use input_keys, only: group_rows, key_rows
-   use key_condition, only: rules_text
+   use key_rules, only: rules_text
    use key_row, only: every, has_word, is_chosen, is_optional, is_required, key_row_t, kind_names, &
       lubricated, word_list, words_kind
    use quantity_text, only: wrapped

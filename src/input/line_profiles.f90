@@ -101,7 +101,7 @@ contains
       if (values%is_given(group, 'cutoff_short')) profile%finest_wave = max(profile%finest_wave, &
          0.5_wp*values%real_value(group, 'cutoff_short'))
       call set_effective(case, group, 'heights_checksum', text=heights%digits)
-      call set_effective(case, group, 'heights_spacing', [profile%spacing], unit='m')
+      call set_effective(case, group, 'heights_spacing', [profile%spacing])
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
       if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
          truncate_profile(values, group, profile)
@@ -163,6 +163,8 @@ contains
    end subroutine truncate_profile
 
    !> Heights with a wanted spectrum, as long as the passage at `speed` [m/s]; then they repeat.
+   !> They are made at once, or from pieces if that needs more than `max_nodes`. Findings: those of
+   !> the synthesis.
    subroutine fill_synthetic(values, group, case, speed, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -170,15 +172,18 @@ contains
       real(wp), intent(in) :: speed
       type(profile_t), intent(inout) :: profile
       type(synthesis_t) :: wanted
+      type(synthetic_pieces_t), allocatable :: pieces
       type(error_t), allocatable :: error
+      type(checksum_t) :: sums
       real(wp) :: length, longest, shortest
-      integer :: before
+      integer :: before, half, nodes
+      logical :: is_long
 
       shortest = values%real_value(group, 'wavelength_short')
       length = max(passage(case, speed), values%real_value(group, 'wavelength_long'), &
          4.0_wp*shortest)
-      longest = length
-      if (length*nodes_per_wave > max_nodes*shortest) longest = max_waves*shortest
+      is_long = length*nodes_per_wave > max_nodes*shortest
+      longest = merge(max_waves*shortest, length, is_long)
       before = values%findings%count
       call read_synthesis(values, group, longest, shortest, wanted)
       if (wanted%wavelength_long > longest) call values%refuse(group, 'wavelength_long', &
@@ -188,25 +193,9 @@ contains
       if (values%findings%count > before) return
       call set_effective(case, group, 'wavelength_long', [wanted%wavelength_long])
       call set_effective(case, group, 'wavelength_rolloff', [wanted%wavelength_rolloff])
-      call synthesise(wanted, length, group, case, profile, error)
-      if (allocated(error)) call values%refuse(group, 'shape', error%message)
-   end subroutine fill_synthetic
-
-   !> At once, or from pieces if that needs more than `max_nodes`. Errors: those of the synthesis.
-   subroutine synthesise(wanted, length, group, case, profile, error)
-      type(synthesis_t), intent(in) :: wanted
-      real(wp), intent(in) :: length
-      character(*), intent(in) :: group
-      type(case_t), intent(inout) :: case
-      type(profile_t), intent(inout) :: profile
-      type(error_t), allocatable, intent(out) :: error
-      type(synthetic_pieces_t), allocatable :: pieces
-      type(checksum_t) :: sums
-      integer :: half, nodes
-
       profile%is_periodic = .true.
       profile%finest_wave = wanted%wavelength_short
-      if (length*nodes_per_wave > max_nodes*wanted%wavelength_short) then
+      if (is_long) then
          profile%spacing = wanted%wavelength_short/nodes_per_wave
          half = least_half
          do while (half < max_nodes/(2*max_waves)*(wanted%wavelength_long/wanted%wavelength_short))
@@ -226,7 +215,8 @@ contains
             call set_effective(case, group, 'heights_checksum', text=sums%digits())
          end if
       end if
-   end subroutine synthesise
+      if (allocated(error)) call values%refuse(group, 'shape', error%message)
+   end subroutine fill_synthetic
 
    !> Length of a surface that passes through the domain or lies in it [m]; `speed` [m/s].
    real(wp) function passage(case, speed) result(length)

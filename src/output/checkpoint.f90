@@ -1,25 +1,66 @@
-!> Checkpoint of a transient, NAME.ckpt for NAME.part: where the run stood after a time step.
+!> Checkpoint of a transient, NAME.ckpt for NAME.part: where the run stood after a time step, and
+!> the one walk over what it holds that writes or reads it.
 !>
 !> It is written under another name, brought to the disk and renamed: the last complete one is
 !> always there. It ends with a seal (module file_bytes) and holds the checksum of NAME.part: what
-!> is damaged is refused before anything is read. What it holds is in module checkpoint_content.
+!> is damaged is refused before anything is read.
 module checkpoint
    use build_info, only: git_commit, program_name, program_version
-   use checkpoint_content, only: checkpoint_t, format_number, visit_checkpoint
    use checkpoint_file, only: checkpoint_file_t
    use disk_file, only: folder_of, hdf5_mark, place_fault, remove_file, rename_file, sync_file
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: seal_fault, seal_file
+   use film_passage, only: film_passage_t, new_passage
+   use film_statistics, only: film_statistics_t, new_statistics
    use hdf5_dataset, only: write_attribute
    use hdf5_file, only: create_hdf5_file
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_summary, only: line_summary_t
+   use march_state, only: march_state_t
+   use momentum_history, only: excess_t, max_excesses, momentum_history_t, past_t
+   use passage_extremes, only: passage_extremes_t
+   use solver_settings, only: word_length
+   use split_errors, only: forecast_t
+   use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: read_checkpoint, write_checkpoint
+   public :: checkpoint_t, read_checkpoint, run_record_t, write_checkpoint
 
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
+
+   !> Grows with every change of what a checkpoint holds.
+   integer, parameter :: format_number = 20
+
+   !> What a run has gathered and chosen, and goes on with from its checkpoint.
+   type :: run_record_t
+      !> The values of the case that decide about its result, a line each.
+      character(:), allocatable :: case
+      !> Extremes over the time steps so far.
+      type(passage_extremes_t) :: passage
+      !> The film over all time steps, where that is asked for.
+      type(film_statistics_t) :: statistics
+      !> What the full momentum equations have changed so far, where they are solved too.
+      type(film_passage_t), allocatable :: film_passage
+      !> Intervals, time step and space scheme, given or chosen.
+      integer :: intervals = 0
+      real(wp) :: time_step = 0.0_wp
+      character(len=word_length) :: space_scheme = 'auto'
+   end type run_record_t
+
+   !> What a checkpoint holds.
+   type, extends(run_record_t) :: checkpoint_t
+      type(march_state_t) :: march
+      !> What trial runs predicted, where they chose the resolution.
+      type(forecast_t) :: forecast
+      !> Where the full momentum equations stand, where they are solved too.
+      type(momentum_history_t), allocatable :: momentum
+      !> The checksum of NAME.part.
+      character(:), allocatable :: part_digits
+   end type checkpoint_t
 
 contains
 
@@ -119,5 +160,230 @@ contains
       line = 'nothing'
       if (start <= len(text)) line = text(start:start + index(text(start:), new_line('a')) - 2)
    end function line_at
+
+   !> Everything that a checkpoint holds: writes it, or reads it.
+   subroutine visit_checkpoint(file, checkpoint)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(checkpoint_t), intent(inout) :: checkpoint
+
+      call visit_run(file, checkpoint%run_record_t)
+      call visit_forecast(file, checkpoint%forecast)
+      call visit_march(file, checkpoint%march)
+      if (file%has('/momentum', allocated(checkpoint%momentum))) then
+         if (file%is_read) allocate (checkpoint%momentum, checkpoint%film_passage)
+         call visit_momentum(file, checkpoint%momentum, ubound(checkpoint%march%film, 1))
+         call visit_passage(file, checkpoint%film_passage, size(checkpoint%march%film))
+      end if
+      call file%visit_text('/part_digits', checkpoint%part_digits)
+   end subroutine visit_checkpoint
+
+   !> What a run has gathered and chosen, but the passage of its momentum equations.
+   subroutine visit_run(file, run)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(run_record_t), intent(inout) :: run
+      character(:), allocatable :: scheme
+
+      scheme = trim(run%space_scheme)
+      call file%visit_text('/case', run%case)
+      call file%visit('/intervals', run%intervals)
+      call file%visit('/time_step', run%time_step)
+      call file%visit_text('/space_scheme', scheme)
+      run%space_scheme = scheme
+      call visit_summary(file, '/counted', run%passage%has_counted, run%passage%counted)
+      call visit_summary(file, '/earlier', run%passage%has_earlier, run%passage%earlier)
+      if (file%has('/statistics', allocated(run%statistics%thresholds))) call &
+         visit_statistics(file, run%statistics)
+   end subroutine visit_run
+
+   !> Extremes over several times, if there are any: types of reals alone.
+   subroutine visit_summary(file, path, is_known, summary)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      logical, intent(inout) :: is_known
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: values(storage_size(summary)/storage_size(1.0_wp))
+
+      is_known = file%has(path, is_known)
+      if (.not. is_known) return
+      values = transfer(summary, values)
+      call file%visit(path, values)
+      summary = transfer(values, summary)
+   end subroutine visit_summary
+
+   !> What trial runs predicted, if there were any.
+   subroutine visit_forecast(file, forecast)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(forecast_t), intent(inout) :: forecast
+
+      forecast%is_known = file%has('/forecast', forecast%is_known)
+      if (.not. forecast%is_known) return
+      call file%visit('/forecast/trial', forecast%trial)
+      call file%visit('/forecast/trial_error', forecast%trial_error)
+      call file%visit('/forecast/error', forecast%error)
+      call file%visit('/forecast/shift', forecast%shift)
+      call file%visit('/forecast/least_doubt', forecast%least_doubt)
+   end subroutine visit_forecast
+
+   !> Sums over the time steps so far.
+   subroutine visit_statistics(file, statistics)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(film_statistics_t), intent(inout) :: statistics
+      real(wp), allocatable :: thresholds(:)
+
+      if (.not. file%is_read) thresholds = statistics%thresholds
+      call file%visit_vector('/statistics/thresholds', thresholds)
+      if (file%is_read) statistics = new_statistics(thresholds)
+      call file%visit('/statistics/times', statistics%times)
+      call file%visit('/statistics/times_below', statistics%times_below)
+      call file%visit('/statistics/shares_below', statistics%shares_below)
+      call file%visit('/statistics/film_bins', statistics%film_bins)
+      call file%visit('/statistics/pressure_bins', statistics%pressure_bins)
+      call file%visit('/statistics/film_sum', statistics%film_sum)
+      call file%visit('/statistics/height_sum', statistics%height_sum)
+      call file%visit('/statistics/square_sum', statistics%square_sum)
+      call file%visit('/statistics/smooth_film', statistics%smooth_film)
+   end subroutine visit_statistics
+
+   !> The last solutions.
+   subroutine visit_march(file, march)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(march_state_t), intent(inout) :: march
+      real(wp), allocatable :: film(:)
+      integer :: n
+
+      call file%visit('/march/step', march%step)
+      call file%visit('/march/size', march%size)
+      call file%visit('/march/way', march%way)
+      call file%visit('/march/rigid_displacement', march%rigid_displacement)
+      call file%visit('/march/lengths', march%lengths)
+      if (.not. file%is_read) film = march%film
+      call file%visit_vector('/march/film', film)
+      n = size(film) - 1
+      if (file%is_read) then
+         allocate (march%film(0:n), march%pressure(0:n, 3), march%mass(0:n, 2))
+         march%film(:) = film
+      end if
+      call file%visit('/march/pressure', march%pressure)
+      call file%visit('/march/mass', march%mass)
+      call visit_report(file, march%report)
+      march%report%steps = march%step
+   end subroutine visit_march
+
+   !> The march of the full momentum equations on n intervals.
+   subroutine visit_momentum(file, history, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(momentum_history_t), intent(inout) :: history
+      integer, intent(in) :: n
+      integer :: k
+
+      associate (past => history)
+         call file%visit('/momentum/layers', past%layers)
+         call file%visit('/momentum/times', past%times)
+         call file%visit('/momentum/films', past%films)
+         call file%visit('/momentum/solutions', past%solutions)
+         call file%visit('/momentum/steps', past%steps)
+         call file%visit('/momentum/most_steps', past%most_steps)
+         call file%visit('/momentum/factorisations', past%factorisations)
+         call file%visit('/momentum/linear_iterations', past%linear_iterations)
+         call file%visit('/momentum/longer', past%longer)
+         call file%visit('/momentum/best_count', past%best_count)
+         call file%visit('/momentum/lengths', past%lengths)
+         call file%visit('/momentum/stress_rise', past%stress_rise)
+         do k = 1, min(past%times, size(past%past))
+            call visit_past(file, '/momentum/past_'//to_text(k), past%past(k), past%layers, n)
+         end do
+         do k = 1, min(past%films, max_excesses)
+            call visit_excess(file, '/momentum/excess_'//to_text(k), past%excess(k), past%layers, n)
+         end do
+         call visit_excess(file, '/momentum/flow', past%flow, past%layers, n)
+         call visit_past(file, '/momentum/made_of_old', past%made_of_old, past%layers, n)
+         call file%visit('/momentum/half_rate', past%half_rate)
+         if (file%is_read) allocate (past%film(0:n), past%heights(0:n, 2), &
+            past%reynolds%pressure(0:n), past%reynolds%film(0:n))
+         call file%visit('/momentum/film', past%film)
+         call file%visit('/momentum/heights', past%heights)
+         call file%visit('/momentum/reynolds/pressure', past%reynolds%pressure)
+         call file%visit('/momentum/reynolds/film', past%reynolds%film)
+         call file%visit('/momentum/reynolds/rigid_displacement', past%reynolds%rigid_displacement)
+      end associate
+   end subroutine visit_momentum
+
+   !> H, z1 and rho H of an old time on `layers` layers and n intervals.
+   subroutine visit_past(file, path, past, layers, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(past_t), intent(inout) :: past
+      integer, intent(in) :: layers, n
+
+      if (file%is_read) allocate (past%film(0:n), past%lower(0:n), past%mass(layers, 0:n))
+      call file%visit(path//'/film', past%film)
+      call file%visit(path//'/lower', past%lower)
+      call file%visit(path//'/mass', past%mass)
+   end subroutine visit_past
+
+   !> P, U, V and H0 on `layers` layers and n intervals.
+   subroutine visit_excess(file, path, excess, layers, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(excess_t), intent(inout) :: excess
+      integer, intent(in) :: layers, n
+
+      if (file%is_read) allocate (excess%p(layers, 0:n), excess%u(layers, n), &
+         excess%v(0:layers, 0:n))
+      call file%visit(path//'/p', excess%p)
+      call file%visit(path//'/u', excess%u)
+      call file%visit(path//'/v', excess%v)
+      call file%visit(path//'/rigid_displacement', excess%rigid_displacement)
+   end subroutine visit_excess
+
+   !> What the full momentum equations have changed so far, on nx nodes.
+   subroutine visit_passage(file, passage, nx)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(film_passage_t), intent(inout) :: passage
+      integer, intent(in) :: nx
+      integer :: places(2)
+
+      places = [passage%last, passage%stride]
+      call file%visit('/momentum/passage/places', places)
+      if (file%is_read) passage = new_passage(places(1), places(2), nx)
+      passage%last = places(1)
+      associate (last => places(1), profiles => places(1)/places(2))
+         call file%visit('/momentum/passage/time', passage%time(:last))
+         call file%visit('/momentum/passage/series', passage%series(:, :last))
+         call file%visit('/momentum/passage/pressure', passage%pressure(:, :profiles))
+         call file%visit('/momentum/passage/film', passage%film(:, :profiles))
+      end associate
+   end subroutine visit_passage
+
+   !> The report up to here; a checkpoint is only written after a step that has converged.
+   subroutine visit_report(file, report)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(report_t), intent(inout) :: report
+      real(wp), allocatable :: residuals(:), load_errors(:)
+
+      allocate (residuals, source=report%residual_history())
+      allocate (load_errors, source=report%load_error_history())
+      call file%visit_vector('/report/residual_history', residuals)
+      if (file%is_read) load_errors = residuals
+      call file%visit('/report/load_error_history', load_errors)
+      if (file%is_read) call report%restore(residuals, load_errors)
+      report%converged = .true.
+      call file%visit_text('/report/method', report%method)
+      call file%visit('/report/outlet_pressure', report%fit%outlet_pressure)
+      call file%visit('/report/tolerance_effective', report%tolerance_effective)
+      call file%visit('/report/uncut_steps', report%fit%uncut_steps)
+      call file%visit('/report/work_units', report%cost%work_units)
+      call file%visit('/report/fft_pairs', report%cost%fft_pairs)
+      call file%visit('/report/wall_seconds', report%cost%wall_seconds)
+      call file%visit('/report/phase_seconds', report%cost%phase_seconds)
+      associate (films => report%breakdown)
+         call file%visit('/breakdown/count', films%count)
+         call file%visit('/breakdown/step', films%step)
+         call file%visit('/breakdown/time', films%time)
+         call file%visit('/breakdown/position', films%position)
+         call file%visit('/breakdown/film', films%film)
+         call file%visit('/breakdown/smallest_film', films%smallest_film)
+      end associate
+   end subroutine visit_report
 
 end module checkpoint

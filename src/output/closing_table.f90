@@ -14,12 +14,13 @@ module closing_table
    use scaling, only: scaling_t
    use text, only: counted
    use validity, only: limit_t
-   use validity_section, only: limit_sentence
-   use validity_table, only: mixed_lubrication, starvation
+   use validity_table, only: film_over_wave, hardness, inlet_heating, limiting_stress, &
+      mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &
+      surface_slope, turbulence, viscosity_data
    implicit none (type, external)
    private
 
-   public :: breakdown_sentence, close_case, closing_words_t, spike_lines
+   public :: breakdown_sentence, close_case, closing_words_t, limit_sentence, spike_lines
 
    !> Rows of the closing table: the pressure away from a spike before that of the spike.
    integer, parameter :: lambda_ratio = 0, table_rows(*) = [h_min, h_central, lambda_ratio, &
@@ -28,6 +29,8 @@ module closing_table
    real(wp), parameter :: well_known = 0.01_wp
    !> Columns before the words of a row.
    integer, parameter :: margin = 12
+   !> The largest temperature rise that is printed as it is [K].
+   real(wp), parameter :: hottest = 999.0_wp
 
    !> Lines of the table, unless it is to be whole.
    integer, parameter :: most_lines = 12
@@ -44,14 +47,14 @@ contains
    !> The outcome, and the closing table: contact, quantities with their errors, limits of the model
    !> that are passed, what others say (`words`), path of the result. Of more than `most_lines` the
    !> last are left out, unless the log is verbose.
-   subroutine close_case(log, summary, report, path, times, limits, words)
+   subroutine close_case(log, summary, report, path, times, words, limits)
       type(progress_log_t), intent(inout) :: log
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
+      type(closing_words_t), intent(in) :: words
       type(limit_t), intent(in), optional :: limits(:)
-      type(closing_words_t), intent(in), optional :: words
       character(:), allocatable :: head, body
       real(wp) :: ratio
 
@@ -67,22 +70,19 @@ contains
       if (exceeds(summary%of(p_max)%value, 0.0_wp)) head = head//rows_of(summary, ratio, report, &
          log)
       body = ''
-      if (present(words)) then
-         call add_words(body, words%spike)
-         call add_words(body, words%formulas)
-      end if
+      call add_words(body, words%spike)
+      call add_words(body, words%formulas)
       if (present(limits)) body = body//limit_lines(limits, report%is_mixed)
       if (log%is_verbose .and. times%counts_from > 0.0_wp) call add_words(body, 'times     ' &
          //times_text(times))
-      if (present(words)) call add_words(body, words%decision)
+      call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
-      if (present(words)) call add_words(body, words%model)
+      call add_words(body, words%model)
       if (present(limits) .and. log%scaling%is_dimensional .and. .not. ieee_is_finite(ratio) &
          .and. lines_of(head//body) < most_lines - 1) call add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
       if (.not. log%is_verbose) call shorten(body, most_lines - 1 - lines_of(head))
-      call log%add_to_summary(head//body//'  result    '//path)
-      call log%print_summary()
+      call log%print_summary(head//body//'  result    '//path)
    end subroutine close_case
 
    !> The contact and the quantities; in a verbose log in two units, with the residuals.
@@ -119,6 +119,51 @@ contains
             //limit_sentence(i, limits(i)))
       end do
    end function limit_lines
+
+   !> What passing limit `i` means: one line of the closing table.
+   pure function limit_sentence(i, limit) result(words)
+      integer, intent(in) :: i
+      type(limit_t), intent(in) :: limit
+      character(:), allocatable :: bound, number, percent, pressure, words
+
+      number = number_text(limit%value, 2)
+      percent = number_text(100.0_wp*limit%value, 2)//' %'
+      pressure = prefixed_text(limit%value, 'Pa')
+      bound = prefixed_text(limit%threshold, 'Pa')
+      select case (i)
+      case (mixed_lubrication)
+         words = 'the film is '//number//' times the composite roughness: mixed lubrication'
+      case (viscosity_data)
+         words = 'pressures to '//pressure//', viscosities are measured to '//bound
+      case (limiting_stress)
+         words = 'the shear stress is '//number//' of the pressure: oils give way near 0.1'
+      case (hardness)
+         words = 'pressures to '//pressure//' pass the hardness, '//bound
+      case (shakedown)
+         words = 'Hertzian pressure '//pressure//' passes the shakedown limit, '//bound
+      case (shear_heating)
+         ! of an isothermal oil that does not thin it may come out beyond all sense
+         if (limit%value > hottest) number = '>'//number_text(hottest, 3)
+         words = 'sliding heats by '//number//' K: '//number_text(100*limit%viscosity_loss, 2) &
+            //' % less viscosity, up to '//number_text(100*limit%film_loss, 2)//' % less film'
+      case (inlet_heating)
+         words = 'heat of the inlet, not in the model, would thin the film by '//percent
+      case (starvation)
+         words = 'starves the film by '//percent//' (x_inlet further out cures it)'
+      case (side_flow)
+         words = 'flow to the sides takes '//percent//' of the film: the contact is short'
+      case (stokes_number)
+         words = 'stress rises by '//number//" with p (T_max): Reynolds' equation in doubt"
+      case (surface_slope)
+         words = 'surfaces are as steep as '//number//": too much for Reynolds' equation"
+      case (film_over_wave)
+         words = 'the film is '//number//" of the finest wave: thick for Reynolds' equation"
+      case (turbulence)
+         words = 'the Reynolds number of the film is '//number//': not laminar'
+      case default
+         error stop 'limit_sentence: a limit without its case'
+      end select
+   end function limit_sentence
 
    !> Leaves as many lines of `body` as there is `room` for, and says that there are more.
    subroutine shorten(body, room)

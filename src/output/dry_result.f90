@@ -1,36 +1,54 @@
-!> The sections of a dry result, all in SI: /scaling, /solution, /sweep and /summary; /surface by
-!> module dry_surface_section.
+!> What is written and printed of a dry case, all in SI: the sections /scaling, /solution, /sweep,
+!> /summary, /surface and /adequacy of its result, and its closing table.
 module dry_result
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
+   use adequacy_section, only: from_estimates, model_line, write_influence
    use analytic_heights, only: node_positions
-   use adequacy_section, only: from_estimates, write_influence
    use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
    use dry_problem, only: no_hardness
+   use dry_quantities, only: contact_area, describe, dry_count, dry_fields_t, dry_outcome_t, &
+      dry_table, load, mean_pressure, mean_separation, p_max, plastic_area
    use dry_scaling, only: dry_scaling_t, load_number
-   use dry_surface_section, only: write_surface
-   use dry_quantities, only: describe, dry_count, dry_fields_t, dry_outcome_t, dry_table, load, &
-      mean_pressure
    use errors, only: error_t
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use missing_value, only: not_known
-   use quantity_text, only: number_text
-   use roughness, only: roughness_t
-   use text, only: joined
+   use progress_log, only: columns, progress_log_t
+   use quantity_text, only: number_text, wrapped
+   use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
+      roughness_t
+   use text, only: counted, joined, to_text
    implicit none (type, external)
    private
 
-   public :: write_dry_adequacy, write_dry_result
+   public :: close_dry_case, write_dry_adequacy, write_dry_result
 
    !> States of the surface with a roughness.
    character(len=10), parameter :: states(3) = [character(len=10) :: 'undeformed', 'loaded', &
       'unloaded']
    character(len=15), parameter :: times(3) = [character(len=15) :: 'before loading', &
       'under load', 'after unloading']
+
+   !> Levels of the bearing curves, and steps of the height densities.
+   integer, parameter :: bearing_levels = 201, density_steps = 50
+
+   !> What is stored of the surface before, under and after loading.
+   type :: surface_state_t
+      real(wp), allocatable :: bearing_ratio(:), height_density(:)
+      !> Of periodic surfaces only.
+      real(wp) :: rms_slope = 0.0_wp, rms_curvature = 0.0_wp
+      real(wp), allocatable :: power(:)
+   end type surface_state_t
+
+   !> A relative error below this is printed as none.
+   real(wp), parameter :: rounding = 1.0e-7_wp
+   !> Quantities with an error in the table.
+   integer, parameter :: columns_with_error(*) = [contact_area, plastic_area, &
+      mean_separation, p_max]
 
 contains
 
@@ -249,5 +267,169 @@ contains
       call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
       call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared)%name, ', '))
    end subroutine write_dry_adequacy
+
+   !> /surface: slope, curvature, bearing curves, height density, spectrum, in all three states.
+   subroutine write_surface(file, dry, fields, error)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      type(dry_fields_t), intent(in) :: fields
+      type(error_t), allocatable, intent(out) :: error
+      type(surface_state_t) :: before, loaded, unloaded
+      type(error_t), allocatable :: failure
+      real(wp) :: edges(density_steps + 1), highest, levels(bearing_levels), lowest
+      integer :: i, k
+
+      associate (z => dry%height)
+         lowest = minval(z)
+         highest = maxval(z)
+      end associate
+      levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, &
+         bearing_levels - 1)]
+      edges = [(lowest + (highest - lowest)*real(i, wp)/density_steps, i=0, density_steps)]
+      call write_field(file, '/surface/level', levels, new_label('height of the bearing curves', &
+         'm'), '=')
+      call write_field(file, '/surface/density_edge', edges, &
+         new_label('ends of the steps of the height densities', 'm'), '=')
+      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) + &
+         edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'), '=')
+      ! Two surfaces at a time: they share nothing.
+      !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
+      do k = 1, 2
+         if (k == 1) then
+            call find_state(dry, dry%height, levels, edges, before, failure)
+         else
+            call find_state(dry, fields%height_loaded, levels, edges, loaded, failure)
+         end if
+         !$omp critical (surface_failure)
+         if (allocated(failure)) error = failure
+         !$omp end critical (surface_failure)
+      end do
+      !$omp end parallel do
+      if (allocated(error)) return
+      unloaded = before
+      if (allocated(fields%height_unloaded)) call find_state(dry, fields%height_unloaded, levels, &
+         edges, unloaded, error)
+      if (allocated(error)) return
+      call write_state(file, 'undeformed', before)
+      call write_state(file, 'unloaded', unloaded)
+      call write_state(file, 'loaded', loaded)
+   end subroutine write_surface
+
+   !> What is stored of the heights `z` (nx*ny) of a state.
+   subroutine find_state(dry, z, levels, edges, state, error)
+      type(dry_case_t), intent(in) :: dry
+      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), intent(in) :: levels(:), edges(:)
+      type(surface_state_t), intent(out) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      state%bearing_ratio = bearing_ratio(z, levels)
+      state%height_density = height_density(z, edges)
+      if (dry%is_periodic) call find_slopes(dry, z, state, error)   ! error: the caller returns
+   end subroutine find_state
+
+   !> Slope, curvature and spectrum of the heights `z` (nx, ny) of a state, which are periodic.
+   subroutine find_slopes(dry, z, state, error)
+      type(dry_case_t), intent(in) :: dry
+      real(wp), intent(in) :: z(dry%grid%nx, dry%grid%ny)
+      type(surface_state_t), intent(inout) :: state
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: dx, dy
+
+      dx = dry%lengths(1)/dry%grid%nx
+      dy = dx
+      if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
+      state%rms_slope = rms_slope(z, dx, dy)
+      state%rms_curvature = rms_curvature(z, dx, dy)
+      call power_spectrum(z, state%power, error)   ! error: the caller returns
+   end subroutine find_slopes
+
+   !> One state of the surface: '/surface/<quantity>_<name>'.
+   subroutine write_state(file, name, state)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: name
+      type(surface_state_t), intent(in) :: state
+
+      call write_field(file, '/surface/bearing_ratio_'//name, state%bearing_ratio, &
+         new_label('share of the surface at or above each level', '1'), 'level')
+      call write_field(file, '/surface/height_density_'//name, state%height_density, &
+         new_label('share of the surface at a height, over the height', '1/m'), 'density_height')
+      if (.not. allocated(state%power)) return
+      call write_dataset(file, '/surface/rms_slope_'//name, state%rms_slope, &
+         new_label('rms slope from differences of neighbouring nodes', '1'))
+      call write_dataset(file, '/surface/rms_curvature_'//name, state%rms_curvature, &
+         new_label('rms curvature from second differences of neighbouring nodes', '1/m'))
+      if (name == 'undeformed') call make_counter(file, '/surface/harmonic', size(state%power), &
+         'number of the harmonic along x')
+      call write_field(file, '/surface/power_'//name, state%power, &
+         new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'), 'harmonic')
+   end subroutine write_state
+
+   !> A table with a line for each load of the case `name`, under it the estimated errors; what
+   !> there is to say of the model; `path` of the result.
+   subroutine close_dry_case(log, name, dry, outcome, adequacy, path)
+      type(progress_log_t), intent(inout) :: log
+      character(*), intent(in) :: name, path
+      type(dry_case_t), intent(in) :: dry
+      type(dry_outcome_t), intent(in) :: outcome
+      type(dry_adequacy_t), intent(in) :: adequacy
+      character(:), allocatable :: table, words
+      character(*), parameter :: nl = new_line('a')
+      character(len=columns) :: line
+      integer :: i
+
+      words = to_text(dry%grid%nx)
+      if (dry%grid%ny > 1) words = words // ' x ' // to_text(dry%grid%ny)
+      if (dry%target > 0.0_wp) call log%say(name // ': solved on ' // words // ' nodes for an '// &
+         'error of ' // number_text(100.0_wp*dry%target, 2) // ' % of the contact area')
+      associate (rows => outcome%rows, solution => outcome%solution)
+         if (solution%report%converged) then
+            table = name // ': converged, ' // counted(solution%report%cycles, 'iteration') &
+               // ', ' // to_text(solution%report%cost%wall_seconds, 3) // ' s'
+         else
+            table = name // ': NOT CONVERGED: ' // solution%report%reason
+            if (log%prints_errors_apart()) call log%say_error(table)
+         end if
+         table = table // nl // &
+            '  mean pressure   contact   plastic   separation   largest p      error' // nl
+         do i = 1, size(rows)
+            associate (values => rows(i)%values)
+               write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') &
+                  values(mean_pressure), ' Pa', 100.0_wp*values(contact_area), ' %', &
+                  100.0_wp*values(plastic_area), ' %', values(mean_separation), ' m', &
+                  values(p_max), ' Pa', rows(i)%kkt
+               table = table // trim(line) // nl
+               if (.not. allocated(outcome%errors)) cycle
+               write (line, '(a15,2a10,2a13)') '+-', percent(outcome%errors(:, i), values)
+               table = table // trim(line) // nl
+            end associate
+         end do
+         if (allocated(adequacy%rows)) then
+            words = model_line(adequacy%rows%judged_t, adequacy%accuracy)
+            if (words /= '') table = table // '  ' // wrapped(words, columns - 2, 12) // nl
+         end if
+         if (allocated(solution%report%note)) table = table // '  ' // wrapped('note      ' &
+            // solution%report%note, columns - 2) // nl
+         call log%print_summary(table // '  result    ' // path)
+      end associate
+   end subroutine close_dry_case
+
+   !> Errors in percent of the values of a load, as cells of the closing table; '-' if not known.
+   pure function percent(errors, values) result(cells)
+      real(wp), intent(in) :: errors(:), values(:)
+      character(len=10) :: cells(size(columns_with_error))
+      integer :: i
+
+      do i = 1, size(cells)
+         associate (error => errors(columns_with_error(i)), &
+            value => abs(values(columns_with_error(i))))
+            cells(i) = '-'
+            if (.not. (ieee_is_finite(error) .and. value > 0.0_wp)) cycle
+            cells(i) = '0 %'
+            if (error > rounding*value) cells(i) = number_text(100.0_wp*error/value, 2)//' %'
+         end associate
+      end do
+      cells = adjustr(cells)
+   end function percent
 
 end module dry_result

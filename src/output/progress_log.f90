@@ -45,8 +45,6 @@ module progress_log
       !> The case: name of its file, and its scales.
       character(:), allocatable :: name
       type(scaling_t) :: scaling
-      !> The summary so far.
-      character(:), allocatable, private :: summary
       !> Columns of the updating line now on the screen.
       integer, private :: shown = 0
       !> Clock [s] at the last line and at the start of the time steps.
@@ -55,7 +53,7 @@ module progress_log
       !> Step at which they started; -1: they have not.
       integer, private :: first_step = -1
    contains
-      procedure :: on_cycle, on_step, start_case, say, say_error, add_to_summary, print_summary, &
+      procedure :: on_cycle, on_step, start_case, say, say_error, print_summary, &
          prints_errors_apart, clear, write_line
       procedure, private :: update
    end type progress_log_t
@@ -159,32 +157,22 @@ contains
          .not. (is_terminal(standard_output) .and. is_terminal(standard_error))
    end function prints_errors_apart
 
-   !> Adds `line` to the summary, unless quiet.
-   subroutine add_to_summary(self, line)
+   !> Prints the lines of a summary, unless quiet.
+   subroutine print_summary(self, lines)
       class(progress_log_t), intent(inout) :: self
-      character(*), intent(in) :: line
-
-      if (self%is_quiet) return
-      if (.not. allocated(self%summary)) self%summary = ''
-      self%summary = self%summary//line//new_line('a')
-   end subroutine add_to_summary
-
-   !> Prints the summary, and begins a new one.
-   subroutine print_summary(self)
-      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: lines
       type(error_t), allocatable :: error
 
-      if (.not. allocated(self%summary)) return
+      if (self%is_quiet) return
       call self%clear()
       if (self%has_summary_apart) then
          call begin_line()
-         call write_text(self%summary, error)   ! error: said below
+         call write_text(lines//new_line('a'), error)   ! error: said below
          call end_line()
          if (allocated(error)) call self%say_error(error%message)
       else
-         call self%write_line(self%summary(:len(self%summary) - 1))
+         call self%write_line(lines)
       end if
-      deallocate (self%summary)
    end subroutine print_summary
 
    !> One line, unless quiet.

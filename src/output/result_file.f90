@@ -5,19 +5,18 @@
 !> renamed. An interrupted or failed run leaves an older NAME as it was.
 module result_file
    use build_info, only: git_commit, program_name, program_version
-   use case_record, only: effective_t
+   use case_record, only: case_t, effective_t
    use disk_file, only: remove_file, sync_file
    use errors, only: error_t, fail, input_error
    use hdf5_axes, only: write_users
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
-   use input_section, only: write_inputs
    use iteration_report, only: report_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
-   use result_sections, only: write_breakdown, write_report, write_scaling
+   use result_sections, only: write_report
    use scaling, only: scaling_t
    use signals, only: begin_activity, set_patience
    use transient_store, only: attach_store, begin_store, create_store, sliding_names, &
@@ -40,9 +39,6 @@ module result_file
       integer :: profile_stride = 1
       !> Profiles that are stored, names of `field_names`, and series that not every passage has.
       character(len=field_name_length), allocatable :: fields(:)
-      !> /input/effective, every value as it is used, default or not: stored as numbers if it has a
-      !> unit ('-': a pure number) and reads as such, else as text.
-      type(effective_t), allocatable :: inputs(:)
       !> The open file.
       type(hdf5_file_t) :: file
       !> Reference values of a lubricated contact.
@@ -50,11 +46,8 @@ module result_file
       !> The time steps in NAME.part, and whether there are any.
       type(transient_store_t) :: store
       logical :: is_transient = .false.
-      character(:), allocatable, private :: problem, title, namelist
-      logical, private :: is_scaled = .false.
    contains
-      procedure :: describe, append_step, sync, has_failed, begin_end, copy_steps, publish, &
-         suspend, discard
+      procedure :: append_step, sync, has_failed, begin_end, copy_steps, publish, suspend, discard
       procedure, private :: keep_failure
    end type result_file_t
 
@@ -71,7 +64,6 @@ contains
       call new%name%expect_interruption(0)
       call new%name%remove_checkpoint()
       new%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
-      allocate (new%inputs(0))
       call create_store(new%store, path//'.part')
       if (.not. allocated(new%store%file%failure)) return
       error = new%store%file%failure
@@ -93,7 +85,6 @@ contains
          call new%name%give_back(is_complete=.false.)
          return
       end if
-      allocate (new%inputs(0))
       new%fields = [character(len=field_name_length) :: fields]
       call attach_store(new%store, path//'.part', fields, [nx, new%profile_stride, records], &
          digits, error)
@@ -104,36 +95,6 @@ contains
       new%is_transient = .true.
       new%name%has_checkpoint = .true.
    end subroutine reopen_result
-
-   !> Keeps problem, title (UTF-8), input text, and reference values of a lubricated contact.
-   subroutine describe(self, problem, title, namelist, scaling)
-      class(result_file_t), intent(inout) :: self
-      character(*), intent(in) :: problem, title, namelist
-      type(scaling_t), intent(in), optional :: scaling
-
-      self%problem = problem
-      self%title = title
-      self%namelist = namelist
-      self%is_scaled = present(scaling)
-      if (present(scaling)) self%scaling = scaling
-   end subroutine describe
-
-   !> Writes what `describe` was given.
-   subroutine write_description(result)
-      class(result_file_t), intent(inout) :: result
-
-      associate (file => result%file)
-         call write_attribute(file, '/', 'program', program_name)
-         call write_attribute(file, '/', 'version', program_version)
-         call write_attribute(file, '/', 'git_commit', git_commit())
-         call write_attribute(file, '/', 'layout', layout)
-         call write_attribute(file, '/', 'problem', result%problem)
-         call write_attribute(file, '/', 'title', result%title)
-         call write_dataset(file, '/input/namelist', result%namelist, &
-            new_label('the input: as a file it repeats this run', '1'))
-         if (result%is_scaled) call write_scaling(file, result%scaling)
-      end associate
-   end subroutine write_description
 
    !> Appends a time step with its `summary` to NAME.part.
    subroutine append_step(self, state, summary, report)
@@ -173,9 +134,10 @@ contains
       if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
-   !> Begins NAME.tmp; a failure stays in `self%file%failure`.
-   subroutine begin_end(self)
+   !> Begins NAME.tmp with the input of `case`; a failure stays in `self%file%failure`.
+   subroutine begin_end(self, case)
       class(result_file_t), intent(inout) :: self
+      type(case_t), intent(in) :: case
       type(error_t), allocatable :: error
 
       ! with all time steps in the checkpoint the result can be put together again
@@ -184,8 +146,45 @@ contains
       call begin_activity('writing the result')
       if (self%has_failed()) return
       call create_hdf5_file(self%file, self%name%path//'.tmp', error)   ! error: it stays
-      call write_description(self)
+      associate (file => self%file)
+         call write_attribute(file, '/', 'program', program_name)
+         call write_attribute(file, '/', 'version', program_version)
+         call write_attribute(file, '/', 'git_commit', git_commit())
+         call write_attribute(file, '/', 'layout', layout)
+         call write_attribute(file, '/', 'problem', trim(case%problem))
+         call write_attribute(file, '/', 'title', case%title)
+         call write_dataset(file, '/input/namelist', case%namelist, &
+            new_label('the input: as a file it repeats this run', '1'))
+         call write_inputs(file, case%effective)
+      end associate
    end subroutine begin_end
+
+   !> A group /input/effective/<group> for each namelist group, whose attributes are its keys.
+   subroutine write_inputs(file, entries)
+      type(hdf5_file_t), intent(inout) :: file
+      type(effective_t), intent(in) :: entries(:)
+      character(:), allocatable :: path
+      integer :: i
+
+      call file%create_group('/input/effective')
+      call write_attribute(file, '/input/effective', 'about', 'every value used, in the unit '// &
+         'of its key: SI, or half-widths for positions along the film')
+      do i = 1, size(entries)
+         associate (entry => entries(i))
+            path = '/input/effective/'//trim(entry%group)
+            if (.not. any(entries(:i - 1)%group == entry%group)) call file%create_group(path)
+            if (allocated(entry%text)) then
+               call write_attribute(file, path, trim(entry%key), entry%text)
+            else if (allocated(entry%integer)) then
+               call write_attribute(file, path, trim(entry%key), entry%integer)
+            else if (size(entry%reals) == 1) then
+               call write_attribute(file, path, trim(entry%key), entry%reals(1))
+            else
+               call write_attribute(file, path, trim(entry%key), entry%reals)
+            end if
+         end associate
+      end do
+   end subroutine write_inputs
 
    !> Copies the time steps into /transient; series in SI too if they are wanted.
    subroutine copy_steps(self, has_si)
@@ -197,7 +196,7 @@ contains
       call self%keep_failure()
    end subroutine copy_steps
 
-   !> Writes input, report and outcome, closes the file and gives it its final name. Every result of
+   !> Writes report and outcome, closes the file and gives it its final name. Every result of
    !> every problem ends here: one with values that are no answer, or with more left than its bound,
    !> has not converged, whatever the solver says.
    subroutine publish(self, report, error)
@@ -206,7 +205,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: reason
 
-      call write_inputs(self%file, self%inputs)
       if (report%converged .and. allocated(self%file%nonsense)) then
          report%converged = .false.
          report%reason = self%file%nonsense
@@ -215,7 +213,6 @@ contains
          report%reason = 'the residual is above its bound'
       end if
       call write_report(self%file, report)
-      if (self%is_scaled) call write_breakdown(self%file, report%breakdown, self%scaling)
       reason = ''
       if (allocated(report%reason)) reason = trim(report%reason)
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))

@@ -76,29 +76,18 @@ contains
       character(*), intent(in) :: long_name, unit
       type(scaling_t), intent(in) :: scaling
       type(label_t) :: label
+      character(len=*), parameter :: names(*) = [character(len=14) :: 'half_width', 'film', &
+         'hertz_pressure', 'time', 'viscosity', 'shear_stress', 'slope', 'power'], &
+         si_units(*) = [character(len=4) :: 'm', 'm', 'Pa', 's', 'Pa s', 'Pa', '1', 'W/m']
+      real(wp) :: scales(size(names))
+      integer :: i
 
       label = new_label(long_name, '1')
-      if (.not. scaling%is_dimensional) return
-      select case (unit)
-      case ('half_width')
-         label = new_label(long_name, 'm', scaling%half_width)
-      case ('film')
-         label = new_label(long_name, 'm', scaling%film)
-      case ('hertz_pressure')
-         label = new_label(long_name, 'Pa', scaling%hertz_pressure)
-      case ('time')
-         label = new_label(long_name, 's', scaling%time)
-      case ('viscosity')
-         label = new_label(long_name, 'Pa s', scaling%viscosity)
-      case ('shear_stress')
-         label = new_label(long_name, 'Pa', scaling%shear_stress)
-      case ('slope')
-         label = new_label(long_name, '1', scaling%slope)
-      case ('power')
-         label = new_label(long_name, 'W/m', scaling%power)
-      case default
-         return
-      end select
+      i = findloc(names == unit, .true., 1)
+      if (i == 0 .or. .not. scaling%is_dimensional) return
+      scales = [scaling%half_width, scaling%film, scaling%hertz_pressure, scaling%time, &
+         scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power]
+      label = new_label(long_name, trim(si_units(i)), scales(i))
    end function scaled_label
 
    !> Values (nx) of a field of `field_names`; none for one that the state does not hold.

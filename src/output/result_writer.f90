@@ -1,9 +1,9 @@
 !> The result of a lubricated case: what is known, written into its file at the end.
 module result_writer
    use adequacy, only: adequacy_t, judge
-   use adequacy_section, only: write_adequacy
-   use checkpoint_content, only: run_record_t
-   use decision_section, only: write_decision
+   use adequacy_section, only: write_adequacy, write_decision, write_validity
+   use case_record, only: case_t
+   use checkpoint, only: run_record_t
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t
    use film_fields, only: film_fields_t
@@ -19,9 +19,8 @@ module result_writer
    use field_sections, only: write_film_passage, write_momentum, write_solution, &
       write_statistics, write_velocity
    use result_file, only: result_file_t
-   use result_sections, only: write_summary, write_times
+   use result_sections, only: write_breakdown, write_scaling, write_summary, write_times
    use validity, only: limit_t
-   use validity_section, only: write_validity
    use validity_table, only: mixed_lubrication
    implicit none (type, external)
    private
@@ -93,17 +92,19 @@ contains
          summary)
    end function quantities_at_end
 
-   !> Writes the last solution, quantities and report, closes the file and gives it its final name.
-   !> An error leaves only an older result (and NAME.part, if there is a checkpoint).
-   subroutine finish(self, state, report, error)
+   !> Writes input, last solution, quantities and report, closes the file and gives it its final
+   !> name. An error leaves only an older result (and NAME.part, if there is a checkpoint).
+   subroutine finish(self, case, state, report, error)
       class(result_writer_t), intent(inout) :: self
+      type(case_t), intent(in) :: case
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: missing
       real(wp) :: lambda_ratio
 
-      call self%begin_end()
+      call self%begin_end(case)
+      call write_scaling(self%file, self%scaling)
       call write_solution(self%file, state, self%scaling, self%has_si)
       call self%copy_steps(self%has_si)
       if (allocated(self%reynolds)) then
@@ -133,6 +134,7 @@ contains
       call judge(self%adequacy, self%summary)
       call write_adequacy(self%file, self%adequacy)
       call write_decision(self%file, self%choice)
+      call write_breakdown(self%file, report%breakdown, self%scaling)
       call self%publish(report, error)
    end subroutine finish
 

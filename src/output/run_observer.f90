@@ -2,8 +2,7 @@
 !> solver when the run is interrupted, and keeps a checkpoint then and from time to time.
 module run_observer
    use closing_table, only: breakdown_sentence
-   use checkpoint, only: write_checkpoint
-   use checkpoint_content, only: checkpoint_t
+   use checkpoint, only: checkpoint_t, write_checkpoint
    use errors, only: error_t, fail, output_error
    use film_passage, only: new_passage
    use iteration_report, only: phase_output, phase_transient, report_t
@@ -40,23 +39,15 @@ module run_observer
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
       !> Seconds of the clock at the start and at the last checkpoint.
-      real(wp), private :: start = 0.0_wp, last_checkpoint = 0.0_wp
+      real(wp) :: start = 0.0_wp, last_checkpoint = 0.0_wp
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step, on_stage, start_clock, wants_stop
+      procedure :: on_step, on_stage, wants_stop
       procedure, private :: keep
    end type run_observer_t
 
 contains
-
-   !> Sets the clocks: the run begins.
-   subroutine start_clock(self)
-      class(run_observer_t), intent(inout) :: self
-
-      self%start = wall_seconds()
-      self%last_checkpoint = self%start
-   end subroutine start_clock
 
    !> Stores a time step, then passes it to the log.
    subroutine on_step(self, step, steps, state, history, report)
