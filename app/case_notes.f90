@@ -123,9 +123,9 @@ contains
             if (.not. case%domain%has_inlet) predicted = predicted &
                + domain_error(inlet_error(case%contact))
             if (predicted <= (1.0_wp + rounding)*case%solver%target) return
-            words = 'the wanted accuracy is beyond the finest trial run: of h_min a relative '// &
+            words = 'the target accuracy is beyond the finest trial run: of h_min a relative '// &
                'error of '//to_text(predicted, 2)// &
-               ' is predicted, '//to_text(case%solver%target, 2)//' was wanted'
+               ' is predicted, '//to_text(case%solver%target, 2)//' is the target'
          end if
       end associate
       call add_note(case, listener, words, note)
@@ -150,9 +150,9 @@ contains
       end associate
       if (.not. ieee_is_finite(measured)) return
       if (measured <= (1.0_wp + rounding)*case%solver%target) return
-      call add_note(case, listener, 'the wanted accuracy is not shown: a relative error of '// &
+      call add_note(case, listener, 'the target accuracy is not shown: a relative error of '// &
          'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%solver%target, 2)// &
-         ' was wanted', report%note)
+         ' is the target', report%note)
    end subroutine note_measured_error
 
    !> Adds to the notes of the `report` where the error of p_max of a steady contact stays above the
@@ -176,8 +176,8 @@ contains
                //' is estimated'
          end if
       end associate
-      call add_note(case, listener, 'the wanted accuracy of p_max is not shown: '//found//', ' &
-         //to_text(case%solver%target_p_max, 2)//' was wanted', report%note)
+      call add_note(case, listener, 'the target accuracy of p_max is not shown: '//found//', ' &
+         //to_text(case%solver%target_p_max, 2)//' is the target', report%note)
    end subroutine note_pressure_error
 
    !> Logs `words`, if there are any, and adds them to `note`.

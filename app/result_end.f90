@@ -93,7 +93,7 @@ contains
       call listener%writer%finish(case, state, report, error)
       if (allocated(error)) then
          if (listener%writer%name%has_checkpoint) error%message = error%message &
-            //'; --resume goes on after step '// &
+            //'; --resume continues after step '// &
             to_text(listener%writer%name%kept_step)
          call give_up(error, listener%log, outcome)
          return

@@ -104,7 +104,7 @@ contains
       listener%writer%run = checkpoint%run_record_t
       listener%writer%bars%forecast = checkpoint%forecast
       if (allocated(checkpoint%momentum)) listener%follower%earlier = checkpoint%momentum
-      call listener%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
+      call listener%log%say(case%file//': continues after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march
    end subroutine go_on

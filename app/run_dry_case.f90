@@ -184,9 +184,9 @@ contains
       reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
       if (most < max_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
       if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
-      call add_sentence(dry%note, 'the wanted accuracy is not met: of the contact area a '// &
+      call add_sentence(dry%note, 'the target accuracy is not met: of the contact area a '// &
          'relative error of '//to_text(doubt, 2)// &
-         ' is estimated, '//to_text(dry%target, 2)//' was wanted, and '//reason)
+         ' is estimated, '//to_text(dry%target, 2)//' is the target, and '//reason)
    end subroutine note_unmet
 
 end module run_dry_case

@@ -161,8 +161,8 @@ def test_no_words_about_a_spike_where_there_is_none(asperity, tmp_path):
 def test_wanted_accuracy_of_the_spike_beyond_all_grids_is_told(asperity):
     wanted = ("--set", "accuracy.target=0.01", "--set", "accuracy.target_p_max=1e-7", "--set", "load.hertz_pressure=2e8")
     done = ended(asperity(MINIMAL, *wanted))
-    assert "the wanted accuracy of p_max is not shown: " in done.stderr
-    assert "1.0E-07 was wanted" in done.stdout
+    assert "the target accuracy of p_max is not shown: " in done.stderr
+    assert "1.0E-07 is the target" in done.stdout
 
 
 @pytest.mark.parametrize("other", ["", "accuracy.target=0.01 time.transient=.true. time.end_time=1.0"])

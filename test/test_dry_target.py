@@ -121,9 +121,9 @@ def test_an_open_file_keeps_its_nodes(asperity, tmp_path):
             assert ("report/note" in file) == (target < shares(file)[0])
             if target == 1e-3:
                 note = text(file["report/note"][()])
-                assert note.startswith("the wanted accuracy is not met: of the contact area a relative error of ")
+                assert note.startswith("the target accuracy is not met: of the contact area a relative error of ")
                 assert note.endswith(
-                    " is estimated, 0.0010 was wanted, and without a period the heights of a file stay on their own nodes"
+                    " is estimated, 0.0010 is the target, and without a period the heights of a file stay on their own nodes"
                 )
                 assert note in " ".join(printed.split())
 
@@ -136,7 +136,7 @@ def test_a_target_beyond_the_memory_is_told(program, tmp_path):
     ended(called(["bash", "-c", command], cwd=tmp_path))
     with h5py.File(tmp_path / "case.h5") as file:
         note, nodes = text(file["report/note"][()]), file["solution/x"].size
-        assert "was wanted, and grids of more than " in note
+        assert "is the target, and grids of more than " in note
         assert note.endswith(" nodes are not chosen with this memory")
         most = int(note.split("more than ")[1].split()[0])
         assert most / 1.26 < nodes <= most < 2**22

@@ -263,7 +263,7 @@ def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):
         running.send_signal(signal.SIGTERM)
         printed = running.stderr.read()
     assert running.returncode == 4
-    assert "--resume goes on after step " in printed
+    assert "--resume continues after step " in printed
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5.ckpt", "case.h5.part", "case.nml", "reference.h5"]
     # not with other layers
     cases.write(tmp_path, "case.nml", with_checkpoints(0.0).replace("layers = 4", "layers = 5"))

@@ -426,8 +426,8 @@ def test_a_target_out_of_reach_is_told(run_case, tmp_path):
     assert f"case.nml: {note}\n" in done.stderr
     assert passage.startswith("a feature is still in the contact")
     assert passage in " ".join(done.stdout.split())
-    start = "the wanted accuracy is beyond the finest trial run: of h_min a relative error of "
-    end = " is predicted, 1.0E-07 was wanted"
+    start = "the target accuracy is beyond the finest trial run: of h_min a relative error of "
+    end = " is predicted, 1.0E-07 is the target"
     assert note.startswith(start)
     assert note.endswith(end)
     assert 1e-7 < float(note[len(start) : -len(end)]) <= 1.05 * predicted

@@ -69,7 +69,7 @@ def test_a_signal_ends_with_status_4_and_a_checkpoint(program, asperity, tmp_pat
         running.send_signal(number)
         message = running.stderr.read()
     assert running.returncode == 4
-    assert message.startswith("asperity: interrupted; --resume goes on after step ")
+    assert message.startswith("asperity: interrupted; --resume continues after step ")
     assert message.endswith(" with case.h5.ckpt\n")
     assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
     step = int(message.split("after step ")[1].split()[0])
@@ -126,7 +126,7 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
     with h5py.File(reference) as one, h5py.File(tmp_path / "case.h5") as other:
         h_min = one["summary/h_min"]
         assert h_min.attrs["error_grid"] > 0
-        is_told = b"the wanted accuracy is not shown" in one["report/note"][()] if "report/note" in one else False
+        is_told = b"the target accuracy is not shown" in one["report/note"][()] if "report/note" in one else False
         assert is_told == (h_min.attrs["error_grid"] > 2e-3 * h_min[()])
         for group, key in (("domain", "intervals"), ("time", "time_step"), ("solver", "tolerance")):
             assert len({file["input/effective"][group].attrs[key] for file in (one, other)}) == 1, key
@@ -137,7 +137,7 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
 def test_resume_says_where_it_goes_on(interrupted, asperity):
     interrupted()
     lines = asperity("case.nml", "--resume").stderr.splitlines()
-    assert lines[0].startswith("case.nml: goes on after step ")
+    assert lines[0].startswith("case.nml: continues after step ")
     assert "cycle 1" not in "".join(lines)
 
 
@@ -293,7 +293,7 @@ def test_an_interrupted_list_of_cases_goes_on(program, asperity, tmp_path):
         assert running.wait() == 4
     assert not (tmp_path / "last.h5").exists()
     write(tmp_path, "case.nml", busy(0.05))
-    assert "goes on after step" in ended(asperity(*files, "--resume")).stderr
+    assert "continues after step" in ended(asperity(*files, "--resume")).stderr
     assert names(tmp_path) == ["case.h5", "case.nml", "first.h5", "first.nml", "last.h5", "last.nml"]
 
 

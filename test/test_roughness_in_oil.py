@@ -104,7 +104,7 @@ def test_long_profile_goes_on_after_a_signal(program, asperity, tmp_path):
         running.send_signal(signal.SIGTERM)
         assert "--resume goes on" in running.stderr.read()
     assert running.returncode == 4
-    assert "goes on after step" in ended(asperity("case.nml", "--resume")).stderr
+    assert "continues after step" in ended(asperity("case.nml", "--resume")).stderr
     assert different(reference, tmp_path / "case.h5") == []
 
 

@@ -78,7 +78,7 @@ def test_batch_systems_get_a_checkpoint(program, tmp_path, number):
         wait_for(tmp_path / "case.h5.part", running, times=20)
         status, message, _ = end(running, number)
     assert status == 4
-    assert message.startswith("asperity: interrupted; --resume goes on after step ")
+    assert message.startswith("asperity: interrupted; --resume continues after step ")
     assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
 
 

@@ -29,7 +29,7 @@ HEIGHTS = """&case problem = 'dry_line' /
 """
 ROWS = 4_000_000
 NOTHING = "interrupted without a checkpoint, nothing is kept of case.h5"
-GOES_ON = "interrupted; --resume goes on after step 200 with case.h5.ckpt"
+GOES_ON = "interrupted; --resume continues after step 200 with case.h5.ckpt"
 # Few steps on a fine grid: to write the result takes half as long as they do. A checkpoint at each of them, the last one too.
 FIELDS = (
     TRANSIENT.replace("256", "32768").replace("end_time = 1.0, time_step = 0.05", "end_time = 0.8, time_step = 0.004")

@@ -23,8 +23,8 @@ def test_an_error_above_the_target_is_noted(run_case, tmp_path):
             film = file["summary/h_min"]
             note = file["report/note"].asstr()[()] if "report/note" in file else ""
             is_above = film.attrs["error_grid"] > target * film[()]
-        assert ("the wanted accuracy is not shown" in note) == is_above, i
-        assert ("the wanted accuracy is not shown" in done.stderr) == is_above, i
+        assert ("the target accuracy is not shown" in note) == is_above, i
+        assert ("the target accuracy is not shown" in done.stderr) == is_above, i
         noted.append(is_above)
     assert any(noted)
     assert not all(noted)

@@ -105,7 +105,7 @@ contains
             row%verdict = verdict_on(row, self%accuracy)
             if (row%left_out < 1.0_wp) row%doubt = 'all of it may change more or less than a part'
             if (row%is_at_rest) row%doubt = &
-               'the smooth steady contact only tells what is plainly needed in a passage'
+               'the smooth steady contact only shows what is clearly needed in a passage'
          end associate
       end do
    end subroutine judge

@@ -231,7 +231,7 @@ contains
       if (ieee_is_finite(row%error(1))) row%error(1) = larger(row%error(1), &
          min(deviations*edges, abs(row%change(1))))
       if (any(ieee_is_finite(row%error))) row%unknown = &
-         'all profiles have the same, which tells nothing of the others'
+         'all profiles have the same, which shows nothing about the others'
    end subroutine compare_profiles
 
    !> The compared quantities of a load; NaN if it did not converge.

@@ -88,7 +88,7 @@ contains
       character(:), allocatable :: text
 
       if (self%has_checkpoint) then
-         text = 'interrupted; --resume goes on after step '//to_text(self%kept_step)//' with ' &
+         text = 'interrupted; --resume continues after step '//to_text(self%kept_step)//' with ' &
             //self%path//'.ckpt'
       else
          text = 'interrupted without a checkpoint, nothing is kept of '//self%path
