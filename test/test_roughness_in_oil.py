@@ -102,7 +102,7 @@ def test_long_profile_goes_on_after_a_signal(program, asperity, tmp_path):
     with killed_at_last(program, tmp_path) as running:
         wait_for(tmp_path / "case.h5.part", running, times=7)
         running.send_signal(signal.SIGTERM)
-        assert "--resume goes on" in running.stderr.read()
+        assert "--resume continues" in running.stderr.read()
     assert running.returncode == 4
     assert "continues after step" in ended(asperity("case.nml", "--resume")).stderr
     assert different(reference, tmp_path / "case.h5") == []
