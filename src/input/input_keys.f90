@@ -81,7 +81,7 @@ module input_keys
          //'current folder', problems=every, example="! 'case1.h5'", dry_example="! 'rough.h5'"), &
       key_row_t('case', 'model', word_kind, '', "'full'", &
          'full: every ingredient of the model; auto: a passage as a steady contact where ' &
-         //'that surely does', words='full auto'), &
+         //'that suffices', words='full auto'), &
       key_row_t('case', 'model', word_kind, '', "'full'", 'full: every ingredient of the model', &
          words='full', problems=dry), &
       key_row_t('case', 'equations', word_kind, '', "'reynolds'", &
@@ -418,7 +418,7 @@ module input_keys
          'a film below it is a film breakdown, reported with place and time', &
          range='> 0, <= 1e-3', used=in_metres, typical=typical_film, example='! 5e-9'), &
       key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", &
-         'at a film breakdown: end as not converged, or go on with a mark; a film that ' &
+         'at a film breakdown: end as not converged, or continue with a mark; a film that ' &
          //'closes always ends', words='stop continue', used='film_floor', example='!'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', &
@@ -446,7 +446,7 @@ module input_keys
          'of the stored fields; single halves the file', words='double single', &
          problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
-         'wall time between checkpoints, from which asperity --resume goes on', &
+         'wall time between checkpoints, from which asperity --resume continues', &
          range='>= 0, <= 1e9', used=in_time, example='!'), &
       key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, &
          'films for /statistics: how often and on how much of the contact the film is thinner', &
@@ -468,7 +468,7 @@ module input_keys
          //'and time step are chosen', range='>= 1e-7, <= 0.1', problems=every, example='! 1e-3', &
          dry_example='! 0.02'), &
       key_row_t('accuracy', 'target_p_max', real_kind, '-', is_optional, &
-         'relative error of p_max, for which a steady contact goes on to finer grids', &
+         'relative error of p_max, for which a steady contact takes finer grids', &
          range='>= 1e-7, <= 0.1', used='target, time%transient = .false.', example='! 0.01'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]
