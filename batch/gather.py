@@ -37,8 +37,8 @@ FEW = 1000
 DONE, UNCONVERGED, OUTSIDE, FAILURE, NOT_RUN = "done", "not converged", "outside the model: mixed", "failed", "not run"
 STATUSES = (DONE, UNCONVERGED, OUTSIDE, FAILURE, NOT_RUN)
 TEXT = h5py.string_dtype()
-# Columns that gathered.csv has only on request: what the program, its scales and its iterations were.
-DETAILS = ("program", "report_", "scaling_", "validity_")
+# Beginnings and parts of columns that gathered.csv has only on request: program, scales, iterations; quantities in other forms.
+DETAILS, FORMS = ("program", "report_", "scaling_", "validity_"), ("_extrapolated", "_moes")
 MEANINGS = {"status": ", ".join(STATUSES), "reason": "why it is not done", "program": "version and commit"}
 
 
@@ -226,7 +226,7 @@ def write_csv(file: h5py.File, path: Path, is_whole: bool) -> None:
     if not is_whole:
         head = columns.index("reason") + 1
         known = (name for name in columns[head:] if any(any(values_of(file[name], start)) for start in starts_of(file)))
-        columns = columns[:head] + [name for name in known if not name.startswith(DETAILS)]
+        columns = columns[:head] + [name for name in known if not (name.startswith(DETAILS) or any(form in name for form in FORMS))]
     with path.open("w", newline="", encoding="utf-8") as target:
         writer = csv.writer(target, lineterminator="\n")
         writer.writerow(["case", *(header(name, file[name].attrs.get("units", "")) for name in columns)])
