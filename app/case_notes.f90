@@ -18,17 +18,17 @@ module case_notes
    implicit none (type, external)
    private
 
-   public :: add_note, expected_seconds, note_coarse_waves, note_expected_time, &
-      note_measured_error, note_missed_target, note_pressure_error, note_unusual, time_text, &
-      unusual_text
+   public :: add_note, note_coarse_waves, note_measured_error, note_missed_target, &
+      note_pressure_error, note_unusual, time_text, unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
    !> Processor time of one interval in one time step [s]: 0.4e-6 of a smooth wave to 1.2e-6 of
    !> roughness, measured on a server core; and what error bars add to it.
    real(wp), parameter :: step_seconds = 1.0e-6_wp, error_bars_share = 0.5_wp
-   !> A run that takes longer says before it starts what would make it shorter [s].
-   real(wp), parameter :: long_run = 3600.0_wp
+   !> Runs that take longer are announced by --check, and say before they start what would make them
+   !> shorter [s].
+   real(wp), parameter, public :: minute = 60.0_wp, hour = 3600.0_wp
 
 contains
 
@@ -45,28 +45,25 @@ contains
       if (case%solver%wants_coarse_runs) seconds = (1 + error_bars_share)*seconds
    end function expected_seconds
 
-   !> The expected time in words, and of a long run what would make it shorter.
-   pure function time_text(case) result(words)
+   !> The expected time in words, from `least` [s] on, and from an hour on what would make it
+   !> shorter; empty: it is less, or not known.
+   pure function time_text(case, least) result(words)
       type(case_t), intent(in) :: case
+      real(wp), intent(in) :: least
       character(:), allocatable :: words
+      real(wp) :: seconds
 
-      words = 'about '//duration_text(expected_seconds(case))//': '//to_text(case%contact%domain &
-         %intervals)//' intervals, '//to_text(case%time%end_time/case%time%time_step, 3)// &
-         ' time steps'
-      if (expected_seconds(case) < long_run) return
+      words = ''
+      seconds = expected_seconds(case)
+      if (seconds < least) return
+      words = 'about '//duration_text(seconds)//': '//to_text(case%contact%domain%intervals)// &
+         ' intervals, '//to_text(case%time%end_time/case%time%time_step, 3)//' time steps'
+      if (seconds < hour) return
       words = words//'. Without the finest waves (cutoff_short, harmonics, wavelength_short) '// &
          'or with fewer &domain intervals, half the grid takes a quarter of the time; a shorter'// &
          ' profile or an earlier end in proportion. The smooth contact (no surfaces, '// &
          'transient = .false.) takes a second'
    end function time_text
-
-   !> Logs the expected time of a long run.
-   subroutine note_expected_time(case, log)
-      type(case_t), intent(in) :: case
-      type(progress_log_t), intent(inout) :: log
-
-      if (expected_seconds(case) >= long_run) call log%say(case%file//': '//time_text(case))
-   end subroutine note_expected_time
 
    !> Behind each other the lines on the unusual values, each with file and line.
    pure function unusual_text(case) result(lines)

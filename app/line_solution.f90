@@ -1,8 +1,8 @@
 !> The solution of a lubricated case, with the coarse runs that measure its errors, and what the
 !> program has chosen in place of the user, for the list of effective values of its result.
 module line_solution
-   use case_notes, only: note_unusual, add_note, note_coarse_waves, note_expected_time, &
-      note_missed_target
+   use case_notes, only: add_note, hour, note_coarse_waves, note_missed_target, note_unusual, &
+      time_text
    use case_record, only: case_t, set_effective
    use closing_table, only: breakdown_sentence
    use coarse_runs, only: side_runs_t
@@ -58,7 +58,8 @@ contains
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
-      call note_expected_time(case, listener%log)
+      note = time_text(case, hour)
+      if (note /= '') call listener%log%say(case%file//': '//note)
       call note_unusual(case, note)
       call add_note(case, listener, case%note, note)
       call note_coarse_waves(case, listener, note)

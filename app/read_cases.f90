@@ -5,7 +5,7 @@
 module read_cases
    use build_info, only: program_name
    use case_input, only: read_case
-   use case_notes, only: expected_seconds, time_text, unusual_text
+   use case_notes, only: minute, time_text, unusual_text
    use case_outcome, only: case_outcome_t, count_outcome
    use case_record, only: case_t, path_from_namelist, result_path
    use command_line, only: command_t
@@ -153,8 +153,9 @@ contains
       integer :: i
 
       do i = 1, size(cases)
-         lines = cases(i)%file//': no findings'
-         if (expected_seconds(cases(i)) >= 60) lines = lines//'; '//time_text(cases(i))
+         lines = time_text(cases(i), minute)
+         if (lines /= '') lines = '; '//lines
+         lines = cases(i)%file//': no findings'//lines
          call write_text(lines//unusual_text(cases(i))//new_line('a'), error)
          if (allocated(error)) return
       end do

@@ -10,7 +10,7 @@ module result_end
    use formulas_section, only: formula_lines, formulas_of
    use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
    use inlet_errors, only: film_loss
-   use iteration_report, only: report_t
+   use iteration_report, only: is_outside, report_t
    use kinds, only: wp
    use quantity_text, only: number_text
    use line_state, only: line_state_t
@@ -73,9 +73,9 @@ contains
       listener%writer%limits = limits_of(of, state)
       associate (ratio => listener%writer%limits(mixed_lubrication)%value)
          report%is_mixed = exceeds(-ratio, -least_lambda_ratio)
-         if (report%is_mixed) report%reason = 'outside the model: mixed lubrication, the '// &
-            'smallest film is '//number_text(ratio, 2)//' times the composite roughness; '// &
-            'asperities carry load that is not computed'
+         if (report%is_mixed) report%reason = is_outside//' lubrication, the smallest film is '// &
+            number_text(ratio, 2)//' times the composite roughness; asperities carry load that '// &
+            'is not computed'
       end associate
       if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits

@@ -225,8 +225,8 @@ def write_csv(file: h5py.File, path: Path, is_whole: bool) -> None:
     columns = [name for name in file if name != "case"]
     if not is_whole:
         head = columns.index("reason") + 1
-        known = (name for name in columns[head:] if any(any(values_of(file[name], start)) for start in starts_of(file)))
-        columns = columns[:head] + [name for name in known if not (name.startswith(DETAILS) or any(form in name for form in FORMS))]
+        chosen = [name for name in columns[head:] if not (name.startswith(DETAILS) or any(form in name for form in FORMS))]
+        columns = columns[:head] + [name for name in chosen if any(any(values_of(file[name], start)) for start in starts_of(file))]
     with path.open("w", newline="", encoding="utf-8") as target:
         writer = csv.writer(target, lineterminator="\n")
         writer.writerow(["case", *(header(name, file[name].attrs.get("units", "")) for name in columns)])
