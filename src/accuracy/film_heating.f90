@@ -38,19 +38,17 @@ contains
    end function new_heating
 
    !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
-   !> heat of the mean shear `stress` [p_h b/R] in the `film` [b^2/R] on nodes at distance `dx` [b],
-   !> each (nx).
-   pure real(wp) function largest_rise(heating, dx, stress, film) result(rise)
+   !> mean shear `stress` [p_h b/R] in the `film` [b^2/R], at rising nodes `x` [b], each (nx).
+   pure real(wp) function largest_rise(heating, x, stress, film) result(rise)
       type(heating_t), intent(in) :: heating
-      real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: stress(:), film(:)
+      real(wp), intent(in), contiguous :: x(:), stress(:), film(:)
       real(wp) :: heat(size(stress))
 
       rise = 0.0_wp
       associate (speeds => heating%speeds)
          if (.not. abs(speeds(2) - speeds(1)) > 0.0_wp) return
          heat = abs(stress)*(heating%shear_stress*abs(speeds(2) - speeds(1)))
-         rise = maxval(flash_temperatures(heat, dx*heating%half_width, heating%effusivity, speeds) &
+         rise = maxval(flash_temperatures(heat, x*heating%half_width, heating%effusivity, speeds) &
             + film_temperatures(heat, film*heating%film, heating%conductivity))
       end associate
    end function largest_rise

@@ -153,7 +153,7 @@ contains
             if (given%thermal_viscosity > 0.0_wp) then
                limit%value = larger(summary%limits%film_heating, &
                   largest_rise(new_heating(scaling, of%bodies, given%effusivity, &
-                  given%conductivity), state%x(2) - state%x(1), mean_stresses(of, state), &
+                  given%conductivity), state%x, mean_stresses(of, state), &
                   state%film_thickness))
                limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
                call set_losses(of%contact, given%thermal_viscosity, limit)

@@ -27,7 +27,7 @@ contains
       real(wp) :: smallest
       integer :: node
 
-      smallest = parabola_minimum(film)
+      smallest = parabola_minimum(x, film)
       associate (breakdown => report%breakdown)
          breakdown%is_now = smallest < settings%film_floor .or. any(film <= 0.0_wp)
          if (.not. breakdown%is_now) return

@@ -14,10 +14,10 @@ module film_shear
    use kinds, only: wp
    use line_level, only: line_level_t
    use missing_value, only: not_known
-   use quantities, only: exit_between_nodes
+   use quantities, only: bend_of, exit_between_nodes, node_spacings
    use reynolds_line, only: mass_flux
    use rheology, only: evaluate_stress, thins
-   use shear_stresses, only: evaluate_nodes, stress_block_t
+   use shear_stresses, only: evaluate_drive
    implicit none (type, external)
    private
 
@@ -44,38 +44,38 @@ contains
    pure subroutine evaluate_friction(level, friction, stress, drive)
       type(line_level_t), intent(in) :: level
       type(friction_t), intent(out) :: friction
-      real(wp), intent(out), contiguous, optional :: stress(:), drive(:)
-      type(stress_block_t) :: block
-      real(wp) :: weights(block_size), rise, flux(level%n), stressed
-      integer :: i, first, last, m, exit_node
+      real(wp), intent(out), contiguous :: stress(0:), drive(0:)
+      real(wp) :: rise, flux(level%n), gap(0:level%n + 1), stressed
+      real(wp), dimension(0:level%n) :: weights, inverse_film
+      integer :: i, first, last, exit_node
       logical :: has_speeds
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
          friction = oil_in_front(level, h(maxloc(p, 1) - 1))
          flux = mass_flux(level)
+         gap(1:level%n) = node_spacings(level%x)
+         gap([0, level%n + 1]) = 0.0_wp
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
          stressed = stressed_share*maxval(p)
          has_speeds = ieee_is_finite(level%slide_to_roll)
-         if (present(stress)) stress = 0.0_wp
-         if (present(drive)) drive = 0.0_wp
+         call evaluate_drive(gap(1:level%n), p, h, drive)
+         inverse_film = 1/h
+         weights = merge(0.5_wp*(gap(:level%n) + gap(1:)), 0.0_wp, p > 0.0_wp)
+         weights(0) = 0.5_wp*gap(1)
+         drive = merge(drive, 0.0_wp, weights > 0.0_wp)
+         stress = 0.0_wp
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
-            m = last - first + 1
-            block%first = first + 1
-            call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
-               level%n)), h, level%oil%ln_mu, block)
-            weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
-            if (first == 0) weights(1) = 0.5_wp*level%dx
-            if (present(stress)) stress(first + 1:last + 1) = merge(block%stress(:m), 0.0_wp, &
-               weights(:m) > 0.0_wp)
-            if (present(drive)) drive(first + 1:last + 1) = merge(block%drive(:m), 0.0_wp, &
-               weights(:m) > 0.0_wp)
-            if (last == exit_node) weights(m) = last_weight(level, exit_node, flux(max(exit_node, &
-               1)))
-            friction%sliding = friction%sliding + sum(weights(:m)*block%stress(:m))
-            do i = 1, merge(m, 0, has_speeds)
-               if (p(first + i - 1) > stressed) friction%stress_share = max( &
-                  friction%stress_share, abs(block%stress(i))/p(first + i - 1))
+            call evaluate_stress(level%fluid, level%lambda*level%slide_to_roll/12, &
+               drive(first:last), inverse_film(first:last), level%oil%ln_mu(first:last), &
+               stress(first:last))
+            stress(first:last) = merge(stress(first:last), 0.0_wp, weights(first:last) > 0.0_wp)
+            if (last == exit_node) weights(last) = 0.5_wp*gap(max(last, 1)) &
+               + weight_behind(level, last, flux(max(last, 1)))
+            friction%sliding = friction%sliding + sum(weights(first:last)*stress(first:last))
+            do i = first, merge(last, -1, has_speeds)
+               if (p(i) > stressed) friction%stress_share = max(friction%stress_share, &
+                  abs(stress(i))/p(i))
             end do
          end do
          do i = 1, min(exit_node + 1, level%n)
@@ -93,20 +93,20 @@ contains
    pure function friction_of(level) result(friction)
       type(line_level_t), intent(in) :: level
       type(friction_t) :: friction
+      real(wp) :: stress(level%n + 1), drive(level%n + 1)
 
-      call evaluate_friction(level, friction)
+      call evaluate_friction(level, friction, stress, drive)
    end function friction_of
 
-   !> Weight of the last node with P > 0: half of the interval in front of it, and the distance to
-   !> the exit behind it, over which the stress falls as the film grows. `flux`: mass flux in front
-   !> of it.
-   pure function last_weight(level, node, flux) result(weight)
+   !> Weight of the last node with P > 0 for the distance to the exit behind it, over which the
+   !> stress falls as the film grows. `flux`: mass flux in front of it.
+   pure function weight_behind(level, node, flux) result(weight)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: node
       real(wp), intent(in) :: flux
       real(wp) :: weight, rest, film
 
-      weight = 0.5_wp*level%dx
+      weight = 0.0_wp
       associate (x => level%x, h => level%state%film, first => max(node - 2, 0), &
          last => min(node + 2, level%n))
          film = flux
@@ -116,9 +116,9 @@ contains
             film = h(node)
             rest = exit_between_nodes(x, level%state%pressure) - x(node)
          end if
-         if (ieee_is_finite(rest)) weight = weight + 0.5_wp*rest*(1 + h(node)/film)
+         if (ieee_is_finite(rest)) weight = 0.5_wp*rest*(1 + h(node)/film)
       end associate
-   end function last_weight
+   end function weight_behind
 
    !> X at which a `film` (times its density) carries its `flux` without a pressure gradient, which
    !> is the exit: from the interval in front of the last `node` with P > 0 to the second one behind
@@ -134,20 +134,13 @@ contains
       do i = max(node - 1, 1), min(node + 1, ubound(x, 1) - 1)
          if (film(i) > flux .or. film(i + 1) <= flux) cycle
          rise = film(i + 1) - film(i)
-         bend = 0.5_wp*(film(i + 1) - 2*film(i) + film(i - 1))
+         bend = 0.5_wp*bend_of(x(i - 1:i + 1), film(i - 1:i + 1))
          part = (flux - film(i))/rise
          ! one Newton step from the line to the parabola
          part = part - bend*part*(part - 1)/max(rise + bend*(2*part - 1), 0.5_wp*rise)
          position = x(i) + (x(i + 1) - x(i))*part
       end do
    end function exit_by_flux
-
-   !> lambda/6 (u2 - u1)/(u1 + u2).
-   pure real(wp) function couette_of(level) result(couette)
-      type(line_level_t), intent(in) :: level
-
-      couette = level%lambda*level%slide_to_roll/12
-   end function couette_of
 
    !> Contribution of the oil in front of the domain; `flow` is about the mass flux.
    !>
@@ -183,7 +176,8 @@ contains
                largest_exponent)))
          end do
       end if
-      call evaluate_stress(level%fluid, couette_of(level), drive, 1/h, ln_mu, stress)
+      call evaluate_stress(level%fluid, level%lambda*level%slide_to_roll/12, drive, 1/h, ln_mu, &
+         stress)
       friction%sliding = sum(weights*stress)
       friction%rolling = 0.5_wp*sum(weights*drive)
       friction%rolling_power = 0.5_wp/level%lambda*sum(weights*h*drive*flow_drive*fluidity)

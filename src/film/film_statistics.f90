@@ -71,7 +71,7 @@ contains
 
       first = count(state%x < -1.0_wp) + 1
       last = count(state%x <= 1.0_wp)
-      smallest = parabola_minimum(state%film_thickness)
+      smallest = parabola_minimum(state%x, state%film_thickness)
       share = 1.0_wp/max(last - first + 1, 1)
       associate (h => state%film_thickness(first:last), psi => state%roughness_1(first:last) &
          + state%roughness_2(first:last))

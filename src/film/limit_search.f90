@@ -18,22 +18,21 @@ module limit_search
 
 contains
 
-   !> Limits of the pressure `p` >= 0 and the film `h` > 0 on nodes (nx) at spacing `dx`, with
-   !> `slide_to_roll` = (u2 - u1)/((u1 + u2)/2) (NaN: not known).
-   pure function film_limits(fluid, lambda, slide_to_roll, dx, p, h) result(limits)
+   !> Limits of the pressure `p` >= 0 and the film `h` > 0 on nodes `x` (nx), which
+   !> rise, with `slide_to_roll` = (u2 - u1)/((u1 + u2)/2) (NaN: not known).
+   pure function film_limits(fluid, lambda, slide_to_roll, x, p, h) result(limits)
       type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: lambda, slide_to_roll, dx
-      real(wp), intent(in), contiguous :: p(:), h(:)
+      real(wp), intent(in) :: lambda, slide_to_roll
+      real(wp), intent(in), contiguous :: x(:), p(:), h(:)
       type(reynolds_limits_t) :: limits
-      real(wp) :: loaded, steepest
+      real(wp) :: loaded
       integer :: i
 
       loaded = loaded_share*maxval(p)
-      steepest = 0.0_wp
       do i = 2, size(p)
-         if (min(p(i - 1), p(i)) > loaded) steepest = max(steepest, abs(h(i) - h(i - 1)))
+         if (min(p(i - 1), p(i)) > loaded) limits%surface_slope = max(limits%surface_slope, &
+            abs(h(i) - h(i - 1))/(x(i) - x(i - 1)))
       end do
-      limits%surface_slope = steepest/dx
       limits%stokes_number = not_known()
       if (ieee_is_finite(slide_to_roll)) limits%stokes_number = largest_rise(fluid, &
          lambda*slide_to_roll/12, p, h)

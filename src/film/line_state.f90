@@ -11,7 +11,7 @@ module line_state
 
    !> Dimensionless fields on the nodes of the finest grid, each (nx).
    type :: line_state_t
-      !> X = x/b, uniform, rising.
+      !> X = x/b, rising.
       real(wp), allocatable :: x(:)
       !> P = p/p_h, never negative.
       real(wp), allocatable :: pressure(:)

@@ -8,7 +8,7 @@ module line_summary
    use kinds, only: wp
    use line_state, only: line_state_t
    use missing_value, only: larger, not_known
-   use quantities, only: quantity_count, quantity_rows, quantity_values, &
+   use quantities, only: parabola_extreme, quantity_count, quantity_rows, quantity_values, &
       rule_between, rule_crest, rule_node, rule_value
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
@@ -96,7 +96,7 @@ contains
       do i = 1, quantity_count
          summary%of(i) = new_quantity(i, quantity_values(i, x, p, h, forces), time)
       end do
-      summary%crests = crests_of(p, h)
+      summary%crests = crests_of(x, p, h)
       summary%limits = unknown_limits()
    end function summary_of_fields
 
@@ -134,10 +134,11 @@ contains
       summary%crests%spike_film = other%crests%spike_film
    end subroutine keep_extremes
 
-   !> Maxima of a pressure p with the film h (nx). A plateau counts once.
-   pure function crests_of(p, h) result(crests)
-      real(wp), intent(in) :: p(:), h(:)
+   !> Maxima of a pressure p with the film h on rising nodes x (nx). A plateau counts once.
+   pure function crests_of(x, p, h) result(crests)
+      real(wp), intent(in) :: x(:), p(:), h(:)
       type(crests_t) :: crests
+      real(wp) :: top
       integer :: i
       logical :: is_last
 
@@ -145,26 +146,27 @@ contains
       is_last = .true.
       do i = size(p) - 1, 2, -1
          if (.not. (p(i) > p(i - 1) .and. p(i) >= p(i + 1))) cycle
-         if (is_last) call find_corner(p, i, crests)
+         if (is_last) call find_corner(x, p, i, crests)
+         top = parabola_extreme(x(i - 1:i + 1), p(i - 1:i + 1))
          if (is_last .and. p(min(i + 2, size(p))) < (1.0_wp - spike_drop)*p(i)) then
             crests%spike = p(i)
             crests%spike_film = h(i)
          else
-            crests%other = larger(crests%other, vertex(p(i - 1:i + 1)))
+            crests%other = larger(crests%other, top)
          end if
-         crests%highest = larger(crests%highest, vertex(p(i - 1:i + 1)))
+         crests%highest = larger(crests%highest, top)
          is_last = .false.
       end do
    end function crests_of
 
-   !> Checks whether the maximum of p (nx) at node `top` has a corner where P has not yet fallen by
-   !> `spike_drop` of its value: it is known to half a spacing, and the height to half of the
-   !> largest fall or bend of P over one spacing.
-   pure subroutine find_corner(p, top, crests)
-      real(wp), intent(in) :: p(:)
+   !> Checks whether the maximum of p on rising nodes x (nx) at node `top` has a corner where P has
+   !> not yet fallen by `spike_drop` of its value: it is known to half a spacing, and the height to
+   !> half of the largest fall or bend of P over the longer spacing at `top`.
+   pure subroutine find_corner(x, p, top, crests)
+      real(wp), intent(in) :: x(:), p(:)
       integer, intent(in) :: top
       type(crests_t), intent(inout) :: crests
-      real(wp) :: bend, fall
+      real(wp) :: bend, steepest, slope(size(p) - 1)
       integer :: first, last
 
       first = top
@@ -175,22 +177,15 @@ contains
       do while (last < size(p) - 1 .and. p(last) >= (1.0_wp - spike_drop)*p(top))
          last = last + 1
       end do
-      bend = maxval(2*p(first:last) - p(first - 1:last - 1) - p(first + 1:last + 1))
-      fall = maxval(abs(p(first:last + 1) - p(first - 1:last)))
-      if (bend <= corner_share*fall) return
+      slope(first - 1:last) = (p(first:last + 1) - p(first - 1:last))/(x(first:last + 1) &
+         - x(first - 1:last))
+      bend = maxval(slope(first - 1:last - 1) - slope(first:last))
+      steepest = maxval(abs(slope(first - 1:last)))
+      if (bend <= corner_share*steepest) return
       crests%corner = p(top)
-      crests%corner_top = p(top) + 0.5_wp*min(bend, fall)
+      crests%corner_top = p(top) + 0.5_wp*min(bend, steepest)*max(x(top + 1) - x(top), x(top) &
+         - x(top - 1))
    end subroutine find_corner
-
-   !> Top of the parabola through three values at equal distances, the middle one the largest.
-   pure function vertex(values) result(top)
-      real(wp), intent(in) :: values(3)
-      real(wp) :: top, curvature
-
-      top = values(2)
-      curvature = values(3) - 2*values(2) + values(1)
-      if (curvature < 0.0_wp) top = values(2) - 0.125_wp*(values(3) - values(1))**2/curvature
-   end function vertex
 
    !> Value of row `i` that does not depend on the position of the nodes, and is compared between
    !> grids.

@@ -13,8 +13,9 @@ module quantities
    implicit none (type, external)
    private
 
-   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, is_chance, &
-      node_minimum, parabola_minimum, peak_value, quantity_values
+   public :: bend_of, central_by_cubic, central_value, exit_between_nodes, exit_position, &
+      is_chance, node_minimum, node_spacings, parabola_extreme, parabola_minimum, peak_value, &
+      quantity_values
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
@@ -100,9 +101,9 @@ contains
 
       select case (row)
       case (h_min)
-         values = parabola_minimum(h)
+         values = parabola_minimum(x, h)
       case (h_min_node)
-         values = [node_minimum(h), parabola_minimum(h)]
+         values = [node_minimum(h), parabola_minimum(x, h)]
       case (h_central)
          values = [central_value(x, h), central_by_cubic(x, h)]
       case (p_max)
@@ -124,24 +125,56 @@ contains
       end select
    end function quantity_values
 
-   !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the
-   !> smallest node and its neighbours; the node itself at an end, or where the vertex of a film
-   !> that nearly closes would be negative; NaN if a value is not finite. h (nx).
-   pure function parabola_minimum(h) result(smallest)
-      real(wp), intent(in) :: h(:)
-      real(wp) :: smallest, slope, curvature, vertex
+   !> Smallest value of a positive curve on the nodes of a rising grid: vertex of the parabola
+   !> through the smallest node and its neighbours; the node itself at an end, or where the vertex
+   !> of a film that nearly closes would be negative; NaN if a value is not finite. x, h (nx).
+   pure function parabola_minimum(x, h) result(smallest)
+      real(wp), intent(in) :: x(:), h(:)
+      real(wp) :: smallest, vertex
       integer :: i
 
       smallest = node_minimum(h)
       if (.not. ieee_is_finite(smallest)) return
       i = minloc(h, dim=1)
       if (i == 1 .or. i == size(h)) return
-      slope = 0.5_wp*(h(i + 1) - h(i - 1))
-      curvature = h(i + 1) - 2.0_wp*h(i) + h(i - 1)
-      if (curvature <= 0.0_wp) return
-      vertex = h(i) - 0.5_wp*slope**2/curvature
+      vertex = parabola_extreme(x(i - 1:i + 1), h(i - 1:i + 1))
       if (vertex > 0.0_wp .or. smallest <= 0.0_wp) smallest = vertex
    end function parabola_minimum
+
+   !> Vertex of the parabola through three values on rising nodes, the middle one the smallest or
+   !> the largest; on a line the middle value.
+   pure function parabola_extreme(x, values) result(vertex)
+      real(wp), intent(in) :: x(3), values(3)
+      real(wp) :: vertex, gap(2), q, slope, bend
+
+      gap = node_spacings(x)
+      q = gap(1)/gap(2)
+      slope = (q*values(3) - values(1)/q)/(1 + q) + values(2)*(1 - q)/q
+      bend = bend_of(x, values)
+      vertex = values(2)
+      if (abs(bend) > 0.0_wp) vertex = vertex - 0.5_wp*slope**2/bend
+   end function parabola_extreme
+
+   !> Spacings of rising nodes x (nx), (nx - 1): the same number each if they differ by round-off.
+   pure function node_spacings(x) result(gap)
+      real(wp), intent(in) :: x(:)
+      real(wp), parameter :: round_off = 1.0e-9_wp
+      real(wp) :: gap(size(x) - 1), mean
+
+      mean = (x(size(x)) - x(1))/size(gap)
+      gap = x(2:) - x(:size(gap))
+      gap = merge(mean, gap, abs(gap - mean) < round_off*mean)
+   end function node_spacings
+
+   !> Second derivative of the parabola through three values on rising nodes; unit: right spacing.
+   pure function bend_of(x, values) result(bend)
+      real(wp), intent(in) :: x(3), values(3)
+      real(wp) :: bend, gap(2), q
+
+      gap = node_spacings(x)
+      q = gap(1)/gap(2)
+      bend = 2*(values(3)/(1 + q) - values(2)/q + values(1)/(q*(1 + q)))
+   end function bend_of
 
    !> Smallest nodal value; NaN if a value is not finite. h (nx).
    pure real(wp) function node_minimum(h) result(smallest)
@@ -176,19 +209,23 @@ contains
       if (.not. ieee_is_finite(film)) film = not_known()
    end function central_value
 
-   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear if
+   !> Value at X = 0 by the cubic through the two nodes of a rising grid on either side, linear if
    !> there are not four; NaN if the grid does not reach it. x, h (nx).
    pure function central_by_cubic(x, h) result(film)
       real(wp), intent(in) :: x(:), h(:)
-      real(wp) :: film, t, weights(4)
+      real(wp) :: film, t, a, b, gap(3), weights(4)
       integer :: i
 
       film = central_value(x, h)
       i = count(x <= 0.0_wp)
       if (i < 2 .or. i + 2 > size(x) .or. .not. ieee_is_finite(film)) return
+      ! in the unit of the middle spacing the nodes are at -a, 0, 1 and b
+      gap = node_spacings(x(i - 1:i + 2))
       t = -x(i)/(x(i + 1) - x(i))
-      weights = [-t*(t - 1)*(t - 2)/6, (t + 1)*(t - 1)*(t - 2)/2, -(t + 1)*t*(t - 2)/2, &
-         (t + 1)*t*(t - 1)/6]
+      a = gap(1)/gap(2)
+      b = 1 + gap(3)/gap(2)
+      weights = [-t*(t - 1)*(t - b)/(a*(1 + a)*(a + b)), (t + a)*(t - 1)*(t - b)/(a*b), &
+         -(t + a)*t*(t - b)/((1 + a)*(b - 1)), (t + a)*t*(t - 1)/((a + b)*b*(b - 1))]
       film = dot_product(weights, h(i - 1:i + 2))
    end function central_by_cubic
 
@@ -205,11 +242,11 @@ contains
 
    !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly
    !> linear: the zero of the parabola through the roots of P at the last three nodes with P > 0, or
-   !> of the line through the last two if that has no zero ahead, at most two spacings behind the
-   !> last node. NaN without three such nodes in a row. x, p (nx).
+   !> of the line through the last two if that has no zero ahead, at most twice the last spacing
+   !> behind the last node. NaN without three such nodes in a row. x, p (nx).
    pure function exit_between_nodes(x, p) result(position)
       real(wp), intent(in) :: x(:), p(:)
-      real(wp) :: position, root(3), slope, curvature, discriminant, ahead
+      real(wp) :: position, root(3), gap(2), q, slope, bend, discriminant, ahead
       integer :: i
 
       position = not_known()
@@ -218,9 +255,11 @@ contains
       if (i < 3 .or. i == size(p)) return
       if (.not. all(p(i - 2:i) > 0.0_wp)) return
       root = sqrt(p(i - 2:i))
-      slope = 0.5_wp*(3*root(3) - 4*root(2) + root(1))
-      curvature = root(3) - 2*root(2) + root(1)
-      discriminant = slope**2 - 2*curvature*root(3)
+      gap = node_spacings(x(i - 2:i))
+      q = gap(1)/gap(2)
+      slope = root(3)*(2 + q)/(1 + q) - root(2)*(1 + q)/q + root(1)/(q*(1 + q))
+      bend = bend_of(x(i - 2:i), root)
+      discriminant = slope**2 - 2*bend*root(3)
       ahead = 2.0_wp
       if (slope < 0.0_wp .and. discriminant >= 0.0_wp) then
          ahead = 2*root(3)/(sqrt(discriminant) - slope)

@@ -9,84 +9,64 @@ module shear_stresses
    use flow_law, only: block_size => slip_block, largest_exponent
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
+   use quantities, only: node_spacings
    use rheology, only: evaluate_stress, flow_shapes, ln_slip
    implicit none (type, external)
    private
 
-   public :: evaluate_nodes, film_stresses, stress_block_t, velocity_profile
-
-   !> Up to `block_size` nodes from `first` on: H dP/dX and mean stress.
-   type :: stress_block_t
-      integer :: first = 1
-      real(wp), dimension(block_size) :: drive, stress
-   end type stress_block_t
+   public :: evaluate_drive, film_stresses, velocity_profile
 
 contains
 
    !> Stress at the wall of surface 1, mean stress, and stress at the wall of surface 2, (nx, 3), on
-   !> the nodes `x` of a uniform grid, from pressure `p`, film `h` and, if present, values `known`
-   !> of ln(mu/mu_0), each (nx); 0 where the film cavitates, as the width that oil fills is not
-   !> known there; the oil begins at the first node.
-   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h, known) result(stresses)
+   !> the nodes `x` of a rising grid, from pressure `p` and film `h`, each (nx); 0 where the film
+   !> cavitates, as the width that oil fills is not known there; the oil begins at the first node.
+   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h) result(stresses)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll
       real(wp), intent(in), contiguous :: x(:), p(:), h(:)
-      real(wp), intent(in), contiguous, optional :: known(:)
-      real(wp) :: stresses(size(x), 3), ln_mu(size(x))
-      type(stress_block_t) :: block
-      integer :: first, last, m
+      real(wp) :: stresses(size(x), 3)
+      real(wp), dimension(size(x)) :: drive, inverse_film, ln_mu
+      integer :: first, last
 
-      if (present(known)) then
-         ln_mu = known
-      else
-         call fluid_viscosity(fluid, p, ln_mu)
-      end if
+      call fluid_viscosity(fluid, p, ln_mu)
+      call evaluate_drive(node_spacings(x), p, h, drive)
+      inverse_film = 1/h
       do first = 1, size(x), block_size
          last = min(first + block_size - 1, size(x))
-         m = last - first + 1
-         block%first = first
-         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, ln_mu, block)
-         stresses(first:last, 1) = block%stress(:m) - 0.5_wp*block%drive(:m)
-         stresses(first:last, 2) = block%stress(:m)
-         stresses(first:last, 3) = block%stress(:m) + 0.5_wp*block%drive(:m)
+         call evaluate_stress(fluid, lambda*slide_to_roll/12, drive(first:last), &
+            inverse_film(first:last), ln_mu(first:last), stresses(first:last, 2))
       end do
+      stresses(:, 1) = stresses(:, 2) - 0.5_wp*drive
+      stresses(:, 3) = stresses(:, 2) + 0.5_wp*drive
       do last = 2, size(x)
          if (p(last) <= 0.0_wp) stresses(last, :) = 0.0_wp
       end do
    end function film_stresses
 
-   !> Drive and mean stress of a block, the first node of all being 1, from p, h and ln(mu/mu_0),
-   !> each (nx).
-   !> The slope of P is the central difference, that of the first interval at the first node, and 0
-   !> at the last. `couette` is lambda/6 (u2 - u1)/(u1 + u2).
-   pure subroutine evaluate_nodes(fluid, couette, dx, p, h, ln_mu, block)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: couette, dx
-      real(wp), intent(in), contiguous :: p(:), h(:), ln_mu(:)
-      type(stress_block_t), intent(inout) :: block
-      real(wp) :: inverse_film(block_size), factor
-      integer :: first, i, last, m
+   !> H dP/dX of the pressure p and the film h, each (nx), on nodes at the distances `gap` (nx - 1).
+   !> The slope of P is that of the parabola through three nodes (on an even grid the central
+   !> difference), at the first node that of the first interval, and 0 at the last.
+   pure subroutine evaluate_drive(gap, p, h, drive)
+      real(wp), intent(in), contiguous :: gap(:), p(:), h(:)
+      real(wp), intent(out), contiguous :: drive(:)
+      real(wp) :: ratio, factor
+      integer :: i
 
-      first = block%first
-      last = min(first + block_size - 1, size(p))
-      m = last - first + 1
-      factor = 0.5_wp/dx
-      do i = max(first, 2), min(last, size(p) - 1)
-         block%drive(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
+      drive(1) = 1/gap(1)*h(1)*(p(2) - p(1))
+      do i = 2, size(p) - 1
+         ratio = gap(i - 1)/gap(i)
+         factor = 1/(gap(i - 1) + gap(i))
+         drive(i) = factor*h(i)*(ratio*p(i + 1) - p(i - 1)/ratio + (1/ratio - ratio)*p(i))
       end do
-      if (first == 1) block%drive(1) = 2*factor*h(1)*(p(2) - p(1))
-      if (last == size(p)) block%drive(m) = 0.0_wp
-      inverse_film(:m) = 1/h(first:last)
-      call evaluate_stress(fluid, couette, block%drive(:m), inverse_film(:m), ln_mu(first:last), &
-         block%stress(:m))
-   end subroutine evaluate_nodes
+      drive(size(p)) = 0.0_wp
+   end subroutine evaluate_drive
 
    !> u/(u1 + u2) at zeta = z/h = 0, 1/layers ... 1 from surface 1 to surface 2, (layers + 1, nx),
-   !> on the nodes `x` of a uniform grid, from pressure `p` >= 0 and film `h` > 0, each (nx).
+   !> on the nodes `x` of a rising grid, from pressure `p` >= 0 and film `h` > 0, each (nx).
    !>
    !> Closed form of module eyring. Its mean across the film is the flow of the Reynolds equation at
-   !> the node, with the slope of P by the central difference, of the first interval at the first
-   !> node, and 0 at the last. Where the film cavitates it is the straight line of shear alone.
+   !> the node, by evaluate_drive. Where the film cavitates it is the straight line of shear alone.
    pure function velocity_profile(fluid, lambda, slide_to_roll, x, p, h, layers) result(u)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll
@@ -95,16 +75,13 @@ contains
       real(wp) :: u(layers + 1, size(x))
       real(wp), dimension(layers + 1) :: y, sliding, driven
       real(wp) :: drive(size(x)), ln_mu(size(x)), flow
-      integer :: i, n
+      integer :: i
 
-      n = size(x)
-      drive(1) = h(1)*(p(2) - p(1))/(x(2) - x(1))
-      drive(2:n - 1) = h(2:n - 1)*(p(3:) - p(:n - 2))/(x(3:) - x(:n - 2))
-      drive(n) = 0.0_wp
+      call evaluate_drive(node_spacings(x), p, h, drive)
       where (p(2:) <= 0.0_wp) drive(2:) = 0.0_wp
       call fluid_viscosity(fluid, p, ln_mu)
       y = [(real(2*i - layers, wp)/layers, i=0, layers)]
-      do i = 1, n
+      do i = 1, size(x)
          call flow_shapes(fluid, drive(i), y, sliding, driven)
          flow = h(i)*drive(i)/(2*lambda)*exp(min(ln_slip(fluid, drive(i), h(i), ln_mu(i)) &
             - ln_mu(i), largest_exponent))

@@ -11,8 +11,9 @@ module state_output
    use line_summary, only: line_summary_t, summary_of_fields
    use lubricant, only: fluid_density, fluid_viscosity
    use limit_search, only: film_limits
+   use quantities, only: node_spacings
    use rheology, only: ln_slip
-   use shear_stresses, only: film_stresses
+   use shear_stresses, only: evaluate_drive, film_stresses
    implicit none (type, external)
    private
 
@@ -36,7 +37,7 @@ contains
       real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
       logical, intent(in), optional :: has_stresses
-      real(wp), allocatable :: drive(:)
+      real(wp) :: drive(size(level%x))
 
       state%x = level%x(:)
       state%pressure = level%state%pressure(:)
@@ -51,17 +52,15 @@ contains
       if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, state%shear_stress_2)
       if (all(state%film_thickness > 0.0_wp) .and. level%oil%density(0) > 0.0_wp) then
          allocate (state%friction, state%shear_stress_mean(size(state%x)))
-         if (present(has_stresses)) then
-            if (has_stresses) allocate (drive(size(state%x)))
-         end if
-         ! a drive that is not allocated is absent
          call evaluate_friction(level, state%friction, state%shear_stress_mean, drive)
-         state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%dx, &
+         state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%x, &
             level%state%pressure, level%state%film)
          state%limits%stress_share = state%friction%stress_share
-         if (allocated(drive)) then
-            state%shear_stress_1 = state%shear_stress_mean - 0.5_wp*drive
-            state%shear_stress_2 = state%shear_stress_mean + 0.5_wp*drive
+         if (present(has_stresses)) then
+            if (has_stresses) then
+               state%shear_stress_1 = state%shear_stress_mean - 0.5_wp*drive
+               state%shear_stress_2 = state%shear_stress_mean + 0.5_wp*drive
+            end if
          end if
          if (.not. ieee_is_finite(level%slide_to_roll)) deallocate (state%shear_stress_mean)
       end if
@@ -73,21 +72,19 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state
       real(wp), allocatable :: drive(:), ln_mu(:), stresses(:, :)
-      integer :: n
 
-      n = size(state%x)
-      allocate (drive(n), ln_mu(n), source=0.0_wp)
+      allocate (drive, ln_mu, mold=state%x)
       call fluid_viscosity(contact%fluid, state%pressure, ln_mu)
       state%density = ln_mu
       call fluid_density(contact%fluid, state%pressure, state%density)
       state%viscosity = exp(min(ln_mu, largest_exponent))
-      drive(2:n - 1) = state%film_thickness(2:n - 1)*(state%pressure(3:) - state%pressure(:n - 2)) &
-         /(state%x(3:) - state%x(:n - 2))
+      call evaluate_drive(node_spacings(state%x), state%pressure, state%film_thickness, drive)
+      drive(1) = 0.0_wp
       state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), &
          largest_exponent))
       if (.not. ieee_is_finite(contact%slide_to_roll)) return
       stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
-         state%pressure, state%film_thickness, ln_mu)
+         state%pressure, state%film_thickness)
       state%shear_stress_1 = stresses(:, 1)
       state%shear_stress_mean = stresses(:, 2)
       state%shear_stress_2 = stresses(:, 3)

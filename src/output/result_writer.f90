@@ -73,7 +73,7 @@ contains
       end if
       summary = summary_of(state)
       if (self%heating%is_known .and. allocated(state%shear_stress_mean)) then
-         summary%limits%film_heating = largest_rise(self%heating, state%x(2) - state%x(1), &
+         summary%limits%film_heating = largest_rise(self%heating, state%x, &
             state%shear_stress_mean, state%film_thickness)
       end if
       call self%run%passage%add(summary, state%time, step == steps)
@@ -86,9 +86,11 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
+      integer :: i
 
       summary = self%run%passage%extremes(summary_of(state))
-      if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), &
+      i = max(findloc(state%pressure > 0.0_wp, .true., 1, back=.true.), 2)   ! exit, near a spike
+      if (report%converged) call apply_error_bars(self%bars, report, state%x(i) - state%x(i - 1), &
          summary)
    end function quantities_at_end
 

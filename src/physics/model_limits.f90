@@ -18,9 +18,9 @@ module model_limits
 
 contains
 
-   !> Temperature rise [K] of both surfaces from the `heat` [W/m^2] at nodes (n) with `spacing` [m],
-   !> the flow to the right. On more than `max_cells` nodes the heat of neighbours is averaged, and
-   !> they get the temperature behind the last of them.
+   !> Temperature rise [K] of both surfaces from the `heat` [W/m^2] at rising nodes `x` [m], each
+   !> (n), the flow to the right. The heat is averaged over as many even cells as there are nodes,
+   !> at most `max_cells`; nodes get the temperature at the end of their cell.
    !>
    !> Both bodies pass a band source faster than heat spreads (J. C. Jaeger, J. Proc. R. Soc. New
    !> South Wales 76, 1942, 203; J. F. Archard, Wear 2, 1959, 438) and share the heat so that their
@@ -30,21 +30,27 @@ contains
    !>
    !> `effusivity` e = sqrt(k rho c) [W s^0.5/(m^2 K)] of both, `speeds` [m/s] of the surfaces, not
    !> both zero. A body at rest takes no heat, so a contact of simple sliding comes out too warm.
-   pure function flash_temperatures(heat, spacing, effusivity, speeds) result(rise)
-      real(wp), intent(in), contiguous :: heat(:)
-      real(wp), intent(in) :: spacing, effusivity, speeds(2)
-      real(wp) :: rise(size(heat))
-      real(wp), allocatable :: means(:), weights(:)
-      integer :: cells, i, nodes
+   pure function flash_temperatures(heat, x, effusivity, speeds) result(rise)
+      real(wp), intent(in), contiguous :: heat(:), x(:)
+      real(wp), intent(in) :: effusivity, speeds(2)
+      real(wp) :: rise(size(heat)), width, means(max_cells), warm(max_cells)
+      real(wp), allocatable :: weights(:)
+      integer :: cell(size(heat)), i, n, nodes
 
       nodes = (size(heat) - 1)/max_cells + 1
-      cells = (size(heat) - 1)/nodes + 1
-      means = [(sum(heat((i - 1)*nodes + 1:min(i*nodes, size(heat))))/nodes, i=1, cells)]
-      weights = [(sqrt(real(i, wp)) - sqrt(real(i - 1, wp)), i=1, cells)]
-      do i = 1, cells
-         rise((i - 1)*nodes + 1:min(i*nodes, size(heat))) = dot_product(weights(:i), means(i:1:-1))
+      n = size(heat)
+      width = nodes*(x(n) - x(1))/(n - 1)
+      cell = 1 + int((x - x(1))/width + 1.0e-6_wp)   ! a node on a border is behind it
+      means = 0.0_wp
+      do i = 1, n
+         means(cell(i)) = means(cell(i)) + heat(i)*(x(min(i + 1, n)) - x(max(i - 1, 1))) &
+            /((min(i + 1, n) - max(i - 1, 1))*width)
       end do
-      rise = rise*2.0_wp*sqrt(nodes*spacing/pi)/(effusivity*sum(sqrt(abs(speeds))))
+      weights = [(sqrt(real(i, wp)) - sqrt(real(i - 1, wp)), i=1, cell(n))]
+      do i = 1, cell(n)
+         warm(i) = dot_product(weights(:i), means(i:1:-1))
+      end do
+      rise = warm(cell)*2.0_wp*sqrt(width/pi)/(effusivity*sum(sqrt(abs(speeds))))
    end function flash_temperatures
 
    !> Temperature rise [K] of the middle of a film above its walls, if the `heat` [W/m^2] is

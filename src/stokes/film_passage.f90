@@ -82,11 +82,11 @@ contains
    contains
 
       !> Smallest and central film, largest pressure.
-      function extremes(pressure, film)
-         real(wp), intent(in) :: pressure(:), film(:)
+      function extremes(p, film)
+         real(wp), intent(in) :: p(:), film(:)
          real(wp) :: extremes(3)
 
-         extremes = [parabola_minimum(film), central_value(state%x, film), maxval(pressure)]
+         extremes = [parabola_minimum(state%x, film), central_value(state%x, film), maxval(p)]
       end function extremes
 
    end subroutine add

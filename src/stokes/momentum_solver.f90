@@ -93,7 +93,7 @@ contains
       state%film_thickness(:) = level%state%film
       state%rigid_displacement = level%state%rigid_displacement
       call fill_properties(contact, state)
-      state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, level%dx, &
+      state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, level%x, &
          state%pressure, state%film_thickness)
       after = summary_of(state)
       fields%h_min = relative(h_min)
