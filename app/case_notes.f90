@@ -11,7 +11,7 @@ module case_notes
    use line_summary, only: line_summary_t
    use progress_log, only: progress_log_t
    use quantity_text, only: duration_text
-   use quantities, only: h_min, p_max
+   use quantities, only: h_min, quantity_rows
    use run_observer, only: run_observer_t
    use text, only: add_sentence, to_text
    use wave_resolution, only: coarse_waves, long_steps
@@ -19,7 +19,7 @@ module case_notes
    private
 
    public :: add_note, note_coarse_waves, note_measured_error, note_missed_target, &
-      note_pressure_error, note_unusual, time_text, unusual_text
+      note_missed_error, note_unusual, time_text, unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -152,30 +152,36 @@ contains
          ' is the target', report%note)
    end subroutine note_measured_error
 
-   !> Adds to the notes of the `report` where the error of p_max of a steady contact stays above the
-   !> wanted one on the finest grid that there is.
-   subroutine note_pressure_error(case, listener, state, report)
+   !> Adds to the notes of the `report` the quantity of the closing table whose error misses the
+   !> target of a graded grid by most, if one does.
+   subroutine note_missed_error(case, listener, state, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(line_summary_t) :: summary
       character(:), allocatable :: found
+      real(wp) :: error, worst
+      integer :: i
 
-      if (.not. (case%solver%target_p_max > 0.0_wp .and. report%converged)) return
+      if (.not. (case%solver%target > 0.0_wp .and. allocated(listener%writer%bars%grid_errors) &
+         .and. report%converged)) return
       summary = listener%writer%quantities_at_end(state, report)
-      found = 'no error is estimated'
-      associate (largest => summary%of(p_max))
-         if (ieee_is_finite(largest%error_estimate)) then
-            if (largest%error_estimate <= (1.0_wp + rounding)*case%solver%target_p_max &
-               *largest%value) return
-            found = 'a relative error of '//to_text(largest%error_estimate/largest%value, 2) &
-               //' is estimated'
-         end if
-      end associate
-      call add_note(case, listener, 'the target accuracy of p_max is not shown: '//found//', ' &
-         //to_text(case%solver%target_p_max, 2)//' is the target', report%note)
-   end subroutine note_pressure_error
+      worst = (1.0_wp + rounding)*case%solver%target
+      found = ''
+      do i = 1, size(summary%of)
+         if (quantity_rows(i)%short == '' .or. .not. ieee_is_finite(summary%of(i)%value)) cycle
+         error = summary%of(i)%error_estimate/abs(summary%of(i)%value)
+         if (error <= worst) cycle
+         found = trim(quantity_rows(i)%short)//': no error is estimated'
+         if (.not. ieee_is_finite(error)) exit
+         worst = error
+         found = trim(quantity_rows(i)%short)//': a relative error of '//to_text(error, 2) &
+            //' is estimated'
+      end do
+      if (found /= '') call add_note(case, listener, 'the target accuracy is not shown of '//found &
+         //', '//to_text(case%solver%target, 2)//' is the target', report%note)
+   end subroutine note_missed_error
 
    !> Logs `words`, if there are any, and adds them to `note`.
    subroutine add_note(case, listener, words, note)

@@ -4,7 +4,7 @@
 !> outlet where the outlet cuts the film off.
 module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: add_note, note_measured_error, note_pressure_error
+   use case_notes, only: add_note, note_measured_error, note_missed_error
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
       run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
@@ -80,7 +80,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
-      call note_pressure_error(case, listener, state, report)
+      call note_missed_error(case, listener, state, report)
       if (.not. (case%solver%wants_coarse_runs .and. listener%writer%bars%forecast%is_known &
          .and. report%converged)) return
       start = wall_seconds()
@@ -103,11 +103,12 @@ contains
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
       real(wp) :: change
-      logical :: is_small
+      logical :: is_even, is_small
 
       if (.not. report%converged) return
       bars = listener%writer%bars
-      if (case%solver%wants_coarse_runs) then
+      is_even = case%contact%domain%grid /= 'graded'
+      if (case%solver%wants_coarse_runs .and. is_even) then
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          if (case%time%is_transient) then   ! roughness passes, the inlet stays
             at_rest%contact%surface_1 = rough_surface_t(speed=case%contact%surface_1%speed)
@@ -122,7 +123,7 @@ contains
       end if
       if (report%fit%outlet_pressure > 0.0_wp) then
          bars%is_cut = .true.
-         if (case%solver%wants_coarse_runs) then
+         if (case%solver%wants_coarse_runs .and. is_even) then
             call run_longer(bars, new_experiment(case%contact, case%solver, case%time), &
                listener, error)
             if (allocated(error)) return

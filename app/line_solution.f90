@@ -47,7 +47,7 @@ contains
       ! the solver chooses the grid
       is_open = case%solver%target > 0.0_wp .and. .not. case%time%is_transient
       listener%has_coarse_runs = case%solver%wants_coarse_runs &
-         .and. (is_open .or. .not. case%solver%target > 0.0_wp)
+         .and. case%contact%domain%grid /= 'graded' .and. (is_open .or. .not. case%solver%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
@@ -75,6 +75,7 @@ contains
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
+      if (allocated(listener%grid_errors)) listener%writer%bars%grid_errors = listener%grid_errors
       call keep_coarser(listener)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
@@ -172,6 +173,7 @@ contains
       type(passage_times_t), intent(in) :: times
 
       associate (domain => case%contact%domain)
+         call set_effective(case, 'domain', 'grid', text=trim(domain%grid))
          call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
          call set_effective(case, 'domain', 'inlet', text=trim(domain%inlet))
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])

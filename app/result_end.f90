@@ -100,8 +100,8 @@ contains
       end if
       associate (writer => listener%writer)
          if (listener%log%is_verbose) then
-            words%spike = spike_lines(writer%summary, case%solver%target_p_max > 0.0_wp, &
-               .not. case%time%is_transient, case%domain%intervals > 0)
+            words%spike = spike_lines(writer%summary, .not. &
+               (case%time%is_transient .or. case%layers > 0))
             words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
             if (allocated(writer%adequacy%rows)) words%model = &
                model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)

@@ -29,6 +29,8 @@ module error_bars
       type(spike_law_t) :: spike_law
       !> Waves that features leave in the film.
       type(film_waves_t) :: waves
+      !> Bounds of the errors by a graded grid, in the order of the table of quantities.
+      real(wp), allocatable :: grid_errors(:)
       !> Why coarse runs give no error estimate; empty or not allocated: they do.
       character(:), allocatable :: unseen
       !> Whether the outlet cuts off the film, and quantities on n/2 intervals with a longer outlet
@@ -59,21 +61,25 @@ contains
       real(wp) :: iteration, domain(quantity_count)
       integer :: i
 
-      if (bars%forecast%is_known) then
+      if (allocated(bars%grid_errors)) then
+         summary%of%error_grid = bars%grid_errors
+      else if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       else if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars%coarse_values_t, report%steps > 0, dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       end if
-      call doubt_shear(bars%spike_law, dx, summary)
-      call doubt_lost_waves(bars%waves, bars%spike_law, dx, summary)
+      if (.not. allocated(bars%grid_errors)) then
+         call doubt_shear(bars%spike_law, dx, summary)
+         call doubt_lost_waves(bars%waves, bars%spike_law, dx, summary)
+         summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
+      end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars%inlet, bars%spike_law%fluid, report, summary)
       do i = 1, quantity_count
          associate (of => summary%of(i))
-            of%error_grid = quantity_rows(i)%widening*of%error_grid
             if (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out(i)*abs(of%value)
             of%error_domain = domain(i)*abs(of%value) + cut_error(bars, i)
             of%error_iteration = iteration*abs(of%value)
@@ -133,12 +139,15 @@ contains
       character(:), allocatable :: reason, lost
 
       lost = ''
-      if (report%converged) lost = lost_waves(bars%waves, bars%spike_law, dx, summary)
+      if (report%converged .and. .not. allocated(bars%grid_errors)) lost = lost_waves(bars%waves, &
+         bars%spike_law, dx, summary)
       if (.not. report%converged) then
          reason = 'no solution'
       else if (any(exceeds(bars%left_out, 0.0_wp))) then
          reason = 'what was left out of the model may change it, or a pressure spike that this '// &
             'grid does not resolve'
+      else if (allocated(bars%grid_errors)) then
+         reason = 'a pressure spike has no end at the lengths of this grid: p_max is at least this'
       else if (has_unseen_waves(bars)) then
          reason = bars%unseen
       else if (bars%is_cut .and. .not. bars%has_longer) then

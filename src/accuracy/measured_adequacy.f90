@@ -16,9 +16,11 @@ module measured_adequacy
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
       without_surfaces
    use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
+   use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t
    use errors, only: error_t
    use experiment, only: experiment_t, outcome_t, run_experiment
+   use graded_contact, only: even_state
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film
@@ -28,6 +30,7 @@ module measured_adequacy
    use missing_value, only: quotient
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
+   use solver_settings, only: domain_t
    use split_errors, only: time_errors
    implicit none (type, external)
    private
@@ -82,6 +85,7 @@ contains
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: even
       real(wp) :: budget
 
       call listener%on_stage('measuring what each ingredient changes')
@@ -97,8 +101,16 @@ contains
                   error)   ! error: the caller looks
             else
                budget = max(share*steady_steps*n, small_run)
-               call measure_at_rest(contact, state, list, budget, adequacy, listener, &
-                  error)   ! error: the caller looks
+               if (contact%domain%grid == 'graded') then
+                  even = contact
+                  even%domain = domain_t()
+                  call choose_domain(even)
+                  call measure_at_rest(even, even_state(even, state), list, budget, adequacy, &
+                     listener, error)   ! error: the caller looks
+               else
+                  call measure_at_rest(contact, state, list, budget, adequacy, listener, &
+                     error)   ! error: the caller looks
+               end if
             end if
          end associate
       end associate

@@ -1,13 +1,13 @@
-!> Chooses the grid of a steady contact for a target accuracy of h_min, and of p_max if asked for:
-!> exact solutions on one level after the other, each of which starts the next and serves as a
-!> coarse run of its error estimate, until the estimate meets the target.
+!> Chooses the even grid of a steady contact for a target accuracy of h_min: exact solutions on one
+!> level after the other, each of which starts the next and serves as a coarse run of its error
+!> estimate, until the estimate meets the target.
 module steady_target
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: choose_intervals
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
-   use error_bars, only: apply_error_bars, error_bars_t, new_error_bars
+   use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
+   use graded_contact, only: solve_graded_contact
    use grid_estimates, only: estimated_error, copy_coarser
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
@@ -21,7 +21,6 @@ module steady_target
    use line_summary, only: line_summary_t
    use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level
    use listener, only: is_stopped, listener_t
-   use quantities, only: p_max
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use text, only: to_text
@@ -34,15 +33,13 @@ module steady_target
    type :: goal_t
       !> Relative error of h_min by the grid.
       real(wp) :: film = 0.0_wp
-      !> With the target of p_max, which includes the error of the inlet; 0: none.
       type(solver_settings_t) :: settings
-      !> What is known of the inlet.
-      type(report_t) :: report
    end type goal_t
 
 contains
 
-   !> Solves one contact as `solve_ehl_line` does. With `settings%target` the grid of a steady
+   !> Solves one contact on a graded grid if its domain says so, or else as `solve_ehl_line` does.
+   !> With `settings%target` the grid of a steady
    !> contact is chosen for that accuracy of h_min, and so is its inlet unless given: then the
    !> accuracy is that on the given domain.
    subroutine solve_contact(contact, settings, time, listener, state, report, error)
@@ -54,7 +51,10 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
 
-      if (settings%target > 0.0_wp .and. .not. time%is_transient) then
+      if (contact%domain%grid == 'graded') then
+         call solve_graded_contact(contact, settings, listener, state, report, &
+            error)   ! error: the caller looks
+      else if (settings%target > 0.0_wp .and. .not. time%is_transient) then
          call solve_ehl_line(contact, settings, time, listener, state, report, error, &
             solve_to_accuracy)   ! error: the caller looks
       else
@@ -64,8 +64,8 @@ contains
    end subroutine solve_contact
 
    !> Solves the steady contact on the coarsest grid of 2^k intervals that meets `settings%target`
-   !> for h_min, of which a chosen inlet takes a part, and `settings%target_p_max` for p_max, else
-   !> on the finest grid allowed; sets `contact%domain%intervals`.
+   !> for h_min, of which a chosen inlet takes a part, else on the finest grid allowed; sets
+   !> `contact%domain%intervals`.
    subroutine solve_to_accuracy(hierarchy, contact, settings, listener, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -79,9 +79,7 @@ contains
       logical :: is_sound
       integer :: i
 
-      goal = goal_t(settings%target, settings, report)
-      goal%report%residual = 0.0_wp   ! what the iteration leaves does not count
-      goal%report%load_error = 0.0_wp
+      goal = goal_t(settings%target, settings)
       if (contact%domain%inlet_is_chosen) goal%film = &
          max(settings%target - domain_error(report%fit%inlet_error), 0.0_wp)
       bars = new_error_bars(contact, time_settings_t(), settings%space_scheme)
@@ -190,17 +188,8 @@ contains
       type(goal_t), intent(in) :: goal
       type(error_bars_t), intent(in) :: bars
       type(line_level_t), intent(in) :: level
-      type(line_summary_t) :: summary
 
-      summary = level_summary(level)
-      is_reached = estimated_error(bars, summary) <= goal%film
-      if (.not. is_reached .or. .not. goal%settings%target_p_max > 0.0_wp) return
-      call apply_error_bars(bars, goal%report, level%dx, summary)
-      associate (largest => summary%of(p_max))
-         is_reached = ieee_is_finite(largest%error_estimate)
-         if (is_reached) is_reached = largest%error_estimate <= goal%settings%target_p_max &
-            *largest%value
-      end associate
+      is_reached = estimated_error(bars, level_summary(level)) <= goal%film
    end function is_reached
 
 end module steady_target

@@ -24,16 +24,17 @@ contains
 
    !> Sets the mobility of all faces, density and ln(mu/mu_0) of all nodes for the pressure >= 0 and
    !> the film > 0 of `state` (0:n), and with `slopes` their derivatives. The slope inside S is that
-   !> of P, and of its compensation where that is kept.
-   pure subroutine fluid_face_mobility(fluid, dx, state, oil, slopes)
+   !> of P, and of its compensation where that is kept. `spacing`: of all intervals (n), or one that
+   !> all have (1).
+   pure subroutine fluid_face_mobility(fluid, spacing, state, oil, slopes)
       type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: dx
+      real(wp), intent(in), contiguous :: spacing(:)
       type(film_state_t), intent(in) :: state
       type(coefficients_t), intent(inout) :: oil
       type(mobility_slopes_t), intent(inout), optional :: slopes
       real(wp) :: mu_p(0:block_size)
       real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
-         slant, by_slope
+         slant, by_slope, dx
       type(slip_t) :: slip
       integer :: first, last, m
 
@@ -54,7 +55,9 @@ contains
          call mean_fluidity(oil%ln_mu(first - 1:last), exponent(:m), shape_factor(:m), slant(:m))
          if (allocated(fluid%rheology)) then
             mean_ln_mu(:m) = 0.5_wp*(oil%ln_mu(first - 1:last - 1) + oil%ln_mu(first:last))
-            call drive_at_faces(dx, state, first, drive(:m), inverse_film(:m))
+            dx(:m) = spacing(1)
+            if (size(spacing) > 1) dx(:m) = spacing(first:last)
+            call drive_at_faces(dx(:m), state, first, drive(:m), inverse_film(:m))
             call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), mean_ln_mu(:m), &
                present(slopes), slip)
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
@@ -66,7 +69,9 @@ contains
          if (.not. present(slopes)) cycle
          associate (e => oil%face_mobility(first:last), h_left => state%film(first - 1:last - 1), &
             h_right => state%film(first:last), rho => oil%density, rho_p => slopes%rho_p)
-            by_slope(:m) = slip%by_drive(:m)*sqrt(h_left*h_right)/dx
+            by_slope(:m) = 0.0_wp
+            if (allocated(fluid%rheology)) by_slope(:m) = slip%by_drive(:m)*sqrt(h_left*h_right) &
+               /dx(:m)
             slopes%by_p_left(first:last) = e*(0.5_wp*rho_p(first - 1:last - 1)/rho(first - 1:last &
                - 1) + 0.5_wp*(slip%by_ln_mu(:m) - 1 - slant(:m))*mu_p(0:m - 1) - by_slope(:m))
             slopes%by_p_right(first:last) = e*(0.5_wp*rho_p(first:last)/rho(first:last) &
@@ -105,9 +110,9 @@ contains
       end do
    end subroutine mean_fluidity
 
-   !> H dP/dX and 1/H at the faces from `first` on.
+   !> H dP/dX and 1/H at the faces from `first` on, with their spacings `dx`.
    pure subroutine drive_at_faces(dx, state, first, drive, inverse_film)
-      real(wp), intent(in) :: dx
+      real(wp), intent(in), contiguous :: dx(:)
       type(film_state_t), intent(in) :: state
       integer, intent(in) :: first
       real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
@@ -118,13 +123,13 @@ contains
          do i = first, first + size(drive) - 1
             film = sqrt(h(i - 1)*h(i))
             inverse_film(i - first + 1) = 1.0_wp/film
-            drive(i - first + 1) = film*(p(i) - p(i - 1))/dx
+            drive(i - first + 1) = film*(p(i) - p(i - 1))/dx(i - first + 1)
          end do
       end associate
       if (.not. allocated(state%compensation)) return
       do i = first, first + size(drive) - 1
          drive(i - first + 1) = drive(i - first + 1) + (state%compensation(i) &
-            - state%compensation(i - 1))/(dx*inverse_film(i - first + 1))
+            - state%compensation(i - 1))/(dx(i - first + 1)*inverse_film(i - first + 1))
       end do
    end subroutine drive_at_faces
 

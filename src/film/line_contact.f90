@@ -39,6 +39,8 @@ module line_contact
       !> Fraction of the deformation of the bodies: 1, all of it; 0, rigid bodies; between, bodies
       !> stiffer by its inverse.
       real(wp) :: elasticity = 1.0_wp
+      !> b/R; where it is not known that of steel at 1 GPa.
+      real(wp) :: slope = 0.02_wp
    end type line_contact_t
 
 contains

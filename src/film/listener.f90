@@ -81,6 +81,9 @@ module listener
       !> Set by the solver after a steady solution: quantities on the coarser grids of its nested
       !> start, n/2 intervals, n/4 ...
       type(line_summary_t), allocatable :: coarser(:)
+      !> Set by the solver on a graded grid: bounds of the errors by the grid, in the order of the
+      !> table of quantities; NaN: not known.
+      real(wp), allocatable :: grid_errors(:)
    contains
       !> Whether the state of a time step needs shear stresses.
       procedure, non_overridable :: wants_stresses

@@ -66,7 +66,7 @@ contains
          if (level%is_kappa) then
             if (.not. allocated(slopes%by_p_left)) allocate (slopes%by_p_left(n), &
                slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
-            call fluid_face_mobility(level%fluid, level%dx, level%state, level%oil, slopes)
+            call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil, slopes)
          end if
          ! in the kappa scheme Newton's method bends steps by the mobility of the nodes
          if (level%is_kappa .and. thins(level%fluid)) return

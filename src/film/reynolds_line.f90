@@ -36,7 +36,7 @@ contains
       type(line_level_t), intent(inout) :: level
 
       if (level%is_kappa) then
-         call fluid_face_mobility(level%fluid, level%dx, level%state, level%oil)
+         call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil)
       else
          call fluid_mobility(level%fluid, level%dx, level%state, level%oil)
          level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:level%n - 1) &

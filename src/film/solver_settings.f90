@@ -35,6 +35,9 @@ module solver_settings
       logical :: has_outlet = .false.
       !> Grid intervals on the finest grid, 2^k or 3, 5, 7 times that; 0: chosen by the program.
       integer :: intervals = 0
+      !> Nodes: 'even', 'graded' (module graded_solver; steady only) or, until `choose_domain`,
+      !> 'auto'. The intervals of a graded grid are known when it is solved.
+      character(len=word_length) :: grid = 'even'
       !> In front of the inlet: 'zero', no pressure, or 'tail', computed by module inlet_tail
       !> (steady only); 'auto': chosen.
       character(len=word_length) :: inlet = 'zero'
@@ -73,11 +76,9 @@ module solver_settings
       !> which needs a Newton method; 'auto': upwind2, but kappa if coarse runs choose the
       !> resolution of a transient.
       character(len=word_length) :: space_scheme = 'auto'
-      !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the
-      !> domain's grid.
+      !> Relative error of h_min, on a graded grid of all quantities, for which the grid of a steady
+      !> contact is chosen; zero: the domain's grid.
       real(wp) :: target = 0.0_wp
-      !> The same of p_max; zero: its error is ignored.
-      real(wp) :: target_p_max = 0.0_wp
       !> The nested start solves n/2 and n/4 intervals of a steady contact well enough for error
       !> bars.
       logical :: wants_coarse_runs = .false.

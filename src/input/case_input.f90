@@ -3,7 +3,7 @@ module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t, path_from_namelist
-   use case_validation, only: validate
+   use case_validation, only: even_reason, validate
    use dry_input, only: fill_dry_case
    use file_heights, only: check_files
    use findings, only: findings_t
@@ -139,6 +139,8 @@ contains
          domain%x_outlet = values%real_value('domain', 'x_outlet')
          domain%intervals = values%integer_value('domain', 'intervals')
          domain%inlet = values%word_value('domain', 'inlet')
+         domain%grid = values%word_value('domain', 'grid')
+         if (even_reason(values) /= '') domain%grid = 'even'
          time%is_transient = values%logical_value('time', 'transient')
          if (time%is_transient .and. domain%inlet == 'auto') domain%inlet = 'zero'
          time%end_time = values%real_value('time', 'end_time')
@@ -151,7 +153,6 @@ contains
          solver%smoother = values%word_value('solver', 'smoother')
          solver%space_scheme = values%word_value('solver', 'space_scheme')
          solver%target = values%real_value('accuracy', 'target')
-         solver%target_p_max = values%real_value('accuracy', 'target_p_max')
          solver%wants_coarse_runs = values%logical_value('accuracy', 'error_bars')
          solver%start = values%word_value('solver', 'start')
          solver%tolerance = values%real_value('solver', 'tolerance')

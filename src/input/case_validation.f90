@@ -5,7 +5,7 @@ module case_validation
    use body_input, only: check_bodies, check_load
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: expected_value, has_word, lubricated
+   use key_row, only: expected_value, has_word, lubricated, word_kind
    use key_rules, only: check_rules
    use kinds, only: wp
    use lubricant_input, only: check_lubricant
@@ -16,7 +16,7 @@ module case_validation
    implicit none (type, external)
    private
 
-   public :: check_times, validate
+   public :: check_times, even_reason, validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: max_steps = 1.0e8_wp
@@ -116,6 +116,7 @@ contains
    !> Finds more levels than the grid has; and what `check_fineness` and `check_kappa_scheme` find.
    subroutine check_solver(values)
       type(input_values_t), intent(inout) :: values
+      character(:), allocatable :: reason
       integer :: intervals, levels
 
       if (values%word_value('case', 'equations') == 'stokes') then
@@ -123,6 +124,12 @@ contains
          call check_kappa_scheme(values, "equations = 'stokes'")
       else if (values%word_value('solver', 'space_scheme') == 'kappa') then
          call check_kappa_scheme(values, "space_scheme = 'kappa'")
+      end if
+      if (values%word_value('domain', 'grid') == 'graded') then
+         reason = even_reason(values)
+         if (values%logical_value('time', 'transient')) reason = 'transient = .true.'
+         if (reason /= '') call values%refuse('domain', 'grid', "found 'graded' with "//reason &
+            //", expected 'even' or 'auto'")
       end if
       if (.not. values%has_value('domain', 'intervals')) return
       call check_fineness(values)
@@ -134,6 +141,29 @@ contains
          // ' intervals, expected at least ' // to_text(min_intervals) &
          // ' intervals on the coarsest grid')
    end subroutine check_solver
+
+   !> What of the input needs an even grid; empty: nothing.
+   pure function even_reason(values) result(reason)
+      type(input_values_t), intent(in) :: values
+      character(:), allocatable :: reason
+      integer :: i
+
+      reason = ''
+      do i = 1, size(key_rows)
+         associate (row => key_rows(i))
+            if (row%group /= 'solver' .or. index(row%key, 'film') > 0 .or. .not. &
+               has_word(row%problems, lubricated)) cycle
+            if (.not. values%is_given('solver', trim(row%key))) cycle
+            if (row%kind == word_kind) then
+               if (row%default == "'"//trim(values%word_value('solver', trim(row%key)))//"'") cycle
+            end if
+            reason = '&solver '//trim(row%key)
+         end associate
+      end do
+      if (values%has_value('domain', 'intervals')) reason = 'intervals'
+      if (values%word_value('domain', 'inlet') == 'tail') reason = "inlet = 'tail'"
+      if (values%word_value('case', 'equations') == 'stokes') reason = "equations = 'stokes'"
+   end function even_reason
 
    !> Finding: more intervals than the method is given, or than there is memory for.
    subroutine check_fineness(values)

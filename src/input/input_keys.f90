@@ -323,6 +323,9 @@ module input_keys
          'start of the domain; the contact is -1 to 1', range='>= -1000, < -1', example='! -4.0'), &
       key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, 'end of the domain', &
          range='> 1, <= 1000', example='! 1.5'), &
+      key_row_t('domain', 'grid', word_kind, '', "'auto'", &
+         'graded: follows the film, steady only; even: that of the thesis; auto: graded for ' &
+         //'smooth surfaces without intervals and keys of a method', words='auto even graded'), &
       key_row_t('domain', 'inlet', word_kind, '', "'auto'", &
          'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; ' &
          //'auto: zero with x_inlet given', words='auto zero tail', is_expert=.true.), &
@@ -464,12 +467,9 @@ module input_keys
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
-         'relative error of h_min, in dry cases of the contact area, for which intervals ' &
-         //'and time step are chosen', range='>= 1e-7, <= 0.1', problems=every, example='! 1e-3', &
+         'relative error for which grid and time step are chosen: of h_min, on a graded grid of ' &
+         //'all quantities, in dry cases of the contact area', range='>= 1e-7, <= 0.1', problems=every, example='! 1e-3', &
          dry_example='! 0.02'), &
-      key_row_t('accuracy', 'target_p_max', real_kind, '-', is_optional, &
-         'relative error of p_max, for which a steady contact takes finer grids', &
-         range='>= 1e-7, <= 0.1', used='target, time%transient = .false.', example='! 0.01'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]
 

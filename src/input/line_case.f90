@@ -68,9 +68,11 @@ contains
          contact%slide_to_roll = case%scaling%slide_to_roll
          contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
          contact%domain = case%domain
+         if (case%time%is_transient) contact%domain%grid = 'even'
          if (case%scaling%is_dimensional) then
             contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
             contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
+            contact%slope = case%scaling%slope
          else
             allocate (contact%surface_1%features(0), contact%surface_2%features(0))
             contact%surface_1%speed = 1.0_wp

@@ -17,6 +17,8 @@ module value_hints
          'rollers, dry_area for a dry ball'), &
       answer_t('ellip', 'lubricated elliptic contacts are not built: ehl_line serves an '// &
          'ellipse five times as wide as long'), &
+      answer_t('target_p_max', 'target holds for p_max too, on the graded grid of a steady '// &
+         'contact'), &
       answer_t('parabola', 'with oil the radii of &bodies give it'), &
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &

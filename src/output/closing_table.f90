@@ -343,12 +343,11 @@ contains
          'a narrow spike may exceed it'
    end function spike_remark
 
-   !> Which pressure to take and how to have the other, as lines of the table; empty where no spike
-   !> is the reason. `is_asked`: &accuracy target_p_max is given; `is_steady`: else it cannot be;
-   !> `has_intervals`: &domain intervals is given, which does not go with it.
-   pure function spike_lines(summary, is_asked, is_steady, has_intervals) result(lines)
+   !> Which pressure to take, as lines of the table; empty where no spike is the reason. `can_follow`:
+   !> the case could be solved on a graded grid.
+   pure function spike_lines(summary, can_follow) result(lines)
       type(line_summary_t), intent(in) :: summary
-      logical, intent(in) :: is_asked, is_steady, has_intervals
+      logical, intent(in) :: can_follow
       character(:), allocatable :: lines
 
       lines = ''
@@ -360,16 +359,13 @@ contains
          lines = 'p_max is the top of a pressure spike near the outlet that is narrower than' &
             //' this grid, and rises on finer ones'
       end if
-      lines = '  spike     '//lines//'; p_central is the pressure beside it, at X = 0'
-      if (.not. is_steady) lines = lines//'. More &domain intervals show more of it'
-      if (is_steady .and. .not. is_asked) then
-         lines = lines//'. For a p_max that is known to 1 %'
-         if (has_intervals) lines = lines//', without &domain intervals'
-         lines = lines//':'
+      lines = '  spike     '//lines//'; p_central is the pressure beside it, at X = 0. '
+      if (can_follow) then
+         lines = lines//"&domain grid = 'graded' follows it"
+      else
+         lines = lines//'More &domain intervals show more of it'
       end if
       lines = wrapped(lines, columns, margin)
-      if (is_steady .and. .not. is_asked) lines = lines//new_line('a')//repeat(' ', margin) &
-         //'--set accuracy.target=0.01 --set accuracy.target_p_max=0.01'
    end function spike_lines
 
    !> The first film below the floor: 'film breakdown at x = -31.2 um (X = -0.2950), t = ...'.

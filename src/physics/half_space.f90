@@ -1,13 +1,13 @@
 !> Elastic half-space in plane strain: surface deflection under a pressure that is constant over
-!> each cell of a uniform grid. The logarithmic kernel is integrated exactly, so that the matrix is
-!> Toeplitz.
+!> each cell of a uniform grid, whose matrix is Toeplitz, or linear between nodes anywhere. The
+!> logarithmic kernel is integrated exactly.
 module half_space
    use constants, only: pi
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: line_kernel, line_deflection_coefficients
+   public :: element_deflections, line_kernel, line_deflection_coefficients
 
    !> From this cell distance on the series is used: its terms up to j^-12 leave an error of 1e-18
    !> there, while the closed form loses digits by cancellation in proportion to j.
@@ -51,5 +51,53 @@ contains
 
       k = dx*(log(dx) + line_kernel(n))/pi
    end function line_deflection_coefficients
+
+   !> Computes K (0:n, 0:n) of rising nodes `x` (0:n) [half-widths], with P linear between them: D_i
+   !> = - sum_j K_ij P_j,
+   !>
+   !>     K_ij = 1/pi Int ln|x_i - s| hat_j(s) ds
+   !>
+   !> by the moments A0, A1 of every element, 2 w long, at u = (x_i - middle)/w: the hat at its
+   !> left end has the part w/2 (A0 - A1), at its right end w/2 (A0 + A1). Near the element in
+   !> closed form, farther by the series, as differences would cancel.
+   pure subroutine element_deflections(x, k)
+      real(wp), intent(in), contiguous :: x(0:)
+      real(wp), intent(out), contiguous :: k(0:, 0:)
+      real(wp), parameter :: far = 6.0_wp
+      integer, parameter :: terms = 10
+      real(wp) :: a0, a1, above, below, half, middle, u, y
+      integer :: e, i, m
+
+      k = 0.0_wp
+      do e = 1, ubound(x, 1)
+         half = 0.5_wp*(x(e) - x(e - 1))
+         middle = 0.5_wp*(x(e) + x(e - 1))
+         do i = 0, ubound(x, 1)
+            u = (x(i) - middle)/half
+            if (abs(u) > far) then
+               y = 1/u**2
+               a0 = 0.0_wp
+               a1 = 0.0_wp
+               do m = terms, 1, -1
+                  a0 = (a0 + 1/real(m*(2*m + 1), wp))*y
+                  a1 = (a1 + 1/real((2*m - 1)*(2*m + 1), wp))*y
+               end do
+               a0 = 2*log(abs(x(i) - middle)) - a0
+               a1 = -2*u*a1
+            else
+               above = log(max(abs(1 + u), tiny(u)))
+               below = log(max(abs(1 - u), tiny(u)))
+               a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
+               a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
+               if (i == e) a0 = 2*log(2*half) - 2
+               if (i == e - 1) a0 = 2*log(2*half) - 2
+               if (i == e) a1 = -1.0_wp
+               if (i == e - 1) a1 = 1.0_wp
+            end if
+            k(i, e - 1) = k(i, e - 1) + 0.5_wp*half/pi*(a0 - a1)
+            k(i, e) = k(i, e) + 0.5_wp*half/pi*(a0 + a1)
+         end do
+      end do
+   end subroutine element_deflections
 
 end module half_space

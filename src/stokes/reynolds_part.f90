@@ -52,7 +52,7 @@ contains
          allocate (oil%density(0:n), oil%ln_mu(0:n), oil%face_mobility(n), slopes%rho_p(0:n), &
             slopes%by_p_left(n), slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
          call fluid_viscosity(problem%fluid, pressure, ln_mu, ln_mu_p)
-         call fluid_face_mobility(problem%fluid, problem%dx, state, oil, slopes)
+         call fluid_face_mobility(problem%fluid, [problem%dx], state, oil, slopes)
          part%rho(:) = oil%density
          part%rho_p(:) = slopes%rho_p
          face = face_flow_t(speed=problem%speed, kappa=problem%kappa, &

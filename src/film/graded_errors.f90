@@ -1,0 +1,182 @@
+!> What each element of a graded grid adds to the error of each quantity of its solution, by one
+!> solution of the transposed Newton system for each.
+!>
+!> With z that solution for a quantity J and y = z/diagonal (0 where cavitated), an element has the
+!> share
+!>
+!>     s = (y(i) - y(i-1)) tau + (g - z_load) beta + quadrature
+!>
+!> of J_true - J. tau: error of its flux against better values of P, H and dP/dX in its middle, by
+!> second differences. beta = -h^3/12 P'': load that the straight line misses; g: what that does to
+!> J by the film. quadrature: what the sum for J itself misses. The bound of the error of J is
+!> sum |s| + 2 |sum s|.
+module graded_errors
+   use dense_solve, only: solve_transposed
+   use graded_line, only: graded_line_t, point_mobility, steep_elements
+   use graded_newton, only: factorise, factors_t
+   use graded_quantities, only: evaluate_quantities, functional_count, functional_t, &
+      rolling_power, second_differences, spike, top
+   use kinds, only: wp
+   use lubricant, only: fluid_density, fluid_viscosity
+   use rheology, only: thins
+   implicit none (type, external)
+   private
+
+   public :: estimate_errors, error_bound, hidden_spike
+
+contains
+
+   !> Evaluates the quantities of a solved line, `values`, and the share of every element in their
+   !> errors (n, functional_count); NaN and 0 where there is no such quantity.
+   subroutine estimate_errors(line, slide_to_roll, factors, values, shares)
+      type(graded_line_t), intent(in) :: line
+      real(wp), intent(in) :: slide_to_roll
+      type(factors_t), intent(inout) :: factors
+      real(wp), intent(out) :: values(functional_count)
+      real(wp), allocatable, intent(out) :: shares(:, :)
+      type(functional_t) :: list(functional_count)
+      real(wp) :: z(line%n, functional_count), y(0:line%n), by_film(0:line%n), &
+         at_nodes(0:line%n)
+      real(wp), dimension(line%n) :: flux_error, lost_load, power_error
+      logical :: is_sound
+      integer :: i, j, n, o
+
+      n = line%n
+      call evaluate_quantities(line, slide_to_roll, list)
+      values = list%value
+      allocate (shares(n, functional_count), source=0.0_wp)
+      call factorise(line, factors, is_sound)
+      if (.not. is_sound) then
+         shares = huge(1.0_wp)
+         return
+      end if
+      call find_sources(line, flux_error, lost_load, power_error)
+      do j = 1, functional_count
+         do i = 1, n - 1
+            z(i, j) = list(j)%by_pressure(i) - dot_product(line%kernel(:, i), list(j)%by_film)
+         end do
+         z(n, j) = sum(list(j)%by_film)
+      end do
+      call solve_transposed(factors%matrix, factors%pivots, z)
+      do j = 1, functional_count
+         y = 0.0_wp
+         where (.not. line%is_cavitated) y(1:n - 1) = z(:n - 1, j)/line%diagonal
+         by_film = list(j)%by_film
+         do i = 1, n - 1
+            o = max(-2, -i)
+            by_film(i + o:i + 1) = by_film(i + o:i + 1) - y(i)*line%by_film(o:, i)
+         end do
+         by_film = by_film/line%weights
+         at_nodes = -matmul(line%kernel, by_film)
+         shares(:, j) = (y(1:) - y(:n - 1))*flux_error + list(j)%quadrature &
+            + (0.5_wp*(at_nodes(1:) + at_nodes(:n - 1)) - z(n, j))*lost_load
+      end do
+      shares(:, rolling_power) = shares(:, rolling_power) + power_error
+      call bound_spike(line, shares)
+   end subroutine estimate_errors
+
+   !> Bound of an error by the `shares` of the elements.
+   pure real(wp) function error_bound(shares)
+      real(wp), intent(in) :: shares(:)
+
+      error_bound = sum(abs(shares)) + 2*abs(sum(shares))
+   end function error_bound
+
+   !> Error of the flux of every element, load that its straight line misses, and error of its
+   !> rolling power.
+   pure subroutine find_sources(line, flux_error, lost_load, power_error)
+      type(graded_line_t), intent(in) :: line
+      real(wp), intent(out), dimension(line%n) :: flux_error, lost_load, power_error
+      real(wp), dimension(0:line%n) :: bend_p, bend_h
+      real(wp), dimension(line%n) :: pressure, film, slope, e, rho
+      real(wp) :: unused(line%n, 3)
+      integer :: last
+
+      associate (p => line%state%pressure, h => line%state%film, n => line%n, d => line%spacing)
+         last = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
+         bend_p = second_differences(line, p)
+         bend_h = second_differences(line, h)
+         bend_p(last + 1:) = 0.0_wp
+         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) - d**2/16*(bend_p(1:) + bend_p(:n - 1)), 0.0_wp)
+         film = 0.5_wp*(h(1:) + h(:n - 1)) - d**2/16*(bend_h(1:) + bend_h(:n - 1))
+         film = max(film, 0.5_wp*min(h(1:), h(:n - 1)))
+         slope = (p(1:) - p(:n - 1) - d**2/24*(bend_p(1:) - bend_p(:n - 1)))/d
+         call point_mobility(line%fluid, pressure, film, slope, e, unused(:, 1), unused(:, 2), &
+            unused(:, 3))
+         call fluid_density(line%fluid, pressure, rho)
+         flux_error = rho*film - e*slope/line%lambda - line%flux
+         lost_load = -d**3/24*(bend_p(1:) + bend_p(:n - 1))
+         power_error = 0.5_wp*d*e/rho*slope**2/line%lambda - (p(1:) - p(:n - 1))**2 &
+            *line%oil%face_mobility/(line%lambda*d*(line%oil%density(1:) + line%oil%density(:n &
+            - 1)))
+         flux_error(last + 2:) = 0.0_wp
+         power_error(last + 2:) = 0.0_wp
+         lost_load(last + 2:) = 0.0_wp
+      end associate
+   end subroutine find_sources
+
+   !> Replaces the shares of an unresolved flank in the error of its spike, to which the fluxes of so
+   !> few elements say nothing. There P = P_0 - C sqrt(distance) in front of the top, of which the
+   !> grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
+   !> that is the bound.
+   pure subroutine bound_spike(line, shares)
+      type(graded_line_t), intent(in) :: line
+      real(wp), intent(inout) :: shares(:, :)
+      integer :: ahead, first, j, last, summit
+
+      call find_flank(line, first, summit, last)
+      if (first == 0) return
+      associate (p => line%state%pressure, x => line%x, h => line%spacing)
+         j = merge(top, spike, p(summit) >= maxval(p))
+         ahead = count(x <= x(summit) - 4*h(summit)) - 1
+         shares(max(first - 2, 1):min(last + 2, line%n), j) = 0.0_wp
+         ! a sum that `error_bound` counts three times, at the elements to halve
+         shares(summit:min(summit + 1, line%n), j) = (p(summit) - p(ahead))/6
+      end associate
+   end subroutine bound_spike
+
+   !> The flank of a spike that is not resolved: its `first` and `last` element behind X = 0 along
+   !> which ln mu changes steeply, and the node at its top; 0: there is none. Newtonian oils only.
+   pure subroutine find_flank(line, first, summit, last)
+      type(graded_line_t), intent(in) :: line
+      integer, intent(out) :: first, summit, last
+      logical :: is_falling(line%n)
+      integer :: exit_node
+
+      first = 0
+      if (thins(line%fluid)) return
+      associate (p => line%state%pressure, n => line%n)
+         is_falling = steep_elements(line, p) .and. p(:n - 1) > p(1:)
+         first = findloc(is_falling, .true., 1)
+         if (first == 0) return
+         last = findloc(is_falling, .true., 1, back=.true.)
+         exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
+         summit = first - 2 + maxloc(p(first - 1:exit_node), 1)
+      end associate
+   end subroutine find_flank
+
+   !> Marks the elements at the top of a spike that is not resolved and may pass the crest: the
+   !> spacing is above the length at which it ends, and the pressure, growing with the root of the
+   !> inverse spacing, would pass the crest until then.
+   pure function hidden_spike(line) result(is_marked)
+      type(graded_line_t), intent(in) :: line
+      logical :: is_marked(line%n)
+      real(wp) :: ln_mu(1), rho(1), rho_p(1), crest, length, spacing
+      integer :: first, last, summit
+
+      is_marked = .false.
+      call find_flank(line, first, summit, last)
+      if (first == 0) return
+      associate (p => line%state%pressure, n => line%n)
+         crest = maxval(p)
+         call fluid_viscosity(line%fluid, [crest], ln_mu)
+         call fluid_density(line%fluid, [crest], rho, rho_p)
+         length = max(sqrt(line%state%film(summit)**3*exp(-min(ln_mu(1), 600.0_wp)) &
+            /line%lambda), line%state%film(summit)*rho_p(1)/rho(1), 1.0e-12_wp)
+         spacing = min(line%spacing(max(summit, 1)), line%spacing(min(summit + 1, n)))
+         if (spacing > length .and. p(summit)*sqrt(spacing/length) > crest) &
+            is_marked(max(summit - 1, 1):min(summit + 2, n)) = .true.
+      end associate
+   end function hidden_spike
+
+end module graded_errors

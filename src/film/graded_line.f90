@@ -1,0 +1,271 @@
+!> Reynolds-Eyring equation of the steady line contact on nodes anywhere, P linear between them.
+!>
+!> The mass flux in the middle of element i, between nodes i-1 and i with the spacing h,
+!>
+!>     q(i) = -e(i) (P(i) - P(i-1))/(lambda h) + (1 - a - c) rH(i-1) + a rH(i-2) + c rH(i)
+!>     a = -h^2/(4 k (k + h)),  c = (h/2 + k)/(2 (k + h)),  k: spacing of element i-1
+!>
+!> takes rH = rho H by the parabola through three nodes and e by module face_mobility; a = 0, c =
+!> 1/2 in the first element. The same flux leaves an element and enters the next one, whatever their
+!> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (`element_
+!> deflections` of module half_space), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
+!>
+!> Behind X = 0, where ln mu changes by more than 1 in an element, and in two elements on either
+!> side, the scheme is the safe one: a = -h/(2 k), c = 0, and the mean of e at both nodes. A
+!> pressure spike that is not resolved overshoots without it.
+module graded_line
+   use constants, only: pi
+   use features, only: surface_height
+   use film_state, only: film_state_t
+   use face_mobility, only: fluid_face_mobility
+   use flow_law, only: block_size => slip_block, largest_exponent, slip_t
+   use half_space, only: element_deflections
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
+   use mobility, only: coefficients_t, mobility_slopes_t
+   implicit none (type, external)
+   private
+
+   public :: evaluate, graded_line_t, new_graded_line, point_mobility, set_pressure, steep_elements
+
+   !> Change of ln mu in an element from which the scheme is the safe one, and elements on either
+   !> side that are, too.
+   real(wp), parameter :: steep = 1.0_wp
+   integer, parameter :: margin = 2
+
+   !> Nodes 0..n, elements 1..n, element i in front of node i.
+   type :: graded_grid_t
+      integer :: n = 0
+      !> X of the nodes, and spacing of the elements [b].
+      real(wp), allocatable :: x(:), spacing(:)
+      !> K of the film (0:n, 0:n), weights of Int P dX, X^2/2 - Psi_1 - Psi_2 of the nodes.
+      real(wp), allocatable :: kernel(:, :), weights(:), gap(:)
+      !> Weights a and c of the wedge, and whether the scheme is the safe one.
+      real(wp), allocatable :: upstream(:), downstream(:)
+      logical, allocatable :: is_safe(:)
+   end type graded_grid_t
+
+   !> A grid with its unknowns, and the equations at them.
+   type, extends(graded_grid_t) :: graded_line_t
+      real(wp) :: lambda = 0.0_wp
+      type(fluid_t) :: fluid
+      type(film_state_t) :: state
+      type(coefficients_t) :: oil
+      type(mobility_slopes_t) :: slopes
+      !> q of the elements.
+      real(wp), allocatable :: flux(:)
+      !> Derivatives of -r(i) by P and H of nodes i-2 ... i+1, (-2:1, n-1), and by P(i) alone, with
+      !> its film.
+      real(wp), allocatable :: by_pressure(:, :), by_film(:, :), diagonal(:)
+      !> Where P + r/diagonal <= 0 a node is cavitated (n-1). Change of P that r, or there P, asks
+      !> for.
+      logical, allocatable :: is_cavitated(:)
+      real(wp), allocatable :: pull(:)
+      !> pi/2 - Int P dX; norm of the changes asked for; largest of |r| over the smallest film, P of
+      !> cavitated nodes over the largest, and the load's.
+      real(wp) :: load_defect = 0.0_wp, merit = huge(1.0_wp), error = huge(1.0_wp)
+   end type graded_line_t
+
+contains
+
+   !> Prepares the problem of a contact at rest on rising nodes `x` (0:n) with zero unknowns; the
+   !> scheme is the safe one in all elements, or where `pressure` (0:n) rises steeply.
+   pure subroutine new_graded_line(line, contact, fluid, x, pressure)
+      type(graded_line_t), intent(out) :: line
+      type(line_contact_t), intent(in) :: contact
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: x(0:)
+      real(wp), intent(in), optional :: pressure(0:)
+      integer :: n
+
+      n = ubound(x, 1)
+      line%n = n
+      line%lambda = contact%lambda
+      line%fluid = fluid
+      allocate (line%x(0:n), line%kernel(0:n, 0:n), line%weights(0:n), line%gap(0:n), &
+         line%is_cavitated(n - 1))
+      line%x = x
+      line%spacing = x(1:) - x(:n - 1)
+      line%weights = 0.0_wp
+      line%weights(1:) = 0.5_wp*line%spacing
+      line%weights(:n - 1) = line%weights(:n - 1) + 0.5_wp*line%spacing
+      line%gap = 0.5_wp*x**2 - surface_height(contact%surface_1, x, 0.0_wp) &
+         - surface_height(contact%surface_2, x, 0.0_wp)
+      call element_deflections(x, line%kernel)
+      line%kernel = contact%elasticity*line%kernel
+      allocate (line%state%pressure(0:n), line%state%film(0:n), line%oil%density(0:n), &
+         line%oil%ln_mu(0:n), line%slopes%rho_p(0:n), source=0.0_wp)
+      allocate (line%oil%face_mobility(n), line%slopes%by_p_left(n), line%slopes%by_p_right(n), &
+         line%slopes%by_h_left(n), line%slopes%by_h_right(n), line%flux(n), line%pull(n - 1), &
+         line%diagonal(n - 1), line%by_pressure(-2:1, n - 1), line%by_film(-2:1, n - 1))
+      call choose_scheme(line, pressure)
+   end subroutine new_graded_line
+
+   !> Chooses the elements with the safe scheme, all without a pressure, and sets the weights of the
+   !> wedge.
+   pure subroutine choose_scheme(line, pressure)
+      type(graded_line_t), intent(inout) :: line
+      real(wp), intent(in), optional :: pressure(0:)
+      logical :: is_steep(line%n)
+      integer :: i
+
+      allocate (line%is_safe(line%n), source=.true.)
+      if (present(pressure)) then
+         is_steep = steep_elements(line, pressure)
+         do i = 1, line%n
+            line%is_safe(i) = any(is_steep(max(1, i - margin):min(line%n, i + margin)))
+         end do
+      end if
+      associate (h => line%spacing(2:), k => line%spacing(:line%n - 1), safe => line%is_safe(2:))
+         line%upstream = [0.0_wp, merge(-h/(2*k), -h**2/(4*k*(k + h)), safe)]
+         line%downstream = [0.5_wp, merge(0*h, (0.5_wp*h + k)/(2*(k + h)), safe)]
+      end associate
+   end subroutine choose_scheme
+
+   !> Whether ln mu of a pressure (0:n) changes by more than `steep` in the elements behind X = 0.
+   pure function steep_elements(line, pressure) result(is_steep)
+      class(graded_line_t), intent(in) :: line
+      real(wp), intent(in) :: pressure(0:)
+      logical :: is_steep(line%n)
+      real(wp) :: ln_mu(0:line%n)
+
+      call fluid_viscosity(line%fluid, pressure, ln_mu)
+      is_steep = abs(ln_mu(1:) - ln_mu(:line%n - 1)) > steep .and. line%x(1:) > 0.0_wp
+   end function steep_elements
+
+   !> Sets the pressure (0:n), the rigid displacement and their film.
+   pure subroutine set_pressure(line, pressure, rigid_displacement)
+      type(graded_line_t), intent(inout) :: line
+      real(wp), intent(in) :: pressure(0:), rigid_displacement
+      integer :: j
+
+      line%state%pressure = pressure
+      line%state%rigid_displacement = rigid_displacement
+      line%state%film = rigid_displacement + line%gap
+      do j = 1, line%n - 1
+         if (pressure(j) > 0.0_wp) line%state%film = line%state%film - line%kernel(:, j)*pressure(j)
+      end do
+   end subroutine set_pressure
+
+   !> Evaluates the equations with their derivatives at the present pressure and positive film.
+   pure subroutine evaluate(line)
+      type(graded_line_t), intent(inout) :: line
+      real(wp) :: residual
+      integer :: i, n
+
+      n = line%n
+      call fluid_face_mobility(line%fluid, line%spacing, line%state, line%oil, line%slopes)
+      if (any(line%is_safe)) call take_safe_mobility(line)
+      call evaluate_flux(line)
+      associate (p => line%state%pressure(1:n - 1), d => line%diagonal, pull => line%pull)
+         line%error = 0.0_wp
+         do i = 1, n - 1
+            d(i) = max(abs(line%by_pressure(0, i) - dot_product(line%by_film(max(-2, -i):, i), &
+               line%kernel(max(i - 2, 0):i + 1, i))), tiny(1.0_wp))
+            residual = line%flux(i) - line%flux(i + 1)
+            pull(i) = residual/d(i)
+            line%is_cavitated(i) = p(i) + pull(i) <= 0.0_wp
+            if (.not. line%is_cavitated(i)) line%error = max(line%error, abs(residual))
+         end do
+         where (line%is_cavitated) pull = -p
+         line%load_defect = 0.5_wp*pi - dot_product(line%weights, line%state%pressure)
+         line%merit = norm2(pull) + abs(line%load_defect)
+         line%error = max(line%error/minval(line%state%film), abs(line%load_defect), &
+            maxval(p, line%is_cavitated)/max(maxval(p), tiny(1.0_wp)))
+      end associate
+   end subroutine evaluate
+
+   !> Sets the flux of the elements, and the derivatives of -r = q(i+1) - q(i).
+   pure subroutine evaluate_flux(line)
+      type(graded_line_t), intent(inout) :: line
+      real(wp) :: by_p(-2:0, line%n), by_h(-2:0, line%n), c, own, rise
+      integer :: i, m, n
+
+      n = line%n
+      associate (p => line%state%pressure, h => line%state%film, rho => line%oil%density, &
+         rho_p => line%slopes%rho_p, e => line%oil%face_mobility, a => line%upstream, &
+         b => line%downstream, slopes => line%slopes)
+         do i = 1, n
+            m = max(i - 2, 0)
+            c = 1/(line%lambda*line%spacing(i))
+            own = 1 - a(i) - b(i)
+            rise = p(i) - p(i - 1)
+            line%flux(i) = a(i)*rho(m)*h(m) + own*rho(i - 1)*h(i - 1) + b(i)*rho(i)*h(i) &
+               - c*e(i)*rise
+            by_p(:, i) = [a(i)*rho_p(m)*h(m), own*rho_p(i - 1)*h(i - 1) &
+               - c*(slopes%by_p_left(i)*rise - e(i)), b(i)*rho_p(i)*h(i) &
+               - c*(slopes%by_p_right(i)*rise + e(i))]
+            by_h(:, i) = [a(i)*rho(m), own*rho(i - 1) - c*slopes%by_h_left(i)*rise, &
+               b(i)*rho(i) - c*slopes%by_h_right(i)*rise]
+         end do
+      end associate
+      line%by_pressure(-1:1, :) = by_p(:, 2:)
+      line%by_film(-1:1, :) = by_h(:, 2:)
+      line%by_pressure(-2, :) = 0.0_wp
+      line%by_film(-2, :) = 0.0_wp
+      line%by_pressure(-2:0, :) = line%by_pressure(-2:0, :) - by_p(:, :n - 1)
+      line%by_film(-2:0, :) = line%by_film(-2:0, :) - by_h(:, :n - 1)
+   end subroutine evaluate_flux
+
+   !> Replaces the mobility of the elements with the safe scheme by the mean of both nodes, each
+   !> with the slope of P in the element.
+   pure subroutine take_safe_mobility(line)
+      type(graded_line_t), intent(inout) :: line
+      real(wp), dimension(line%n) :: slope, e, by_p, by_h, by_slope
+      integer :: side
+
+      associate (p => line%state%pressure, h => line%state%film, n => line%n, &
+         slopes => line%slopes, mean => line%oil%face_mobility, is_safe => line%is_safe)
+         slope = (p(1:) - p(:n - 1))/line%spacing
+         where (is_safe)
+            mean = 0.0_wp
+            slopes%by_p_left = 0.0_wp
+            slopes%by_p_right = 0.0_wp
+         end where
+         do side = 0, 1
+            call point_mobility(line%fluid, p(side:n - 1 + side), h(side:n - 1 + side), slope, &
+               e, by_p, by_h, by_slope)
+            by_slope = 0.5_wp*by_slope/line%spacing
+            where (is_safe)
+               mean = mean + 0.5_wp*e
+               slopes%by_p_left = slopes%by_p_left - by_slope
+               slopes%by_p_right = slopes%by_p_right + by_slope
+            end where
+            if (side == 0) then
+               where (is_safe) slopes%by_p_left = slopes%by_p_left + 0.5_wp*by_p
+               where (is_safe) slopes%by_h_left = 0.5_wp*by_h
+            else
+               where (is_safe) slopes%by_p_right = slopes%by_p_right + 0.5_wp*by_p
+               where (is_safe) slopes%by_h_right = 0.5_wp*by_h
+            end if
+         end do
+      end associate
+   end subroutine take_safe_mobility
+
+   !> Mobility e = rho H^3 S/mu at points (m) with the pressure `p`, the film `h` and the slope
+   !> dP/dX, and its derivatives by them.
+   pure subroutine point_mobility(fluid, p, h, slope, e, by_p, by_h, by_slope)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: p(:), h(:), slope(:)
+      real(wp), intent(out), contiguous :: e(:), by_p(:), by_h(:), by_slope(:)
+      real(wp), dimension(block_size) :: ln_mu, mu_p, rho, rho_p
+      type(slip_t) :: slip
+      integer :: first, last, m
+
+      do first = 1, size(p), block_size
+         last = min(first + block_size - 1, size(p))
+         m = last - first + 1
+         call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
+         call fluid_density(fluid, p(first:last), rho(:m), rho_p(:m))
+         if (allocated(fluid%rheology)) call fluid%rheology%evaluate_slip(h(first:last) &
+            *slope(first:last), 1/h(first:last), ln_mu(:m), .true., slip)
+         e(first:last) = rho(:m)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) &
+            - ln_mu(:m), largest_exponent))
+         by_p(first:last) = e(first:last)*(rho_p(:m)/rho(:m) + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
+         by_h(first:last) = e(first:last)*(3 + slip%by_ln_film(:m))/h(first:last)
+         by_slope(first:last) = e(first:last)*slip%by_drive(:m)*h(first:last)
+      end do
+   end subroutine point_mobility
+
+end module graded_line

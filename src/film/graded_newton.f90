@@ -1,0 +1,233 @@
+!> Newton's method for the steady line contact on a graded grid, with the full elastic matrix and
+!> its factors by LAPACK, and solutions with the transposed matrix.
+!>
+!> Unknowns are P(1..n-1) and H0, complementarity by the active set of `graded_line`. A step is the
+!> best of up to three: plain; bent, where the mobility of a node would change by much (as in module
+!> newton_line); and 0.4 of the plain one.
+module graded_newton
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use dense_solve, only: solve_dense
+   use errors, only: error_t
+   use film_state, only: film_state_t
+   use graded_line, only: evaluate, graded_line_t, point_mobility, set_pressure
+   use kinds, only: wp
+   use moes, only: moes_m_sum_from_lambda
+   use rheology, only: thins, wall_stress
+   implicit none (type, external)
+   private
+
+   public :: factors_t, factorise, solve_graded_newton
+
+   !> A step changes no pressure by more than the first share of the largest of P, of the largest P
+   !> and of min(1, 4 M); no film falls below the second share; Sigma changes by no more than the
+   !> third.
+   real(wp), parameter :: largest_step = 0.6_wp, least_film_share = 0.35_wp, &
+      largest_slip_step = 10.0_wp
+   !> A step is bent where it changes ln e by more than the first; the oil of a node flows where its
+   !> conductance exceeds the second share of the diagonal.
+   real(wp), parameter :: small_change = 0.3_wp, flowing_share = 0.1_wp
+   !> Share of the norm below which the plain step is good enough, or after it the bent one; length
+   !> of the short one.
+   real(wp), parameter :: good_plain = 0.5_wp, good_bent = 0.9_wp, short = 0.4_wp
+   !> Least length of a step, and size of a full one that has reached round-off.
+   real(wp), parameter :: least_length = 1.0e-9_wp, round_off = 1.0e-11_wp
+
+   !> Factors of the matrix (n, n): the last row is the load, the last column H0.
+   type :: factors_t
+      real(wp), allocatable :: matrix(:, :)
+      integer, allocatable :: pivots(:)
+   end type factors_t
+
+   !> A trial step: P, H0, its length and the norm of what remains.
+   type :: trial_t
+      real(wp), allocatable :: pressure(:)
+      real(wp) :: rigid_displacement = 0.0_wp, length = 0.0_wp, merit = huge(1.0_wp)
+   end type trial_t
+
+contains
+
+   !> Solves the equations from the line's present pressure until their `error` is below `tolerance`
+   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. `is_sound`: no
+   !> system was singular, and a step was found.
+   subroutine solve_graded_newton(line, tolerance, max_steps, factors, steps, is_sound)
+      type(graded_line_t), intent(inout) :: line
+      real(wp), intent(in) :: tolerance
+      integer, intent(in) :: max_steps
+      type(factors_t), intent(inout) :: factors
+      integer, intent(out) :: steps
+      logical, intent(out) :: is_sound
+      real(wp) :: step(line%n), before(0:line%n)
+      type(trial_t) :: best
+
+      steps = 0
+      is_sound = all(line%state%film > 0.0_wp)
+      if (.not. is_sound) return
+      call evaluate(line)
+      do while (line%error >= tolerance .and. steps < max_steps)
+         step = [line%pull, line%load_defect]
+         call factorise(line, factors, is_sound, step)
+         if (is_sound) is_sound = all(ieee_is_finite(step))
+         if (.not. is_sound) return
+         before = line%state%pressure
+         call choose_step(line, step, best)
+         is_sound = allocated(best%pressure)
+         if (.not. is_sound) return
+         call set_pressure(line, best%pressure, best%rigid_displacement)
+         call evaluate(line)
+         steps = steps + 1
+         if (best%length >= 1.0_wp .and. maxval(abs(line%state%pressure - before)) &
+            <= round_off*maxval(before)) exit
+      end do
+   end subroutine solve_graded_newton
+
+   !> Fills and factorises the matrix of the line's last evaluation; solves with the right side
+   !> `step` (n), if present.
+   subroutine factorise(line, factors, is_sound, step)
+      type(graded_line_t), intent(in) :: line
+      type(factors_t), intent(inout) :: factors
+      logical, intent(out) :: is_sound
+      real(wp), intent(inout), contiguous, optional :: step(:)
+      real(wp) :: unused(line%n)
+      type(error_t), allocatable :: error
+
+      if (allocated(factors%matrix)) then
+         if (size(factors%pivots) /= line%n) deallocate (factors%matrix, factors%pivots)
+      end if
+      if (.not. allocated(factors%matrix)) allocate (factors%matrix(line%n, line%n), &
+         factors%pivots(line%n))
+      call fill_matrix(line, factors%matrix)
+      unused = 0.0_wp
+      if (present(step)) then
+         call solve_dense(factors%matrix, step, factors%pivots, error)
+      else
+         call solve_dense(factors%matrix, unused, factors%pivots, error)
+      end if
+      is_sound = .not. allocated(error)
+   end subroutine factorise
+
+   !> Rows 1..n-1: -dr/dP and -dr/dH0 with the film that follows, over the diagonal (identity where
+   !> cavitated); row n: weights of the load.
+   pure subroutine fill_matrix(line, a)
+      type(graded_line_t), intent(in) :: line
+      real(wp), intent(inout), contiguous :: a(:, :)
+      real(wp) :: by_film(line%n - 1, -2:1), inverse(line%n - 1)
+      integer :: i, j, n, o
+
+      n = line%n
+      inverse = merge(0.0_wp, 1/line%diagonal, line%is_cavitated)
+      do o = -2, 1
+         by_film(:, o) = line%by_film(o, :)*inverse
+      end do
+      do j = 1, n - 1
+         associate (k => line%kernel(:, j))   ! (1:n+1)
+            a(1, j) = -(by_film(1, -1)*k(1) + by_film(1, 0)*k(2) + by_film(1, 1)*k(3))
+            do i = 2, n - 1
+               a(i, j) = -(by_film(i, -2)*k(i - 1) + by_film(i, -1)*k(i) + by_film(i, 0)*k(i + 1) &
+                  + by_film(i, 1)*k(i + 2))
+            end do
+         end associate
+         do i = max(1, j - 1), min(n - 1, j + 2)
+            a(i, j) = a(i, j) + line%by_pressure(j - i, i)*inverse(i)
+         end do
+         if (line%is_cavitated(j)) a(j, j) = 1.0_wp
+         a(n, j) = line%weights(j)
+      end do
+      a(:n - 1, n) = sum(by_film, 2)
+      a(n, n) = 0.0_wp
+   end subroutine fill_matrix
+
+
+   !> The best of the trial steps; without a pressure if none leaves a positive film. The line is
+   !> left at the last trial.
+   subroutine choose_step(line, step, best)
+      type(graded_line_t), intent(inout) :: line
+      real(wp), intent(in) :: step(:)
+      type(trial_t), intent(out) :: best
+      type(film_state_t) :: start
+      type(trial_t) :: trial
+      real(wp) :: bent(line%n), merit
+      integer :: way
+
+      merit = line%merit
+      start = line%state
+      bent = step
+      call bend_step(line, bent)
+      do way = 1, 3
+         if (way == 2) then
+            call try_step(line, start, bent, 1.0_wp, trial)
+         else
+            call try_step(line, start, step, merge(short, 1.0_wp, way == 3), trial)
+         end if
+         if (trial%merit < best%merit) best = trial
+         if (best%merit < good_plain*merit .or. (way == 2 .and. best%merit < good_bent*merit)) exit
+      end do
+   end subroutine choose_step
+
+   !> Takes `share` of the longest part of a step from the state `start` that respects the bounds
+   !> above, halved until the film does.
+   subroutine try_step(line, start, step, share, trial)
+      type(graded_line_t), intent(inout) :: line
+      type(film_state_t), intent(in) :: start
+      real(wp), intent(in), contiguous :: step(:)
+      real(wp), intent(in) :: share
+      type(trial_t), intent(out) :: trial
+      real(wp), dimension(0:line%n) :: change, film_change, pressure, slope
+      real(wp) :: scale, length
+      integer :: j, n
+
+      n = line%n
+      change = 0.0_wp
+      change(1:n - 1) = step(:n - 1)
+      film_change = step(n)
+      do j = 1, n - 1
+         film_change = film_change - line%kernel(:, j)*change(j)
+      end do
+      scale = max(maxval(start%pressure), min(1.0_wp, 4*moes_m_sum_from_lambda(line%lambda)))
+      length = 1/max(1.0_wp, maxval(abs(change)/max(scale, start%pressure))/largest_step, &
+         maxval(-film_change/start%film)/largest_step)
+      if (thins(line%fluid)) then
+         pressure = max(start%pressure + length*change, 0.0_wp)
+         slope(1:) = wall_stress(line%fluid, 0.5_wp*((start%film(1:) + start%film(:n - 1) &
+            + length*(film_change(1:) + film_change(:n - 1)))*(pressure(1:) - pressure(:n - 1)) &
+            - (start%film(1:) + start%film(:n - 1))*(start%pressure(1:) - start%pressure(:n - 1))) &
+            /line%spacing)
+         length = length*min(1.0_wp, largest_slip_step/max(maxval(abs(slope(1:))), &
+            tiny(1.0_wp)))
+      end if
+      length = share*length
+      do while (length > least_length)
+         call set_pressure(line, max(start%pressure + length*change, 0.0_wp), &
+            start%rigid_displacement + length*step(n))
+         if (all(line%state%film > least_film_share*start%film)) exit
+         length = 0.5_wp*length
+      end do
+      if (.not. length > least_length) return
+      call evaluate(line)
+      if (ieee_is_finite(line%merit)) trial = trial_t(line%state%pressure, &
+         line%state%rigid_displacement, length, line%merit)
+   end subroutine try_step
+
+   !> Bends the step of nodes whose mobility e would change by much: a falling pressure goes no
+   !> further than to where the oil flows, or to where e has grown as its tangent predicts; a rising
+   !> one as far as e falls by that tangent.
+   pure subroutine bend_step(line, step)
+      type(graded_line_t), intent(in) :: line
+      real(wp), intent(inout) :: step(:)
+      real(wp), dimension(line%n - 1) :: bent, by_film, by_slope, change, e, flow, rate, slope
+
+      associate (p => line%state%pressure, h => line%state%film(1:line%n - 1), n => line%n, &
+         x => line%x)
+         slope = (p(2:) - p(:n - 2))/(x(2:) - x(:n - 2))
+         call point_mobility(line%fluid, p(1:n - 1), h, slope, e, rate, by_film, by_slope)
+         rate = -rate/e
+         change = rate*step(:n - 1)
+         flow = log(max(e/(line%lambda*min(line%spacing(2:), line%spacing(:n - 1)) &
+            *flowing_share*line%diagonal), tiny(1.0_wp)))
+         bent = flow
+         where (change < 1.0_wp) bent = min(flow, -log(1 - change))
+         where (abs(change) > small_change .and. .not. line%is_cavitated .and. bent > change &
+            .and. rate > 0.0_wp) step(:n - 1) = bent/rate
+      end associate
+   end subroutine bend_step
+
+end module graded_newton
