@@ -218,6 +218,13 @@ contains
       integer :: kept
 
       start = start_of(solution%line)
+      if (rounds%is_done .and. size(x) == size(start%x)) then   ! on the same grid
+         call solve_graded_newton(solution%line, end_tolerance, end_steps, rounds%factors, kept, &
+            is_sound)
+         solution%steps = solution%steps + kept
+         solution%work = solution%work + real(kept, wp)*solution%line%n
+         if (is_sound .and. solution%line%error < end_bound) return
+      end if
       do
          bound = merge(end_bound, way_bound, rounds%is_done)
          call solve_from(contact, contact%fluid, x, start, rounds, solution, merge(end_tolerance, &
@@ -282,6 +289,7 @@ contains
          call new_graded_line(line, contact, fluid, x, pressure)
       end if
       call set_pressure(line, pressure, start%rigid_displacement)
+      rounds%factors%is_fresh = .false.
       call solve_graded_newton(line, tolerance, max_steps, rounds%factors, steps, is_sound)
       if (.not. is_sound) line%error = huge(1.0_wp)
       solution%steps = solution%steps + steps
