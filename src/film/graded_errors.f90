@@ -98,12 +98,12 @@ contains
          bend_p = second_differences(line, p)
          bend_h = second_differences(line, h)
          bend_p(last + 1:) = 0.0_wp
-         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) - d**2/16*(bend_p(1:) + bend_p(:n - 1)), 0.0_wp)
+         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) - d**2/16*(bend_p(1:) + bend_p(:n - 1)), &
+            0.0_wp)
          film = 0.5_wp*(h(1:) + h(:n - 1)) - d**2/16*(bend_h(1:) + bend_h(:n - 1))
          film = max(film, 0.5_wp*min(h(1:), h(:n - 1)))
          slope = (p(1:) - p(:n - 1) - d**2/24*(bend_p(1:) - bend_p(:n - 1)))/d
-         call point_mobility(line%fluid, pressure, film, slope, e, unused(:, 1), unused(:, 2), &
-            unused(:, 3))
+         call point_mobility(line%fluid, pressure, film, slope, e, unused)
          call fluid_density(line%fluid, pressure, rho)
          flux_error = rho*film - e*slope/line%lambda - line%flux
          lost_load = -d**3/24*(bend_p(1:) + bend_p(:n - 1))
@@ -116,9 +116,9 @@ contains
       end associate
    end subroutine find_sources
 
-   !> Replaces the shares of an unresolved flank in the error of its spike, to which the fluxes of so
-   !> few elements say nothing. There P = P_0 - C sqrt(distance) in front of the top, of which the
-   !> grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
+   !> Replaces the shares of an unresolved flank in the error of its spike, of which the fluxes of
+   !> so few elements tell nothing. There P = P_0 - C sqrt(distance) in front of the top, of which
+   !> the grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
    !> that is the bound.
    pure subroutine bound_spike(line, shares)
       type(graded_line_t), intent(in) :: line
@@ -175,8 +175,8 @@ contains
          length = max(sqrt(line%state%film(summit)**3*exp(-min(ln_mu(1), 600.0_wp)) &
             /line%lambda), line%state%film(summit)*rho_p(1)/rho(1), 1.0e-12_wp)
          spacing = min(line%spacing(max(summit, 1)), line%spacing(min(summit + 1, n)))
-         if (spacing > length .and. p(summit)*sqrt(spacing/length) > crest) &
-            is_marked(max(summit - 1, 1):min(summit + 2, n)) = .true.
+         is_marked(max(summit - 1, 1):min(summit + 2, n)) = spacing > length &
+            .and. p(summit)*sqrt(spacing/length) > crest
       end associate
    end function hidden_spike
 

@@ -53,8 +53,8 @@ module graded_newton
 contains
 
    !> Solves the equations from the line's present pressure until their `error` is below `tolerance`
-   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. Fresh factors are
-   !> kept while they serve. `is_sound`: no system was singular, and a step was found.
+   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. Fresh factors
+   !> are kept while they serve. `is_sound`: no system was singular, and a step was found.
    subroutine solve_graded_newton(line, tolerance, max_steps, factors, steps, is_sound)
       type(graded_line_t), intent(inout) :: line
       real(wp), intent(in) :: tolerance
@@ -228,13 +228,14 @@ contains
    pure subroutine bend_step(line, step)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(inout) :: step(:)
-      real(wp), dimension(line%n - 1) :: bent, by_film, by_slope, change, e, flow, rate, slope
+      real(wp), dimension(line%n - 1) :: bent, change, e, flow, rate, slope
+      real(wp) :: by(line%n - 1, 3)
 
       associate (p => line%state%pressure, h => line%state%film(1:line%n - 1), n => line%n, &
          x => line%x)
          slope = (p(2:) - p(:n - 2))/(x(2:) - x(:n - 2))
-         call point_mobility(line%fluid, p(1:n - 1), h, slope, e, rate, by_film, by_slope)
-         rate = -rate/e
+         call point_mobility(line%fluid, p(1:n - 1), h, slope, e, by)
+         rate = -by(:, 1)/e
          change = rate*step(:n - 1)
          flow = log(max(e/(line%lambda*min(line%spacing(2:), line%spacing(:n - 1)) &
             *flowing_share*line%diagonal), tiny(1.0_wp)))

@@ -94,7 +94,8 @@ contains
 
       n = size(pivots)
       !$omp critical (lapack)
-      call dgetrs(merge('T', 'N', is_transposed), n, size(right_sides, 2), factors, n, pivots, right_sides, n, info)
+      call dgetrs(merge('T', 'N', is_transposed), n, size(right_sides, 2), factors, n, pivots, &
+         right_sides, n, info)
       !$omp end critical (lapack)
    end subroutine solve_factored
 

@@ -79,16 +79,8 @@ contains
       do e = 1, n
          half = 0.5_wp*(x(e) - x(e - 1))
          middle = 0.5_wp*(x(e) + x(e - 1))
-         first = e - 1   ! nodes closer than `far`
-         do while (first > 0)
-            if (x(first - 1) < middle - far*half) exit
-            first = first - 1
-         end do
-         last = e
-         do while (last < n)
-            if (x(last + 1) > middle + far*half) exit
-            last = last + 1
-         end do
+         first = count(x < middle - far*half)   ! nodes closer than `far`
+         last = count(x <= middle + far*half) - 1
          call far_moments((x(:first - 1) - middle), half, a0(:first - 1), a1(:first - 1))
          call far_moments((x(last + 1:) - middle), half, a0(last + 1:), a1(last + 1:))
          call near_moments((x(first:last) - middle)/half, half, a0(first:last), a1(first:last))
