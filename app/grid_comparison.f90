@@ -108,7 +108,7 @@ contains
       if (.not. report%converged) return
       bars = listener%writer%bars
       is_even = case%contact%domain%grid /= 'graded'
-      if (case%solver%wants_coarse_runs .and. is_even) then
+      if (case%solver%wants_coarse_runs) then
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          if (case%time%is_transient) then   ! roughness passes, the inlet stays
             at_rest%contact%surface_1 = rough_surface_t(speed=case%contact%surface_1%speed)
@@ -117,7 +117,7 @@ contains
          call run_farther(bars, at_rest, listener, error)
          if (allocated(error)) return
          ! a target has chosen its grid by the estimate from coarser ones
-         if (.not. (case%time%is_transient .or. case%solver%target > 0.0_wp)) call &
+         if (is_even .and. .not. (case%time%is_transient .or. case%solver%target > 0.0_wp)) call &
             run_other_scheme(bars, at_rest, listener, error)
          if (allocated(error)) return
       end if

@@ -175,7 +175,6 @@ contains
       associate (domain => case%contact%domain)
          call set_effective(case, 'domain', 'grid', text=trim(domain%grid))
          call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
-         call set_effective(case, 'domain', 'inlet', text=trim(domain%inlet))
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
          call set_effective(case, 'domain', 'intervals', integer=domain%intervals)
       end associate

@@ -318,7 +318,6 @@ contains
             contact%domain%x_outlet], intervals, error, contact%elasticity)
          if (allocated(error)) return
          call set_plain_problem(level, roughness_at(contact, level, time))
-         level%has_tail = contact%domain%inlet == 'tail'
          level%slide_to_roll = contact%slide_to_roll
       end associate
    end subroutine pose

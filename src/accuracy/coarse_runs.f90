@@ -1,7 +1,7 @@
 !> Runs of the same case on coarser grids, with larger time steps or on longer domains, for its
 !> error bars.
 module coarse_runs
-   use domain_choice, only: choose_inlet, farthest, inlet_error
+   use domain_choice, only: choose_domain, farthest, inlet_error
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, outcome_t, run_experiment
@@ -19,10 +19,8 @@ module coarse_runs
    public :: copy_side_runs, make_coarse_runs, make_side_runs, new_side_runs, run_apart, &
       run_farther, run_longer, run_other_scheme, side_runs_t
 
-   !> Up to this loss of film the inlet rule gives the error; beyond, the change is measured on a
-   !> domain doubled at most `max_doublings` times.
+   !> Up to this loss of film the inlet rule gives the error; beyond, the change is measured.
    real(wp), parameter :: small_loss = 0.05_wp
-   integer, parameter :: max_doublings = 5
 
    !> A coarse run of a transient on `factor` times fewer intervals with larger time steps. It does
    !> not depend on the actual run: another thread may make it at the same time.
@@ -196,72 +194,28 @@ contains
       end associate
    end subroutine run_longer
 
-   !> Measures the influence of the inlet of a steady contact that has a tail in front of it or
-   !> loses much film by the inlet rule (`inlet_error`): the case on n/4 intervals (n/2 if that
-   !> finds no solution) and, at the same spacing, on a domain twice as long. Without a tail the
-   !> longer domain reaches at least the inlet that would be chosen, unless that takes too many
-   !> intervals.
+   !> Measures the influence of the inlet of a steady contact that loses much film by the inlet rule
+   !> (`inlet_error`): on a graded grid of its domain and on one with a far inlet.
    subroutine run_farther(bars, experiment, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(experiment_t) :: exact, longer
+      type(experiment_t) :: graded
       type(outcome_t) :: near, far
-      integer :: factor
-      logical :: has_tail, is_out
 
-      exact = experiment
-      exact%settings%tolerance = 0.0_wp
-      longer = exact
-      has_tail = exact%contact%domain%inlet == 'tail'
-      if (.not. (has_tail .or. inlet_error(exact%contact) > small_loss)) return
-      if (has_tail) then
-         call double_in_front(longer%contact%domain)
-      else
-         call reach_out(longer%contact, 2*max_chosen(exact%settings), is_out)
-         if (.not. is_out) return
-      end if
-      do factor = 4, 2, -2
-         call run_experiment(coarser(exact, factor), listener, near, error)
-         if (allocated(error)) return
-         if (.not. near%is_known) cycle
-         call run_experiment(coarser(longer, factor), listener, far, error)
-         if (allocated(error)) return
-         bars%inlet = inlet_change_t(far%is_known, near%summary, far%summary)
-         if (far%is_known) return
-      end do
+      if (.not. inlet_error(experiment%contact) > small_loss) return
+      graded = experiment
+      graded%settings%target = 0.0_wp
+      graded%contact%domain%grid = 'graded'
+      call run_experiment(graded, listener, near, error)
+      if (allocated(error) .or. .not. near%is_known) return
+      graded%contact%domain%has_inlet = .false.
+      call choose_domain(graded%contact)
+      call run_experiment(graded, listener, far, error)
+      if (allocated(error)) return
+      bars%inlet = inlet_change_t(far%is_known, near%summary, far%summary)
    end subroutine run_farther
-
-   !> Doubles the length in front of the contact at the same spacing.
-   pure subroutine double_in_front(domain)
-      type(domain_t), intent(inout) :: domain
-
-      domain%x_inlet = 2*domain%x_inlet - domain%x_outlet
-      domain%intervals = 2*domain%intervals
-   end subroutine double_in_front
-
-   !> Doubles the domain of `contact` until its inlet lies as far out as a chosen one, and takes the
-   !> kind of that; `is_out`: it does, within `max_doublings` and `max_intervals`.
-   pure subroutine reach_out(contact, max_intervals, is_out)
-      type(line_contact_t), intent(inout) :: contact
-      integer, intent(in) :: max_intervals
-      logical, intent(out) :: is_out
-      type(line_contact_t) :: chosen
-      integer :: doubling
-
-      chosen = contact
-      chosen%domain%has_inlet = .false.
-      chosen%domain%inlet = 'auto'
-      call choose_inlet(chosen)
-      contact%domain%inlet = chosen%domain%inlet
-      do doubling = 1, max_doublings
-         is_out = contact%domain%x_inlet <= chosen%domain%x_inlet
-         if (is_out .or. contact%domain%intervals > max_intervals/2) return
-         call double_in_front(contact%domain)
-      end do
-      is_out = contact%domain%x_inlet <= chosen%domain%x_inlet
-   end subroutine reach_out
 
    !> Runs a steady case solved with kappa also with upwind2, on its grid and the coarser ones of
    !> the nested start.

@@ -7,7 +7,6 @@ module steady_target
    use ehl_line_steady, only: solve_steady
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
-   use graded_contact, only: solve_graded_contact
    use grid_estimates, only: estimated_error, copy_coarser
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
@@ -38,8 +37,7 @@ module steady_target
 
 contains
 
-   !> Solves one contact on a graded grid if its domain says so, or else as `solve_ehl_line` does.
-   !> With `settings%target` the grid of a steady
+   !> Solves one contact as `solve_ehl_line` does. With `settings%target` the even grid of a steady
    !> contact is chosen for that accuracy of h_min, and so is its inlet unless given: then the
    !> accuracy is that on the given domain.
    subroutine solve_contact(contact, settings, time, listener, state, report, error)
@@ -51,10 +49,8 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
 
-      if (contact%domain%grid == 'graded') then
-         call solve_graded_contact(contact, settings, listener, state, report, &
-            error)   ! error: the caller looks
-      else if (settings%target > 0.0_wp .and. .not. time%is_transient) then
+      if (settings%target > 0.0_wp .and. .not. time%is_transient &
+         .and. contact%domain%grid /= 'graded') then
          call solve_ehl_line(contact, settings, time, listener, state, report, error, &
             solve_to_accuracy)   ! error: the caller looks
       else

@@ -4,7 +4,6 @@ module cycle_control
    use fas_cycle, only: cycle_from
    use film_equation, only: carried_load, elastic_film, evaluate_deflection, load_defect
    use film_state, only: film_state_t, is_finite
-   use inlet_tail, only: close_inlet, tail_of
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_hierarchy, only: count_work, is_newton, line_hierarchy_t, method_block_jacobi, &
@@ -51,7 +50,7 @@ module cycle_control
    type :: residual_t
       !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0.
       real(wp) :: reynolds = huge(1.0_wp)
-      !> |dX sum P - pi/2|, with the load of the tail of this state.
+      !> |dX sum P - pi/2|.
       real(wp) :: load = huge(1.0_wp)
       !> Round-off floor of `reynolds`, see `round_off`.
       real(wp) :: floor = 0.0_wp
@@ -107,7 +106,6 @@ contains
             call find_obstacle(hierarchy, before, residual, course, cycle, report%reason)
             if (is_stopped(listener)) report%reason = 'stopped from outside'
             if (len(report%reason) > 0) exit
-            call close_inlet(level)
          end do
          if (report%converged) then
             report%reason = 'converged'
@@ -121,8 +119,7 @@ contains
 
    !> Reason to stop after `cycle`; empty if cycles continue. A state that is not finite is replaced
    !> by the one before. Newton steps at round-off show that no step will help: at nodes near the
-   !> exit the linear system and the conditions P >= 0, r <= 0 disagree (an inlet tail lags a step
-   !> behind).
+   !> exit the linear system and the conditions P >= 0, r <= 0 disagree.
    subroutine find_obstacle(hierarchy, before, residual, course, cycle, reason)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(film_state_t), intent(in) :: before
@@ -141,8 +138,7 @@ contains
          end if
          if (cycle - course%near_cycle >= lost_cycles .and. course%last >= course%lost) reason = &
             'divergence: the residual has grown to '//to_text(course%last, 2)
-         is_still = is_newton(choice) .and. hierarchy%newton%last_step < still_step &
-            .and. .not. level%has_tail
+         is_still = is_newton(choice) .and. hierarchy%newton%last_step < still_step
          if (len(reason) > 0 .or. cycle - course%progress_cycle < merge(2, choice%patience, &
             is_still)) return
          if (.not. residual%film_is_open) then
@@ -204,7 +200,6 @@ contains
       type(line_level_t), intent(inout) :: level
       type(residual_t), intent(out) :: residual
       logical, intent(in), optional :: film_is_exact
-      real(wp) :: tail_pressure, tail_load
       logical :: is_at_hand
 
       is_at_hand = .false.
@@ -219,10 +214,6 @@ contains
       if (.not. residual%film_is_open) return
       level%state%film = level%work%nodes
       call evaluate_reynolds(level)
-      if (level%has_tail) then
-         call tail_of(level, tail_pressure, tail_load)
-         residual%load = abs(contact_load - tail_load - carried_load(level))
-      end if
       level%work%nodes = (level%operator - level%rhs_reynolds)/level%lambda
       level%work%nodes(0) = 0.0_wp
       level%work%nodes(level%n) = 0.0_wp

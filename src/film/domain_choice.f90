@@ -13,9 +13,6 @@
 !> sensitivity of the film to the load: r^2 for a Newtonian oil. The film of an oil that sliding
 !> thins in the inlet falls with the load as between rigid bodies, so r^2 becomes r^2 + (1 - r^2) (1
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
-!>
-!> With a tail in front of the inlet (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes
-!> (docs/decisions.md).
 module domain_choice
    use constants, only: pi
    use kinds, only: wp
@@ -35,16 +32,10 @@ module domain_choice
    !> Largest spacing with a positive discrete film: about dX <= 0.3 sqrt(H_c) (see
    !> `intervals_for_film`).
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
-   !> Largest share by which a chosen inlet starves the film: with P = 0, and with a cheaper tail.
-   real(wp), parameter :: default_inlet_error = 1.0e-3_wp, default_tail_error = 1.0e-4_wp
-   !> An inlet with a tail that starves the film by a share e changes the largest pressure by up to
-   !> this factor times e min(1, H_c) (docs/decisions.md).
-   real(wp), parameter :: pressure_behind_tail = 6.0_wp
+   !> Largest share by which a chosen inlet starves the film.
+   real(wp), parameter :: default_inlet_error = 1.0e-3_wp
    !> Viscosity at which sliding thins the oil where the pressure builds up [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp
-   !> Smooth contacts get a tail if it shortens the domain by this factor: it takes one or two more
-   !> cycles.
-   real(wp), parameter :: least_shortening = 1.3_wp
    !> Margin of an outlet behind waves, and its largest distance from the end of the contact
    !> relative to smooth surfaces.
    real(wp), parameter :: wave_margin = 1.1_wp, max_widening = 3.0_wp
@@ -92,7 +83,6 @@ contains
          if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + width)
          domain%may_lengthen = domain%may_lengthen .or. .not. domain%has_outlet
          domain%has_outlet = .true.
-         domain%inlet = 'zero'
          if (domain%has_inlet) return
          domain%x_inlet = -(1 + far_reach*width)
          domain%has_inlet = .true.
@@ -110,7 +100,6 @@ contains
          domain%has_outlet = present(x_outlet) .or. .not. domain%may_lengthen
          if (present(x_outlet)) domain%x_outlet = x_outlet
          domain%has_inlet = .not. domain%inlet_is_chosen
-         if (domain%front_is_chosen) domain%inlet = 'auto'
          if (domain%intervals_are_chosen) domain%intervals = 0
       end associate
       call choose_domain(contact, target)
@@ -127,43 +116,22 @@ contains
          1 + max_widening*(smooth - 1)))
    end function chosen_outlet
 
-   !> Chooses the inlet and what lies in front of it, unless given; `target` as above. The outlet
-   !> must be known.
+   !> Chooses the inlet, unless given; `target` as above.
    pure subroutine choose_inlet(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
-      real(wp) :: tolerance, width
+      real(wp) :: tolerance
 
       tolerance = default_inlet_error
       if (present(target)) then
          if (target > 0.0_wp) tolerance = min(tolerance, 0.125_wp*target)
       end if
-      width = sqrt(2*newtonian_film(contact))
       associate (domain => contact%domain)
-         if (domain%inlet == 'auto') then
-            domain%front_is_chosen = .true.
-            domain%inlet = 'zero'
-            if (finest_wave(contact) >= huge(1.0_wp) .and. .not. domain%has_inlet) then
-               if (domain%x_outlet + distance('zero') > least_shortening*(domain%x_outlet &
-                  + distance('tail'))) domain%inlet = 'tail'
-            end if
-         end if
          if (domain%has_inlet) return
-         domain%x_inlet = -distance(domain%inlet)
+         domain%x_inlet = -(1 + sqrt(2*newtonian_film(contact))*inlet_reach(contact, tolerance))
          domain%has_inlet = .true.
          domain%inlet_is_chosen = .true.
       end associate
-
-   contains
-
-      !> Distance of an `inlet` of this kind from X = 0.
-      pure real(wp) function distance(inlet)
-         character(*), intent(in) :: inlet
-
-         distance = 1 + width*inlet_reach(contact, inlet, &
-            merge(min(tolerance, default_tail_error), tolerance, inlet == 'tail'))
-      end function distance
-
    end subroutine choose_inlet
 
    !> Chooses the intervals of the contact's domain: for 1 % in the central film, and for its waves.
@@ -178,17 +146,12 @@ contains
       end associate
    end subroutine choose_intervals
 
-   !> c of an `inlet` of this kind at X = -(1 + c S) that starves the film by the share `tolerance`.
-   pure function inlet_reach(contact, inlet, tolerance) result(reach)
+   !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`.
+   pure function inlet_reach(contact, tolerance) result(reach)
       type(line_contact_t), intent(in) :: contact
-      character(*), intent(in) :: inlet
       real(wp), intent(in) :: tolerance
       real(wp) :: reach, rigid_share, load_effect, b_squared, ratio
 
-      if (inlet == 'tail') then
-         reach = 4*(default_tail_error/tolerance)**0.25_wp
-         return
-      end if
       rigid_share = rigid_film(contact%moes_m_sum)/newtonian_film(contact)
       ! 1 - 1/S^2 where the pressure builds up: 0 if sliding does not thin the oil, up to 1
       b_squared = (inlet_viscosity*sliding_number(contact%fluid)/newtonian_film(contact))**2
@@ -211,7 +174,7 @@ contains
       upper = log(100.0_wp)
       do i = 1, 40
          error = exp(0.5_wp*(lower + upper))
-         if (inlet_reach(contact, contact%domain%inlet, error) > reach) then
+         if (inlet_reach(contact, error) > reach) then
             lower = log(error)
          else
             upper = log(error)
@@ -234,12 +197,8 @@ contains
 
       film = newtonian_film(contact)
       associate (x => contact%domain%x_inlet)
-         if (contact%domain%inlet == 'tail') then
-            error = pressure_behind_tail*min(inlet_error(contact), 1.0_wp)*min(1.0_wp, film)
-         else
-            missing = 4*contact%lambda/(pi*max(x**2 - 1, tiny(1.0_wp)))
-            error = (1 + 2*rigid_film(contact%moes_m_sum)/film)*min(missing, 1.0_wp)
-         end if
+         missing = 4*contact%lambda/(pi*max(x**2 - 1, tiny(1.0_wp)))
+         error = (1 + 2*rigid_film(contact%moes_m_sum)/film)*min(missing, 1.0_wp)
       end associate
    end function inlet_pressure_error
 

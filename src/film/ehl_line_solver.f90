@@ -5,6 +5,7 @@ module ehl_line_solver
    use ehl_line_transient, only: march
    use errors, only: error_t
    use film_breakdown, only: check_breakdown
+   use graded_contact, only: solve_graded_contact
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
@@ -38,7 +39,8 @@ module ehl_line_solver
 
 contains
 
-   !> Solves one contact on its grid, or where `find_steady` is given on the one that finds. Steady:
+   !> Solves one contact on its grid, or where `find_steady` is given on the one that finds; on a
+   !> graded grid by `solve_graded_contact`. Steady:
    !> with the surfaces at rest where they are. Transient: from the smooth steady contact.
    !> `contact%domain` is completed where the user left it open; an outlet of the program that cuts
    !> the steady film off is moved out. The listener is told every cycle of the steady solution and
@@ -62,6 +64,11 @@ contains
       real(wp) :: start, begin
       logical :: is_resumed
 
+      if (contact%domain%grid == 'graded') then
+         call solve_graded_contact(contact, settings, listener, state, report, &
+            error)   ! error: the caller looks
+         return
+      end if
       start = wall_seconds()
       is_resumed = allocated(time%resume_from)
       if (is_resumed) report = time%resume_from%report

@@ -72,7 +72,6 @@ contains
          coarse%posed%start_pressure(:) = coarse%state%pressure
          coarse%posed%start_film(:) = coarse%state%film
          coarse%inverse_time_step = fine%inverse_time_step
-         coarse%has_tail = .false.
          coarse%rhs_load = carried_load(coarse) + load_defect(fine)
          call evaluate_deflection(fine)
          fine%work%nodes = elastic_film(fine) - fine%state%film

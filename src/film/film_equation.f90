@@ -2,8 +2,7 @@
 !> of the coarse problem, `rhs_film`. K is that of the level: zero for rigid bodies.
 !>
 !> Force balance (2.60) by the trapezoidal rule, P = 0 at both ends: dX sum P = `rhs_load`, which is
-!> pi/2 less the load of a tail in front of the inlet (module inlet_tail), or on a coarse grid the
-!> load of the coarse problem.
+!> pi/2, or on a coarse grid the load of the coarse problem.
 module film_equation
    use kinds, only: wp
    use line_level, only: line_level_t, thinnest_film

@@ -144,7 +144,7 @@ contains
 
    !> Contribution of the oil in front of the domain; `flow` is about the mass flux.
    !>
-   !> The gap is that of the bodies with the far field of the load, as in module inlet_tail, the
+   !> The gap is that of the bodies with the far field of the load, the
    !> pressure low: H S dP/dX = lambda mu (H - flow)/H^2, mu = 1/(1 - alpha_bar Q) with the reduced
    !> pressure Q. It falls only as 1/X_a: forces need a longer inlet than films (N. Biboulet and L.
    !> Houpert, Proc. IMechE J 224, 2010, 765).

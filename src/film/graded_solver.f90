@@ -357,6 +357,7 @@ contains
       width = merge(1.0_wp, 1 + 0.7_wp*width, width < 0.7_wp)
       start%x = x
       start%pressure = sqrt(max(1 - (x/width)**2, 0.0_wp))
+      start%pressure([1, size(x)]) = 0.0_wp
       start%pressure = 0.5_wp*pi/dot_product(line%weights, start%pressure)*start%pressure
       call set_pressure(line, start%pressure, 0.0_wp)
       associate (h => line%state%film)

@@ -278,7 +278,6 @@ contains
 
       call set_plain_problem(level, 0*level%x)
       if (with_roughness) level%rhs_film = level%rhs_film - roughness_at(contact, level, 0.0_wp)
-      level%has_tail = contact%domain%inlet == 'tail'
    end subroutine pose_level
 
    !> Whether the method is Newton's on the finest level, after which the film is that of pressure

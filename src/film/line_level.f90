@@ -71,8 +71,6 @@ module line_level
       logical :: is_kappa = .false.
       !> 1/dT of the time step, 0 in the steady problem.
       real(wp) :: inverse_time_step = 0.0_wp
-      !> Pressure and load in front of the grid are those of module inlet_tail.
-      logical :: has_tail = .false.
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = contact_load

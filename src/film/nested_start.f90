@@ -170,9 +170,6 @@ contains
          level%state%rigid_displacement = coarse%state%rigid_displacement
          call prolong_cubic(coarse%state%pressure, level%state%pressure)
          call place_exit(coarse, level)
-         level%has_tail = coarse%has_tail
-         if (level%has_tail) level%rhs_load = coarse%rhs_load &
-            - 0.5_wp*level%dx*level%state%pressure(0)
          do pass = 0, max_smoothings
             call set_film(level)
             if (.not. thins(level%fluid)) exit
@@ -226,8 +223,6 @@ contains
          else
             level%state%pressure = line_pressure(level%x)
          end if
-         level%has_tail = contact%domain%inlet == 'tail'
-         if (level%has_tail) level%rhs_load = contact_load
          level%state%pressure(0) = 0.0_wp
          level%state%pressure(level%n) = 0.0_wp
          centre = minloc(abs(level%x(1:level%n - 1)), 1)

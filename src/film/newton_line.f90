@@ -5,7 +5,6 @@
 !> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
    use film_equation, only: load_defect, set_film
-   use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_level, only: line_level_t
    use listener, only: is_stopped, listener_t
@@ -74,7 +73,6 @@ contains
       end if
       do while (newton%steps < max_steps)
          if (is_stopped(listener)) return
-         if (newton%steps > 0) call close_inlet(level)
          call evaluate_jacobian(level, newton%jacobian)
          call prepare_system(newton, level)
          newton%linear%goal = linear_goal(newton%residual, level%lambda, goal)

@@ -38,14 +38,10 @@ module solver_settings
       !> Nodes: 'even', 'graded' (module graded_solver; steady only) or, until `choose_domain`,
       !> 'auto'. The intervals of a graded grid are known when it is solved.
       character(len=word_length) :: grid = 'even'
-      !> In front of the inlet: 'zero', no pressure, or 'tail', computed by module inlet_tail
-      !> (steady only); 'auto': chosen.
-      character(len=word_length) :: inlet = 'zero'
       !> Whether the outlet is the program's, which moves it out if it cuts off the film.
       logical :: may_lengthen = .false.
-      !> Whether the program chose the inlet, what lies in front of it, and the number of intervals.
-      logical :: inlet_is_chosen = .false., front_is_chosen = .false., &
-         intervals_are_chosen = .false.
+      !> Whether the program chose the inlet and the number of intervals.
+      logical :: inlet_is_chosen = .false., intervals_are_chosen = .false.
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).

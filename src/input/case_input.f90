@@ -138,11 +138,9 @@ contains
          domain%x_inlet = values%real_value('domain', 'x_inlet')
          domain%x_outlet = values%real_value('domain', 'x_outlet')
          domain%intervals = values%integer_value('domain', 'intervals')
-         domain%inlet = values%word_value('domain', 'inlet')
          domain%grid = values%word_value('domain', 'grid')
          if (even_reason(values) /= '') domain%grid = 'even'
          time%is_transient = values%logical_value('time', 'transient')
-         if (time%is_transient .and. domain%inlet == 'auto') domain%inlet = 'zero'
          time%end_time = values%real_value('time', 'end_time')
          time%time_step = values%real_value('time', 'time_step')
          time%scheme = values%word_value('time', 'scheme')

@@ -47,8 +47,6 @@ contains
       if (values%problem /= lubricated) return
       call check_solver(values)
       if (.not. values%logical_value('time', 'transient')) return
-      if (values%word_value('domain', 'inlet') == 'tail') call values%refuse('domain', 'inlet', &
-         "found 'tail', expected 'auto' or 'zero' with transient = .true.")
       if (values%has_value('time', 'end_time')) call check_times(values, &
          values%real_value('time', 'end_time'), values%real_value('time', 'time_step'))
    end subroutine validate
@@ -161,7 +159,6 @@ contains
          end associate
       end do
       if (values%has_value('domain', 'intervals')) reason = 'intervals'
-      if (values%word_value('domain', 'inlet') == 'tail') reason = "inlet = 'tail'"
       if (values%word_value('case', 'equations') == 'stokes') reason = "equations = 'stokes'"
    end function even_reason
 

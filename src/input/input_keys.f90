@@ -326,9 +326,6 @@ module input_keys
       key_row_t('domain', 'grid', word_kind, '', "'auto'", &
          'graded: follows the film, steady only; even: that of the thesis; auto: graded for ' &
          //'smooth surfaces without intervals and keys of a method', words='auto even graded'), &
-      key_row_t('domain', 'inlet', word_kind, '', "'auto'", &
-         'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; ' &
-         //'auto: zero with x_inlet given', words='auto zero tail', is_expert=.true.), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
          'grid intervals, 2^k or 3, 5, 7 times that', &
          range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target, &
