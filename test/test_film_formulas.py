@@ -39,7 +39,7 @@ def test_all_rows_are_cases():
 def test_row(asperity, tmp_path, name):
     content, entries = CASES[name]
     write(tmp_path, "a.nml", content or asperity("--template", "ehl_line").stdout)
-    sets = [word for entry in [*entries, "domain.intervals=4096", "case.output=a.h5"] for word in ("--set", entry)]
+    sets = [word for entry in [*entries, "accuracy.target=1e-3", "case.output=a.h5"] for word in ("--set", entry)]
     assert asperity("a.nml", "--quiet", *sets).returncode == 0
     with h5py.File(tmp_path / "a.h5") as file:
         scales, summary = file["scaling"].attrs, file["summary"]
