@@ -40,14 +40,12 @@ contains
       character(:), allocatable :: note
       type(side_runs_t), allocatable :: side_runs
       real(wp) :: seconds
-      logical :: is_open
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
-      ! the solver chooses the grid
-      is_open = case%solver%target > 0.0_wp .and. .not. case%time%is_transient
-      listener%has_coarse_runs = case%solver%wants_coarse_runs &
-         .and. case%contact%domain%grid /= 'graded' .and. (is_open .or. .not. case%solver%target > 0.0_wp)
+      listener%has_coarse_runs = case%solver%wants_coarse_runs .and. .not. &
+         (case%contact%domain%grid == 'graded' &
+         .or. (case%time%is_transient .and. case%solver%target > 0.0_wp))
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
@@ -75,7 +73,6 @@ contains
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
-      if (allocated(listener%grid_errors)) listener%writer%bars%grid_errors = listener%grid_errors
       call keep_coarser(listener)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
@@ -111,10 +108,12 @@ contains
       call settle_tolerance(case%solver)
    end subroutine restore_resolution
 
-   !> Coarser grids that a steady solution has passed need not be run any more.
+   !> Errors of a graded grid are known; coarser grids that a steady solution has passed need not be
+   !> run any more.
    subroutine keep_coarser(listener)
       type(run_observer_t), intent(inout) :: listener
 
+      if (allocated(listener%grid_errors)) listener%writer%bars%grid_errors = listener%grid_errors
       if (.not. (listener%has_coarse_runs .and. allocated(listener%coarser))) return
       if (size(listener%coarser) < 2) return
       call copy_coarser(listener%writer%bars, listener%coarser)

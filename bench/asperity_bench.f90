@@ -11,7 +11,7 @@ program asperity_bench
    use bench_measure, only: job_t, measure, measurement_t
    use errors, only: error_t
    use kinds, only: wp
-   use quantities, only: h_central, h_min, p_max
+   use quantities, only: friction_coefficient, h_central, h_min, p_max
    use text_file, only: read_text_file
    implicit none (type, external)
 
@@ -29,7 +29,7 @@ program asperity_bench
    if (allocated(error)) call stop_with(error%message)
    write (output_unit, '(a)') 'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,'// &
       'cycles,steps,residual,load_error,tolerance,step_residual,fft_pairs,work_units,'// &
-      'processor,h_min,h_central,p_max,difference,reason'
+      'processor,h_min,h_central,p_max,friction_coefficient,difference,reason'
    do while (index(content, marker) == 1)
       next = index(content(2:), marker)
       if (next == 0) next = len(content)
@@ -76,13 +76,13 @@ contains
       end do
       associate (report => outcome%report, first => outcome%first, domain => outcome%contact%domain)
          write (output_unit, '(7a,2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",'// &
-            'es12.5,5(",",es24.16e3),3a)') '"', job%name, '","', report%method, '","', &
+            'es12.5,6(",",es24.16e3),3a)') '"', job%name, '","', report%method, '","', &
             trim(domain%inlet), '"', merge(1, 0, report%converged), domain%intervals, &
             domain%x_inlet, domain%x_outlet, report%numbers%levels, report%cycles, report%steps, &
             report%residual, report%load_error, report%tolerance_effective, first%residual, &
             report%cost%fft_pairs, report%cost%work_units, outcome%processor, &
-            first%summary%of([h_min, h_central, p_max])%value, outcome%difference, &
-            ',"', flat(report%reason), '"'
+            first%summary%of([h_min, h_central, p_max, friction_coefficient])%value, &
+            outcome%difference, ',"', flat(report%reason), '"'
       end associate
    end subroutine print_outcome
 

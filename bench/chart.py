@@ -2,10 +2,10 @@
 """Charts the error of each method against its wall time: steady, in time, heavily loaded.
 
 The error is the true one, against the contact on at least four times the intervals of the finest grid shown (steady: with the
-kappa scheme, whose error is smaller still), to a tolerance far below. Steady panels show the larger of the relative errors of
-h_min and of h at X = 0, the panel in time the largest error in P over all nodes and times. Times are of one core, the least of
-many runs, without planning, input and output; nine tenths of the runs stay below the end of a bar. A star is the setting of the
-thesis. Writes chart.png, .pdf, .csv and conclusion.txt from the same numbers.
+kappa scheme, whose error is smaller still), to a tolerance far below. Steady panels show the relative error of a quantity, of film
+thickness the larger of h_min's and that of h at X = 0; the panel in time the largest error in P over all nodes and times. Times are
+of one core, the least of many runs, without planning, input and output; nine tenths of the runs stay below the end of a bar. A star
+is the setting of the thesis. Writes chart.png, .pdf, .csv and conclusion.txt from the same numbers.
 """
 
 from __future__ import annotations
@@ -46,11 +46,12 @@ KAPPA, KAPPA_SCHEME = "auto, kappa scheme", {"space_scheme": "kappa"}
 THESIS, THESIS_GRID = "thesis's setting", 1024
 THESIS_SOLVER = METHODS["FAS, Block-Jacobi"] | {"pre_sweeps": 10, "post_sweeps": 10, "relaxation": 0.7, "start": "hertz"}
 # The default as a user calls it; with the limits that the same run writes; for a wanted accuracy; with the other time scheme.
-WHOLE, LIMITS, AIMED, EULER = "auto, whole program", "auto, extrapolated", "auto, target given", "auto, backward Euler"
+WHOLE, LIMITS, GRADED, EULER = "auto, whole program", "auto, extrapolated", "graded, target given", "auto, backward Euler"
 LOOKS = {
     **dict(zip(("auto", *list(METHODS)[2:]), style.SERIES, strict=False)),
     LIMITS: {"color": "#d99a00", "linestyle": (0, (1, 0.6)), "marker": "o", "markersize": 4, "markerfacecolor": "white"},
     KAPPA: {"color": "#008080", "linestyle": "-", "linewidth": 1.2, "marker": "d", "markersize": 4.5},
+    GRADED: {"color": "#7b2d8e", "linestyle": "-", "marker": "D", "markersize": 4},
     EULER: {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
     THESIS: {"color": "black", "linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "#ffd700", "zorder": 5},
 }
@@ -59,16 +60,17 @@ LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
 # No line smoother in time: it diverges with the squeeze term.
 IN_TIME = ("auto", "newton_krylov", "FAS, Gauss-Seidel", "FAS, Block-Jacobi", "newton_dense")
 # Errors of the conclusions; wanted accuracies (&accuracy target) for which the program chooses the grid.
-TARGETS, WANTED = (1e-1, 1e-2, 1e-3, 1e-4), (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
+TARGETS, WANTED = (1e-1, 1e-2, 1e-3, 1e-4), (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
+FILMS, FRICTION = ("h_min", "h_central"), "friction_coefficient"
 HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
 # In time, where the curves lie closest, the methods take turns on each grid.
 TURNS = 3
 # Not drawn: what lies on the default, is far slower or has the errors of the default; conclusion.txt has them.
-HIDDEN = ("newton_krylov", "block_jacobi", AIMED, WHOLE)
+HIDDEN = ("newton_krylov", "block_jacobi", WHOLE)
 # In time there are grids of 5/4 of each power of two besides: the reference has all their nodes, and steps are whole numbers.
 REFERENCE_FACTOR, STEP_UNIT = 5, 4
-COLUMNS = ("cycles", "steps", "residual", "fft_pairs", "work_units", "runs", "setup_median", "h_min", "h_central", "p_max")
+COLUMNS = ("cycles", "steps", "residual", "fft_pairs", "work_units", "runs", "setup_median", *FILMS, "p_max", FRICTION)
 
 
 @dataclass
@@ -85,11 +87,12 @@ class Point:
 
 @dataclass
 class Panel:
-    """One contact: its name, the measure of error, and the points by method; `besides` are not compared with the others."""
+    """One contact: its name, the measure of error and its quantities, and the points by method; `besides` are not compared."""
 
     key: str
     title: str
     measure: str
+    names: tuple[str, ...] = FILMS
     curves: dict[str, list[Point]] = field(default_factory=dict)
     besides: dict[str, list[Point]] = field(default_factory=dict)
 
@@ -106,37 +109,34 @@ def new_point(method: str, intervals: int, answer: Answer, error: float, timed: 
     return Point(method, intervals, seconds, error, answer, max(timed["steady_high"] + timed["transient_high"], seconds))
 
 
-def film_error(values: dict[str, float], reference: dict[str, float]) -> float:
-    """The larger one of the relative errors of smallest and central film."""
-    return max(abs(values[name] / reference[name] - 1) for name in ("h_min", "h_central"))
+def error_of(names: tuple[str, ...], values: dict[str, float], reference: dict[str, float]) -> float:
+    """The largest one of the relative errors of these quantities."""
+    return max(abs(values[name] / reference[name] - 1) for name in names)
 
 
-def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
-    """Solves a steady contact by all methods; `text(intervals, solver, accuracy)` makes its namelist."""
+def steady_panels(panels: list[Panel], text: object, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
+    """Solves a steady contact by all methods, for panels of its quantities; `text(intervals, solver, accuracy)` is its namelist."""
     finest = 4 * sizes[-1]
     jobs: list[Job] = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-12} | KAPPA_SCHEME))]
     every = [(m, n) for m in METHODS | {KAPPA: None} for n in sizes if n <= LARGEST.get(m, n)]
     jobs += [job(f"{method}:{n}", text(n, METHODS.get(method, KAPPA_SCHEME)), **effort) for method, n in every]
     jobs += [job(f"bars:{n}", text(n, {}), bars=1, **effort) for n in sizes[2:]]
     jobs += [job(f"target:{target:g}", text(None, {}, {"target": target}), **effort) for target in WANTED]
-    if panel.key == "steady":  # the thesis's contact
+    if panels[0].key == "steady":  # the thesis's contact
         jobs.append(job("thesis", text(THESIS_GRID, THESIS_SOLVER), **effort))
     answers = bench_program.run(jobs)
     reference = answers["reference"]
 
-    def add(curves: dict[str, list[Point]], method: str, answer: Answer, n: int) -> None:
-        if answer.converged:
-            curves.setdefault(method, []).append(new_point(method, n, answer, film_error(answer, reference)))
-
-    for method, n in every:
-        add(panel.curves, method, answers[f"{method}:{n}".replace(" ", "_")], n)
-    if "thesis" in answers:
-        add(panel.besides, THESIS, answers["thesis"], THESIS_GRID)
-    add_whole_program(panel, {n: text(n, {}) for n in sizes}, effort)
-    add_limits(panel, answers, reference)
-    for answer in (answers[f"target:{target:g}"] for target in WANTED):
-        if answer.converged and 4 * answer["intervals"] <= finest:
-            add(panel.curves, AIMED, answer, int(answer["intervals"]))
+    for panel in panels:
+        every_key = [(panel.curves, method, f"{method}:{n}") for method, n in every]
+        every_key += [(panel.curves, GRADED, f"target:{target:g}") for target in WANTED]
+        for curves, method, key in (*every_key, (panel.besides, THESIS, "thesis")):
+            answer = answers.get(key.replace(" ", "_"))
+            if answer and answer.converged:
+                error = error_of(panel.names, answer, reference)
+                curves.setdefault(method, []).append(new_point(method, int(answer["intervals"]), answer, error))
+        add_limits(panel, answers, reference)
+    add_whole_program(panels[0], {n: text(n, {}) for n in sizes}, effort)
     return [answer for answer in answers.values() if not answer.converged]
 
 
@@ -168,11 +168,11 @@ def add_limits(panel: Panel, answers: dict[str, Answer], reference: Answer) -> N
     points = panel.curves.get("auto", [])
     for quarter, half, full in zip(points, points[1:], points[2:], strict=False):
         values = {}
-        for name in ("h_min", "h_central"):
+        for name in panel.names:
             q1, q2, q4 = (point.answer[name] for point in (full, half, quarter))
             order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
             values[name] = q1 + (q1 - q2) / (2**order - 1)
-        n, error = full.intervals, film_error(values, reference)
+        n, error = full.intervals, error_of(panel.names, values, reference)
         panel.curves.setdefault(LIMITS, []).append(new_point(LIMITS, n, full.answer, error, answers[f"bars:{n}"]))
 
 
@@ -267,7 +267,7 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
         times, errors = [p.seconds * 1e3 for p in points], [100 * p.error for p in points]
         axes.loglog(times, errors, label=method, **LOOKS[method])
         axes.hlines(errors, times, [p.high * 1e3 for p in points], color=LOOKS[method]["color"], linewidth=0.6)
-        for point in points if method == "auto" else ():
+        for point in points if method in ("auto", GRADED) else ():
             look = {"fontsize": 7, "textcoords": "offset points", "path_effects": [withStroke(linewidth=1.5, foreground="white")]}
             axes.annotate(str(point.intervals), (point.seconds * 1e3, 100 * point.error), xytext=(4, 2), **look)
     axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
@@ -275,7 +275,7 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
 
 def draw(panels: list[Panel], folder: Path) -> None:
     """The figure of all panels; the last place has the legend."""
-    figure, grid = style.new_figure(style.TWO_COLUMNS, 165, nrows=2, ncols=2)
+    figure, grid = style.new_figure(style.TWO_COLUMNS, 245, nrows=3, ncols=2)
     handles = {}
     for axes, panel in zip(grid.flat, panels, strict=False):
         draw_panel(axes, panel)
@@ -318,6 +318,8 @@ def main() -> int:
     effort = {"runs": 15 if quick else 101, "seconds": 0.5 if quick else 1}
     panels = [
         Panel("steady", "Steady: Case 1 (Eyring)", "film thickness"),
+        Panel("steady_pressure", "Steady: Case 1 (Eyring)", "largest pressure", ("p_max",)),
+        Panel("steady_friction", "Steady: Case 1 (Eyring)", "friction", (FRICTION,)),
         Panel("transient", "In time: ridge, Case 3", "pressure"),
         Panel("heavy", f"Heavily loaded: Barus, M {HEAVY[0]}, L {HEAVY[1]}", "film thickness"),
     ]
@@ -330,9 +332,9 @@ def main() -> int:
 
     last = 256 if quick else 1024
     between = [5 * n // 4 for n in grids(64, last // 2)]
-    failures = steady_panel(panels[0], case_1, grids(32, 1024 if quick else 4096), effort)
-    failures += transient_panel(panels[1], sorted(grids(64, last) + between), effort | {"runs": 3 if quick else 21})
-    failures += steady_panel(panels[2], heavy, grids(128, 2048 if quick else 8192), effort)
+    failures = steady_panels(panels[:3], case_1, grids(32, 1024 if quick else 4096), effort)
+    failures += transient_panel(panels[3], sorted(grids(64, last) + between), effort | {"runs": 3 if quick else 21})
+    failures += steady_panels(panels[4:], heavy, grids(128, 2048 if quick else 8192), effort)
     save(panels, folder / "chart.csv")
     draw(panels, folder)
     conclude(folder / "conclusion.txt", conclusions(panels, failures))

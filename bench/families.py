@@ -33,13 +33,13 @@ def summary(*names: str) -> tuple[str, ...]:
 FILMS, P_MAX = summary("h_min", "h_central"), summary("p_max")
 FIGURES, CENTRAL = FILMS + P_MAX, summary("p_central")
 FRICTION = summary("friction_coefficient", "rolling_friction_coefficient", "rolling_power")
+MOST, OTHERS = FIGURES + CENTRAL + FRICTION[:2], FILMS + CENTRAL + FRICTION
 AREA, DRY = summary("contact_area_fraction"), summary("contact_area_fraction", "mean_separation", "p_max")
 PLASTIC = (*summary("contact_area_fraction", "plastic_area_fraction", "mean_separation"), "sweep/dp_mean")
 DOMAIN, GRID = "error_domain", "error_grid"
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
 ALL = {"is_sample": True}
 NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
-CORNER = {"target": 0.01, "target_p_max": 0.01}
 
 FAMILIES = [
     *(
@@ -53,7 +53,8 @@ FAMILIES = [
         for n in (256, 128)
         for scheme in ("bdf2", "backward_euler")
     ),
-    Family("calm", "calm", "Smooth contacts, chosen domain and grid", FIGURES + CENTRAL, steady.calm),
+    Family("graded", "graded", "Smooth contacts of all kinds, chosen domain and grid", MOST, steady.graded, 300, aim=0.01),
+    Family("graded", "graded_even", "The same beside even grids, kappa scheme", OTHERS, steady.other, 100, is_other=True),
     Family("domain", "outlet", "Given outlets, far ahead of film rupture to far behind it", FILMS, steady.given_outlet, 30, DOMAIN),
     Family("domain", "open", "Domain and grid chosen by the program", FILMS + CENTRAL, steady.open_domain, 40),
     Family("domain", "open_light", "The same, light loads and low Eyring stress", FILMS, steady.light_eyring),
@@ -87,17 +88,13 @@ FAMILIES = [
     Family("dry_target", "target_synthetic_area", "A target: synthetic areas", AREA, dry.synthetic_surface(2)),
     Family("dry_target", "target_open_line", "A target: rough rollers", AREA, dry.synthetic_body(1)),
     Family("dry_target", "target_open_area", "A target: rough balls", AREA, dry.synthetic_body(2)),
-    Family("friction", "friction_eyring", "Friction, Eyring oil, chosen domain and grid", FRICTION, steady.friction_eyring),
-    Family("friction", "friction_newton", "Friction, Newton's oil, chosen domain and grid", FRICTION, steady.friction_newton),
     Family("friction", "friction_given", "Friction, both oils, given domain and grid", FRICTION, steady.friction_given),
     Family("friction", "friction_time", "Friction over a passage, all chosen", FRICTION, in_time.passing, 12),
     Family("kappa", "kappa_spikes", "Spikes by the kappa scheme, given grids", FIGURES, steady.spike, 96, GRID),
     Family("kappa", "wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, steady.wide),
     Family("kappa", "stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, steady.stiff, 48),
-    Family("pressure", "pressure", "Largest pressure, chosen grids", P_MAX, steady.pressure, 60),
     Family("pressure", "pressure_grids", "Largest pressure, grids of 64 to 4096 intervals", P_MAX, steady.pressure_on_a_grid, 60),
-    Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling({}), 60),
-    Family("pressure", "pressure_target", "A target for the largest pressure, the same", P_MAX, steady.rolling(CORNER), 60),
+    Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling, 60),
     Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, in_time.pressure_in_time, 40, GRID),
     Family("shipped", "shipped_film", "Lubricated inputs and template", FIGURES, shipped.members("film"), given=True),
     Family("shipped", "shipped_dry", "Dry elastic inputs", DRY, shipped.members("dry"), given=True),

@@ -1,4 +1,4 @@
-"""Random steady contacts: ordinary ones, domains, pressure spikes, friction; each with its truth.
+"""Random steady contacts: of all kinds, domains, pressure spikes, friction; each with its truth.
 
 The truth of a given domain has the member's spacing and a domain several times as long, so that the grid error cancels and
 `error_domain` is judged alone. Where the program chooses the domain, the truth has a grid and an inlet that serve all members. A
@@ -47,16 +47,32 @@ def sample(fresh: bool, longer: bool) -> Draw:
     every = fresh_contacts() if fresh else contacts(quick=False)
 
     def draw(_: random.Random, i: int) -> Member:
-        name, groups = every[i]
+        name, groups = every[i][0], every[i][1] | {"domain": {"grid": "even"}}
         return Member(groups, finer_sample(groups, LONGER if longer else 1), name=name)
 
     return draw
 
 
-def calm(source: random.Random, _: int) -> Member:
-    """Smooth, over the stated range, on the domain and grid that the program chooses."""
-    m, l = 10 ** source.uniform(0.3, 2.5), source.uniform(3, 20)  # noqa: E741
-    return beside(steel(m, l, source.uniform(0, 1.5), 10 ** source.uniform(6.5, 7.5)), {}, FAR)
+def anything(lightest: float, truth: Groups) -> Draw:
+    """Smooth, M to 2000, L 0.3 to 40, below 4 GPa, of oils of all laws, rolling or sliding; domain and grid left open."""
+
+    def draw(source: random.Random, _: int) -> Member:
+        m = l = math.inf  # noqa: E741
+        while l * math.sqrt(m / (2 * math.pi)) > 4e9 * namelists.OIL_ALPHA:
+            m, l = log_uniform(source, lightest, 2000), source.uniform(0.3, 40)  # noqa: E741
+        roelands = {"roelands_z": source.uniform(0.5, 0.7), "roelands_p0": None}
+        law = {"viscosity_law": "barus"} if source.random() < 0.4 else roelands
+        law["density_law"] = "constant" if source.random() < 0.2 else "dowson_higginson"
+        slide = 0.0 if source.random() < 0.4 else source.uniform(0.05, 2)
+        stress = source.uniform(2e6, 10e6) if source.random() < 0.38 else None
+        groups = steel(m, l, slide, stress, law) | {"output": {"adequacy": False}}
+        return Member(groups, groups | truth)
+
+    return draw
+
+
+graded = anything(0.1, {"accuracy": {"target": 3e-4}})
+other = anything(0.5, {"domain": {"grid": "even"}, "solver": {"space_scheme": "kappa"}, "accuracy": {"target": 1e-4}})
 
 
 def contact(source: random.Random, is_eyring: bool, lightest: float, heaviest: float) -> tuple[float, float, Groups]:
@@ -148,8 +164,8 @@ def stiff(source: random.Random, i: int) -> Member:
     return beside(plane(m, l, LAWS[i % 2]), {}, fine, accuracy={"target": TARGETS[i // 2 % 3]})
 
 
-def pressed(source: random.Random, i: int) -> tuple[Groups, dict]:
-    """A contact anywhere in the (M, L) range, one of three with Eyring's law, and the domain of its truth."""
+def pressure_on_a_grid(source: random.Random, i: int) -> Member:
+    """Anywhere in the (M, L) range, one of three with Eyring's law, on given grids of 64 to 4096 intervals."""
     if i % 6 < 4:
         m, l = 10 ** source.uniform(-0.5, 3.2), source.uniform(0.5, 35)  # noqa: E741
         groups = plane(m, l, LAWS[i % 6])
@@ -160,65 +176,23 @@ def pressed(source: random.Random, i: int) -> tuple[Groups, dict]:
     inlet = -min(1 + 40 * (1 + 3 / m) * math.sqrt(2 * film), FARTHEST)
     # Spikes, of which loads above M = 1 are in danger, need many intervals, light contacts a long domain.
     fine = {"intervals": 2**16 if m > 1 else 2**15, "inlet": "tail", "x_inlet": inlet, "x_outlet": max(1.5, 3 * math.sqrt(1 / m))}
-    return groups, fine
-
-
-def pressure(source: random.Random, i: int) -> Member:
-    """On the domain and grid that the program chooses."""
-    groups, fine = pressed(source, i)
-    return beside(groups, {}, fine)
-
-
-def pressure_on_a_grid(source: random.Random, i: int) -> Member:
-    """On given grids of 64 to 4096 intervals."""
-    groups, fine = pressed(source, i)
     return beside(groups, {"intervals": 2 ** source.randint(6, 12)}, fine)
 
 
-def rolling(target: dict) -> Draw:
+def rolling(source: random.Random, i: int) -> Member:
     """Eyring oils at 0.3 to 3 GPa that slide by 0 to 5 %, on grids that the program chooses: their spikes are corners."""
-
-    def draw(source: random.Random, i: int) -> Member:
-        hertz, l = 10 ** source.uniform(8.48, 9.48), source.uniform(8, 35)  # noqa: E741
-        speed_number = (l / (namelists.OIL_ALPHA * namelists.STEEL_MODULUS)) ** 4
-        m = 2 * math.pi * (hertz / namelists.STEEL_MODULUS) ** 2 / math.sqrt(speed_number)
-        slide = 0.0 if i % 3 == 0 else source.uniform(0, 0.05)
-        groups = steel(m, l, slide, 10 ** source.uniform(6, 7.3), LAWS[i % 4])
-        return beside(groups, {}, far(m, l, 2**17, max(width(m, l), 0.5)), accuracy=target)
-
-    return draw
+    hertz, l = 10 ** source.uniform(8.48, 9.48), source.uniform(8, 35)  # noqa: E741
+    speed_number = (l / (namelists.OIL_ALPHA * namelists.STEEL_MODULUS)) ** 4
+    m = 2 * math.pi * (hertz / namelists.STEEL_MODULUS) ** 2 / math.sqrt(speed_number)
+    slide = 0.0 if i % 3 == 0 else source.uniform(0, 0.05)
+    groups = steel(m, l, slide, 10 ** source.uniform(6, 7.3), LAWS[i % 4])
+    return beside(groups, {}, far(m, l, 2**17, max(width(m, l), 0.5)))
 
 
-def eyring(source: random.Random) -> float:
-    """An Eyring stress [Pa]."""
-    return 10 ** source.uniform(6.0, 7.5)
-
-
-def newtonian(source: random.Random) -> None:
-    """No Eyring stress."""
-    source.random()
-
-
-def either(source: random.Random) -> float | None:
-    """One or the other."""
-    return eyring(source) if source.random() < 0.5 else newtonian(source)
-
-
-def thesis_like(source: random.Random) -> dict:
-    """A window like that of the thesis, or a longer one."""
-    return {"x_inlet": -source.uniform(3.0, 12.0), "x_outlet": 2.0, "intervals": 2 ** source.randint(8, 11)}
-
-
-def friction(loads: tuple[float, float], oils: Callable, domains: Callable = lambda _: {}) -> Draw:
-    """Steel and mineral oil with log10 M between `loads`, L 3 to 20, sliding, at random."""
-
-    def draw(source: random.Random, _: int) -> Member:
-        m, l = 10 ** source.uniform(*loads), source.uniform(3, 20)  # noqa: E741
-        groups = steel(m, l, source.choice((-1, 1)) * source.uniform(0.02, 1.8), oils(source))
-        return beside(groups, domains(source), FAR)
-
-    return draw
-
-
-friction_eyring, friction_newton = friction((-0.5, 2.5), eyring), friction((-0.5, 1.5), newtonian)
-friction_given = friction((0.3, 2.0), either, thesis_like)
+def friction_given(source: random.Random, _: int) -> Member:
+    """Steel and mineral oil, sliding, one of two with Eyring's law, on a window like that of the thesis or a longer one."""
+    m, l = 10 ** source.uniform(0.3, 2.0), source.uniform(3, 20)  # noqa: E741
+    slide = source.choice((-1, 1)) * source.uniform(0.02, 1.8)
+    stress = 10 ** source.uniform(6.0, 7.5) if source.random() < 0.5 else None
+    domain = {"x_inlet": -source.uniform(3.0, 12.0), "x_outlet": 2.0, "intervals": 2 ** source.randint(8, 11)}
+    return beside(steel(m, l, slide, stress), domain, FAR)

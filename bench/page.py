@@ -19,7 +19,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from bench_program import ROOT
-from judge import JUDGED, TIGHT, WITHIN, Row, is_tight, is_within, share
+from families import FAMILIES
+from judge import JUDGED, Row, is_tight, is_within, share
 from stability_cells import NAMES
 
 RESULTS, PAGE, IMAGES = ROOT / "results", ROOT / "docs" / "performance.md", ROOT / "docs" / "images" / "performance"
@@ -77,15 +78,17 @@ def bench_text(path: Path) -> str:
 def families_text(path: Path) -> str:
     """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
     found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
-    numbers = ("value", "estimate", "true_error")
+    numbers = ("value", "estimate", "true_error", "intervals")
     for row in rows(path):
         each = Row(**{key: float(value) if key in numbers else value for key, value in row.items()})
         if each.verdict == JUDGED:
             found[each.family][each.quantity.removeprefix("summary/")].append(each)
+    asked = {family.name: family.asked for family in FAMILIES}
     lines = [f"{'family':26s} {'judged':>6s} {'within [%]':>10s} {'below 10 x [%]':>14s}"]
     for family, quantities in found.items():
         every = [row for own in quantities.values() for row in own]
-        missed = [name for name, own in quantities.items() if share(own, is_within) < WITHIN or share(own, is_tight) < TIGHT]
+        within, tight = asked[family]
+        missed = [name for name, own in quantities.items() if share(own, is_within) < within or share(own, is_tight) < tight]
         shares = f"{100 * share(every, is_within):10.1f} {100 * share(every, is_tight):14.1f}"
         lines.append(f"{family:26s} {len(every):6d} {shares}" + (f"  * {', '.join(missed)}" if missed else ""))
     return fenced("\n".join(lines))

@@ -17,9 +17,7 @@ module graded_contact
    use line_state, only: line_state_t
    use listener, only: listener_t
    use missing_value, only: not_known
-   use quantities, only: friction_coefficient, h_central, h_min, h_min_node, p_central, p_max, &
-      quantity_count, quantity_values, rolling_coefficient, rolling_power_row => rolling_power, &
-      sliding_power, x_cavitation
+   use quantities, only: quantity_count, quantity_values
    use solver_settings, only: solver_settings_t
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
@@ -99,8 +97,8 @@ contains
          if (allocated(state%shear_stress_mean)) state%friction%stress_share = &
             maxval(abs(state%shear_stress_mean)/max(state%pressure, tiny(1.0_wp)), &
             state%pressure > stressed_share*maxval(state%pressure))
-         state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
-            state%pressure, state%film_thickness)
+         state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, &
+            state%x, state%pressure, state%film_thickness)
          state%limits%stress_share = state%friction%stress_share
       end associate
    end subroutine fill_state
@@ -109,32 +107,25 @@ contains
    pure function grid_errors(solution, state) result(errors)
       type(graded_solution_t), intent(in) :: solution
       type(line_state_t), intent(in) :: state
-      real(wp) :: errors(quantity_count), ratio(2), values(2), part
-      integer :: i
+      real(wp) :: errors(quantity_count), values(2), part
+      integer, parameter :: functionals(quantity_count) = [least_film, least_film, middle_film, &
+         top, middle_pressure, 0, sliding, rolling, sliding, rolling_power]
+      integer :: i, j
 
-      associate (bounds => solution%bounds, line => solution%line)
-         errors([h_min, h_min_node, h_central, p_max, p_central]) = bounds([least_film, least_film, &
-            middle_film, top, middle_pressure])
-         ! integrals in the unit of their quantity
-         errors([friction_coefficient, sliding_power]) = bounds(sliding)/max(solution%values( &
-            sliding), tiny(1.0_wp))
-         errors([rolling_coefficient, rolling_power_row]) = bounds([rolling, rolling_power]) &
-            /solution%values([rolling, rolling_power])
-         do i = 1, quantity_count
-            values = quantity_values(i, state%x, state%pressure, state%film_thickness, &
-               state%friction)
-            if (any(i == [friction_coefficient, sliding_power, rolling_coefficient, &
-               rolling_power_row])) errors(i) = errors(i)*abs(values(1))
-            errors(i) = errors(i) + abs(values(1) - values(2))
-         end do
-         ! the film rises there: its error, over the slope, and an element
-         call exit_element(line, i, part)
-         ratio = line%state%film(i - 1:i)
-         values = quantity_values(x_cavitation, state%x, state%pressure, state%film_thickness, &
-            state%friction)
-         errors(x_cavitation) = abs(values(1) - values(2)) + line%spacing(i)*(1 &
-            + bounds(least_film)/abs(ratio(2) - ratio(1)))
-      end associate
+      do i = 1, quantity_count
+         values = quantity_values(i, state%x, state%pressure, state%film_thickness, state%friction)
+         j = functionals(i)
+         errors(i) = abs(values(1) - values(2))
+         if (j > 0) then
+            errors(i) = errors(i) + solution%bounds(j)/solution%values(j)*abs(values(1))
+         else   ! the exit: its element, and the error of a film over its slope
+            associate (line => solution%line)
+               call exit_element(line, j, part)
+               errors(i) = errors(i) + line%spacing(j)*(1 + solution%bounds(least_film) &
+                  /abs(line%state%film(j) - line%state%film(j - 1)))
+            end associate
+         end if
+      end do
    end function grid_errors
 
    !> The `state` at rest of a contact on the even nodes of its domain, for runs there.

@@ -11,7 +11,7 @@
 !> J by the film. quadrature: what the sum for J itself misses. The bound of the error of J is
 !> sum |s| + 2 |sum s|.
 module graded_errors
-   use dense_solve, only: solve_transposed
+   use dense_solve, only: solve_factored
    use graded_line, only: graded_line_t, point_mobility, steep_elements
    use graded_newton, only: factorise, factors_t
    use graded_quantities, only: evaluate_quantities, functional_count, functional_t, &
@@ -35,41 +35,42 @@ contains
       real(wp), intent(out) :: values(functional_count)
       real(wp), allocatable, intent(out) :: shares(:, :)
       type(functional_t) :: list(functional_count)
-      real(wp) :: z(line%n, functional_count), y(0:line%n), by_film(0:line%n), &
-         at_nodes(0:line%n)
+      real(wp) :: z(line%n, functional_count)
+      real(wp), dimension(0:line%n, functional_count) :: y, by_film, at_nodes
       real(wp), dimension(line%n) :: flux_error, lost_load, power_error
-      logical :: is_sound
       integer :: i, j, n, o
 
       n = line%n
       call evaluate_quantities(line, slide_to_roll, list)
       values = list%value
       allocate (shares(n, functional_count), source=0.0_wp)
-      call factorise(line, factors, is_sound)
-      if (.not. is_sound) then
+      if (.not. factors%is_fresh) call factorise(line, factors)
+      if (.not. factors%is_fresh) then
          shares = huge(1.0_wp)
          return
       end if
       call find_sources(line, flux_error, lost_load, power_error)
       do j = 1, functional_count
-         do i = 1, n - 1
-            z(i, j) = list(j)%by_pressure(i) - dot_product(line%kernel(:, i), list(j)%by_film)
-         end do
-         z(n, j) = sum(list(j)%by_film)
+         by_film(:, j) = list(j)%by_film
+         z(:n - 1, j) = list(j)%by_pressure(1:n - 1)
       end do
-      call solve_transposed(factors%matrix, factors%pivots, z)
+      at_nodes = matmul(transpose(line%kernel), by_film)
+      z(:n - 1, :) = z(:n - 1, :) - at_nodes(1:n - 1, :)
+      z(n, :) = sum(by_film, 1)
+      call solve_factored(factors%matrix, factors%pivots, z, is_transposed=.true.)
       do j = 1, functional_count
-         y = 0.0_wp
-         where (.not. line%is_cavitated) y(1:n - 1) = z(:n - 1, j)/line%diagonal
-         by_film = list(j)%by_film
+         y(:, j) = 0.0_wp
+         where (.not. line%is_cavitated) y(1:n - 1, j) = z(:n - 1, j)/line%diagonal
          do i = 1, n - 1
             o = max(-2, -i)
-            by_film(i + o:i + 1) = by_film(i + o:i + 1) - y(i)*line%by_film(o:, i)
+            by_film(i + o:i + 1, j) = by_film(i + o:i + 1, j) - y(i, j)*line%by_film(o:, i)
          end do
-         by_film = by_film/line%weights
-         at_nodes = -matmul(line%kernel, by_film)
-         shares(:, j) = (y(1:) - y(:n - 1))*flux_error + list(j)%quadrature &
-            + (0.5_wp*(at_nodes(1:) + at_nodes(:n - 1)) - z(n, j))*lost_load
+         by_film(:, j) = by_film(:, j)/line%weights
+      end do
+      at_nodes = -matmul(line%kernel, by_film)
+      do j = 1, functional_count
+         shares(:, j) = (y(1:, j) - y(:n - 1, j))*flux_error + list(j)%quadrature &
+            + (0.5_wp*(at_nodes(1:, j) + at_nodes(:n - 1, j)) - z(n, j))*lost_load
       end do
       shares(:, rolling_power) = shares(:, rolling_power) + power_error
       call bound_spike(line, shares)
@@ -97,12 +98,12 @@ contains
          bend_p = second_differences(line, p)
          bend_h = second_differences(line, h)
          bend_p(last + 1:) = 0.0_wp
-         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) - d**2/16*(bend_p(1:) + bend_p(:n - 1)), 0.0_wp)
+         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) - d**2/16*(bend_p(1:) + bend_p(:n - 1)), &
+            0.0_wp)
          film = 0.5_wp*(h(1:) + h(:n - 1)) - d**2/16*(bend_h(1:) + bend_h(:n - 1))
          film = max(film, 0.5_wp*min(h(1:), h(:n - 1)))
          slope = (p(1:) - p(:n - 1) - d**2/24*(bend_p(1:) - bend_p(:n - 1)))/d
-         call point_mobility(line%fluid, pressure, film, slope, e, unused(:, 1), unused(:, 2), &
-            unused(:, 3))
+         call point_mobility(line%fluid, pressure, film, slope, e, unused)
          call fluid_density(line%fluid, pressure, rho)
          flux_error = rho*film - e*slope/line%lambda - line%flux
          lost_load = -d**3/24*(bend_p(1:) + bend_p(:n - 1))
@@ -115,9 +116,9 @@ contains
       end associate
    end subroutine find_sources
 
-   !> Replaces the shares of an unresolved flank in the error of its spike, to which the fluxes of so
-   !> few elements say nothing. There P = P_0 - C sqrt(distance) in front of the top, of which the
-   !> grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
+   !> Replaces the shares of an unresolved flank in the error of its spike, of which the fluxes of
+   !> so few elements tell nothing. There P = P_0 - C sqrt(distance) in front of the top, of which
+   !> the grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
    !> that is the bound.
    pure subroutine bound_spike(line, shares)
       type(graded_line_t), intent(in) :: line
@@ -174,8 +175,8 @@ contains
          length = max(sqrt(line%state%film(summit)**3*exp(-min(ln_mu(1), 600.0_wp)) &
             /line%lambda), line%state%film(summit)*rho_p(1)/rho(1), 1.0e-12_wp)
          spacing = min(line%spacing(max(summit, 1)), line%spacing(min(summit + 1, n)))
-         if (spacing > length .and. p(summit)*sqrt(spacing/length) > crest) &
-            is_marked(max(summit - 1, 1):min(summit + 2, n)) = .true.
+         is_marked(max(summit - 1, 1):min(summit + 2, n)) = spacing > length &
+            .and. p(summit)*sqrt(spacing/length) > crest
       end associate
    end function hidden_spike
 

@@ -7,8 +7,8 @@
 !>
 !> takes rH = rho H by the parabola through three nodes and e by module face_mobility; a = 0, c =
 !> 1/2 in the first element. The same flux leaves an element and enters the next one, whatever their
-!> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (`element_
-!> deflections` of module half_space), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
+!> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (module
+!> half_space), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
 !>
 !> Behind X = 0, where ln mu changes by more than 1 in an element, and in two elements on either
 !> side, the scheme is the safe one: a = -h/(2 k), c = 0, and the mean of e at both nodes. A
@@ -212,7 +212,7 @@ contains
    !> with the slope of P in the element.
    pure subroutine take_safe_mobility(line)
       type(graded_line_t), intent(inout) :: line
-      real(wp), dimension(line%n) :: slope, e, by_p, by_h, by_slope
+      real(wp) :: slope(line%n), e(line%n), by(line%n, 3)
       integer :: side
 
       associate (p => line%state%pressure, h => line%state%film, n => line%n, &
@@ -225,30 +225,28 @@ contains
          end where
          do side = 0, 1
             call point_mobility(line%fluid, p(side:n - 1 + side), h(side:n - 1 + side), slope, &
-               e, by_p, by_h, by_slope)
-            by_slope = 0.5_wp*by_slope/line%spacing
+               e, by)
+            by(:, 3) = by(:, 3)/line%spacing
             where (is_safe)
                mean = mean + 0.5_wp*e
-               slopes%by_p_left = slopes%by_p_left - by_slope
-               slopes%by_p_right = slopes%by_p_right + by_slope
+               slopes%by_p_left = slopes%by_p_left + 0.5_wp*((1 - side)*by(:, 1) - by(:, 3))
+               slopes%by_p_right = slopes%by_p_right + 0.5_wp*(side*by(:, 1) + by(:, 3))
             end where
             if (side == 0) then
-               where (is_safe) slopes%by_p_left = slopes%by_p_left + 0.5_wp*by_p
-               where (is_safe) slopes%by_h_left = 0.5_wp*by_h
+               where (is_safe) slopes%by_h_left = 0.5_wp*by(:, 2)
             else
-               where (is_safe) slopes%by_p_right = slopes%by_p_right + 0.5_wp*by_p
-               where (is_safe) slopes%by_h_right = 0.5_wp*by_h
+               where (is_safe) slopes%by_h_right = 0.5_wp*by(:, 2)
             end if
          end do
       end associate
    end subroutine take_safe_mobility
 
    !> Mobility e = rho H^3 S/mu at points (m) with the pressure `p`, the film `h` and the slope
-   !> dP/dX, and its derivatives by them.
-   pure subroutine point_mobility(fluid, p, h, slope, e, by_p, by_h, by_slope)
+   !> dP/dX, and its derivatives `by` them (m, 3).
+   pure subroutine point_mobility(fluid, p, h, slope, e, by)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: p(:), h(:), slope(:)
-      real(wp), intent(out), contiguous :: e(:), by_p(:), by_h(:), by_slope(:)
+      real(wp), intent(out), contiguous :: e(:), by(:, :)
       real(wp), dimension(block_size) :: ln_mu, mu_p, rho, rho_p
       type(slip_t) :: slip
       integer :: first, last, m
@@ -262,9 +260,9 @@ contains
             *slope(first:last), 1/h(first:last), ln_mu(:m), .true., slip)
          e(first:last) = rho(:m)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) &
             - ln_mu(:m), largest_exponent))
-         by_p(first:last) = e(first:last)*(rho_p(:m)/rho(:m) + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
-         by_h(first:last) = e(first:last)*(3 + slip%by_ln_film(:m))/h(first:last)
-         by_slope(first:last) = e(first:last)*slip%by_drive(:m)*h(first:last)
+         by(first:last, 1) = e(first:last)*(rho_p(:m)/rho(:m) + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
+         by(first:last, 2) = e(first:last)*(3 + slip%by_ln_film(:m))/h(first:last)
+         by(first:last, 3) = e(first:last)*slip%by_drive(:m)*h(first:last)
       end do
    end subroutine point_mobility
 

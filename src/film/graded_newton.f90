@@ -6,7 +6,7 @@
 !> newton_line); and 0.4 of the plain one.
 module graded_newton
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use dense_solve, only: solve_dense
+   use dense_solve, only: solve_dense, solve_factored
    use errors, only: error_t
    use film_state, only: film_state_t
    use graded_line, only: evaluate, graded_line_t, point_mobility, set_pressure
@@ -29,11 +29,17 @@ module graded_newton
    !> Share of the norm below which the plain step is good enough, or after it the bent one; length
    !> of the short one.
    real(wp), parameter :: good_plain = 0.5_wp, good_bent = 0.9_wp, short = 0.4_wp
+   !> Factors are kept that reduce the error to this share.
+   real(wp), parameter :: fresh_share = 1.0e-2_wp
+   !> Error of a state from which an earlier one of the same call is close enough for its adjoints.
+   real(wp), parameter :: close = 1.0e-7_wp
    !> Least length of a step, and size of a full one that has reached round-off.
    real(wp), parameter :: least_length = 1.0e-9_wp, round_off = 1.0e-11_wp
 
-   !> Factors of the matrix (n, n): the last row is the load, the last column H0.
+   !> Factors of the matrix (n, n): the last row is the load, the last column H0. `is_fresh`: of the
+   !> present state, or one close to it.
    type :: factors_t
+      logical :: is_fresh = .false.
       real(wp), allocatable :: matrix(:, :)
       integer, allocatable :: pivots(:)
    end type factors_t
@@ -47,8 +53,8 @@ module graded_newton
 contains
 
    !> Solves the equations from the line's present pressure until their `error` is below `tolerance`
-   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. `is_sound`: no
-   !> system was singular, and a step was found.
+   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. Fresh factors
+   !> are kept while they serve. `is_sound`: no system was singular, and a step was found.
    subroutine solve_graded_newton(line, tolerance, max_steps, factors, steps, is_sound)
       type(graded_line_t), intent(inout) :: line
       real(wp), intent(in) :: tolerance
@@ -56,7 +62,8 @@ contains
       type(factors_t), intent(inout) :: factors
       integer, intent(out) :: steps
       logical, intent(out) :: is_sound
-      real(wp) :: step(line%n), before(0:line%n)
+      real(wp) :: step(line%n, 1), before(0:line%n), error
+      logical :: was_cavitated(line%n - 1)
       type(trial_t) :: best
 
       steps = 0
@@ -64,29 +71,37 @@ contains
       if (.not. is_sound) return
       call evaluate(line)
       do while (line%error >= tolerance .and. steps < max_steps)
-         step = [line%pull, line%load_defect]
-         call factorise(line, factors, is_sound, step)
-         if (is_sound) is_sound = all(ieee_is_finite(step))
+         step(:, 1) = [line%pull, line%load_defect]
+         if (factors%is_fresh) then
+            call solve_factored(factors%matrix, factors%pivots, step, is_transposed=.false.)
+         else
+            call factorise(line, factors, step)
+         end if
+         is_sound = factors%is_fresh .and. all(ieee_is_finite(step))
          if (.not. is_sound) return
          before = line%state%pressure
-         call choose_step(line, step, best)
+         was_cavitated = line%is_cavitated
+         error = line%error
+         call choose_step(line, step(:, 1), best)
          is_sound = allocated(best%pressure)
          if (.not. is_sound) return
          call set_pressure(line, best%pressure, best%rigid_displacement)
          call evaluate(line)
          steps = steps + 1
+         factors%is_fresh = line%error < fresh_share*error .and. all(was_cavitated &
+            .eqv. line%is_cavitated)
          if (best%length >= 1.0_wp .and. maxval(abs(line%state%pressure - before)) &
             <= round_off*maxval(before)) exit
       end do
+      factors%is_fresh = factors%is_fresh .and. line%error < close
    end subroutine solve_graded_newton
 
    !> Fills and factorises the matrix of the line's last evaluation; solves with the right side
-   !> `step` (n), if present.
-   subroutine factorise(line, factors, is_sound, step)
+   !> `step` (n, 1), if present. The factors are not fresh if it is singular.
+   subroutine factorise(line, factors, step)
       type(graded_line_t), intent(in) :: line
       type(factors_t), intent(inout) :: factors
-      logical, intent(out) :: is_sound
-      real(wp), intent(inout), contiguous, optional :: step(:)
+      real(wp), intent(inout), contiguous, optional :: step(:, :)
       real(wp) :: unused(line%n)
       type(error_t), allocatable :: error
 
@@ -98,11 +113,11 @@ contains
       call fill_matrix(line, factors%matrix)
       unused = 0.0_wp
       if (present(step)) then
-         call solve_dense(factors%matrix, step, factors%pivots, error)
+         call solve_dense(factors%matrix, step(:, 1), factors%pivots, error)
       else
          call solve_dense(factors%matrix, unused, factors%pivots, error)
       end if
-      is_sound = .not. allocated(error)
+      factors%is_fresh = .not. allocated(error)
    end subroutine factorise
 
    !> Rows 1..n-1: -dr/dP and -dr/dH0 with the film that follows, over the diagonal (identity where
@@ -213,13 +228,14 @@ contains
    pure subroutine bend_step(line, step)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(inout) :: step(:)
-      real(wp), dimension(line%n - 1) :: bent, by_film, by_slope, change, e, flow, rate, slope
+      real(wp), dimension(line%n - 1) :: bent, change, e, flow, rate, slope
+      real(wp) :: by(line%n - 1, 3)
 
       associate (p => line%state%pressure, h => line%state%film(1:line%n - 1), n => line%n, &
          x => line%x)
          slope = (p(2:) - p(:n - 2))/(x(2:) - x(:n - 2))
-         call point_mobility(line%fluid, p(1:n - 1), h, slope, e, rate, by_film, by_slope)
-         rate = -rate/e
+         call point_mobility(line%fluid, p(1:n - 1), h, slope, e, by)
+         rate = -by(:, 1)/e
          change = rate*step(:n - 1)
          flow = log(max(e/(line%lambda*min(line%spacing(2:), line%spacing(:n - 1)) &
             *flowing_share*line%diagonal), tiny(1.0_wp)))

@@ -103,14 +103,15 @@ contains
    !> The error from which elements are halved.
    pure real(wp) function threshold(errors, worst)
       real(wp), intent(in) :: errors(:, :), worst(:)
-      real(wp) :: bounds(2)
-      integer :: i
+      real(wp) :: bounds(2), sums(size(errors, 2))
+      integer :: i, j
 
       threshold = max(least_share/(size(worst) + 1), min(share_of_largest*maxval(worst), 2.0_wp))
       bounds = [0.0_wp, 2*maxval(worst)]
-      do i = 1, 60   ! the largest threshold that leaves all sums small enough
-         if (maxval(sum(errors, 1) - gain*sum(errors, 1, spread(worst >= sum(bounds)/2, 2, &
-            size(errors, 2)))) < enough) then
+      do i = 1, 30   ! the largest threshold that leaves all sums small enough
+         sums = [(sum(errors(:, j)) - gain*sum(errors(:, j), worst >= sum(bounds)/2), j=1, &
+            size(sums))]
+         if (maxval(sums) < enough) then
             bounds(1) = sum(bounds)/2
          else
             bounds(2) = sum(bounds)/2

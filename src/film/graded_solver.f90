@@ -60,7 +60,7 @@ module graded_solver
       type(graded_line_t), allocatable :: line
       !> Quantities (module graded_quantities) and bounds of their errors.
       real(wp) :: values(functional_count) = 0.0_wp, bounds(functional_count) = 0.0_wp
-      !> A spike is not resolved any further; it has no bound, and the largest pressure is not known.
+      !> A spike is not resolved any further; it has no bound, the largest pressure is not known.
       logical :: is_limited = .false., is_lost = .false.
       !> Grids, Newton steps, nodes times Newton steps.
       integer :: grids = 0, steps = 0
@@ -75,6 +75,9 @@ module graded_solver
       !> Largest pressure of the first grid; least spacings in front of X = 0 and behind it.
       real(wp) :: first_top = 0.0_wp, least_front = 0.0_wp, least_behind = 0.0_wp
       integer :: failures = 0
+      !> Accuracy of the present grid, and most Newton steps.
+      real(wp) :: tolerance = way_tolerance
+      integer :: max_steps = first_steps
       !> The safe scheme is kept; the present grid is the last.
       logical :: is_safe = .false., is_done = .false.
    end type rounds_t
@@ -123,7 +126,7 @@ contains
             [report%residual, report%load_error])
          call advance(contact, x, rounds, solution, is_sound)
          if (.not. is_sound) then
-            report%reason = 'Newton''s method fails on '//to_text(size(x))//' nodes'
+            report%reason = "Newton's method fails on "//to_text(size(x))//' nodes'
             deallocate (solution%line)
             return
          end if
@@ -137,62 +140,66 @@ contains
       type(rounds_t), intent(inout) :: rounds
       type(graded_solution_t), intent(inout) :: solution
       real(wp), allocatable, intent(out) :: x(:)
-      real(wp), allocatable :: shares(:, :), errors(:, :)
+      real(wp), allocatable :: shares(:, :)
       real(wp) :: goals(functional_count)
       logical :: counts(functional_count), is_marked(solution%line%n)
       integer :: j
 
-      associate (line => solution%line)
-         call estimate_errors(line, contact%slide_to_roll, rounds%factors, solution%values, shares)
-         solution%bounds = [(error_bound(shares(:, j)), j=1, functional_count)]
-         associate (values => solution%values, bounds => solution%bounds)
-            goals = target*abs(values)
-            goals(spike) = max(target*values(top), spike_share*(values(top) - values(spike)))
-            if (.not. solution%is_limited) then
-               solution%is_lost = maxval(line%state%pressure) > unbounded_growth*rounds%first_top
-               if (solution%is_lost .or. (bounds(top) > goals(top) .and. is_at_end(line, rounds))) &
-                  call limit(rounds, solution)
-            end if
-            counts = abs(values) > 0.0_wp   ! known
-            counts(rolling_power) = .false.   ! a spike holds most of it
-            if (solution%is_limited) then
-               counts([top, spike]) = .false.
-               counts(sliding) = counts(sliding) .and. thins(line%fluid)
-               solution%is_lost = solution%is_lost .or. .not. bounds(top) < widest_bar*values(top)
-            end if
-            is_marked = hidden_spike(line) .and. .not. solution%is_limited
-            rounds%is_done = all(bounds < goals .or. .not. counts) .and. .not. any(is_marked)
-            allocate (errors(line%n, functional_count))
-            do j = 1, functional_count
-               errors(:, j) = 0.0_wp
-               if (counts(j)) errors(:, j) = abs(shares(:, j))/sum(abs(shares(:, j)))*bounds(j) &
-                  /goals(j)
-            end do
-            if (solution%is_lost) bounds([top, spike]) = not_known()
-            if (solution%is_limited .and. .not. thins(line%fluid)) bounds(sliding) = not_known()
-            if (values(spike) > 0.0_wp) then   ! it might pass the crest
-               bounds(top) = max(bounds(top), values(spike) + bounds(spike) - values(top))
-            end if
-         end associate
-         if (.not. rounds%is_done) then
-            call refined_nodes(line%x, errors, is_marked, merge(rounds%least_behind, &
-               rounds%least_front, line%x(1:) > 0.0_wp), x, rounds%is_done)
-         end if
+      associate (line => solution%line, values => solution%values, bounds => solution%bounds)
+         call estimate_errors(line, contact%slide_to_roll, rounds%factors, values, shares)
+         bounds = [(error_bound(shares(:, j)), j=1, functional_count)]
+         goals = target*abs(values)
+         goals(spike) = max(target*values(top), spike_share*(values(top) - values(spike)))
+         if (.not. solution%is_limited) call judge_spike(bounds(top) > goals(top), rounds, solution)
+         counts = abs(values) > 0.0_wp   ! known
+         counts(rolling_power) = .false.   ! a spike holds most of it
+         if (solution%is_limited) counts([top, spike]) = .false.
+         if (solution%is_limited .and. .not. thins(line%fluid)) counts(sliding) = .false.
+         is_marked = hidden_spike(line) .and. .not. solution%is_limited
+         rounds%is_done = all(bounds < goals .or. .not. counts) .and. .not. any(is_marked)
+         do j = 1, functional_count
+            shares(:, j) = merge(abs(shares(:, j))/sum(abs(shares(:, j)))*bounds(j)/goals(j), &
+               0.0_wp, counts(j))
+         end do
+         if (.not. rounds%is_done) call refined_nodes(line%x, shares, is_marked, &
+            merge(rounds%least_behind, rounds%least_front, line%x(1:) > 0.0_wp), x, rounds%is_done)
          if (rounds%is_done) x = line%x
+         call bound_top(solution)
       end associate
    end subroutine assess
 
-   !> Whether the top of a spike is resolved to the least spacing.
-   pure logical function is_at_end(line, rounds)
-      type(graded_line_t), intent(in) :: line
-      type(rounds_t), intent(in) :: rounds
+   !> Ends the resolution of a spike that has grown by far, or whose top is resolved to the least
+   !> spacing while the error of the largest pressure `is_large`.
+   pure subroutine judge_spike(is_large, rounds, solution)
+      logical, intent(in) :: is_large
+      type(rounds_t), intent(inout) :: rounds
+      type(graded_solution_t), intent(inout) :: solution
+      logical :: is_at_end
       integer :: finest
 
-      finest = minloc(line%spacing, 1)
-      is_at_end = line%spacing(finest) < 2*rounds%least_behind
-      if (is_at_end) is_at_end = abs(line%x(finest) - line%x(maxloc(line%state%pressure, 1) - 1)) &
-         < 50*rounds%least_behind
-   end function is_at_end
+      associate (line => solution%line, least => rounds%least_behind)
+         finest = minloc(line%spacing, 1)
+         is_at_end = is_large .and. line%spacing(finest) < 2*least .and. abs(line%x(finest) &
+            - line%x(maxloc(line%state%pressure, 1) - 1)) < 50*least
+         solution%is_lost = maxval(line%state%pressure) > unbounded_growth*rounds%first_top
+         if (solution%is_lost .or. is_at_end) call limit(rounds, solution)
+      end associate
+   end subroutine judge_spike
+
+   !> Bounds that a spike decides: the largest pressure, which it might pass, is not known if it is
+   !> lost or bounded badly, nor is the friction of an oil that does not thin.
+   pure subroutine bound_top(solution)
+      type(graded_solution_t), intent(inout) :: solution
+
+      associate (values => solution%values, bounds => solution%bounds)
+         if (values(spike) > 0.0_wp) bounds(top) = max(bounds(top), values(spike) + bounds(spike) &
+            - values(top))
+         if (.not. solution%is_limited) return
+         solution%is_lost = solution%is_lost .or. .not. bounds(top) < widest_bar*values(top)
+         if (solution%is_lost) bounds([top, spike]) = not_known()
+         if (.not. thins(solution%line%fluid)) bounds(sliding) = not_known()
+      end associate
+   end subroutine bound_top
 
    !> Ends the halving of elements behind X = 0.
    pure subroutine limit(rounds, solution)
@@ -218,18 +225,27 @@ contains
       integer :: kept
 
       start = start_of(solution%line)
+      if (rounds%is_done .and. size(x) == size(start%x)) then   ! on the same grid
+         call solve_graded_newton(solution%line, end_tolerance, end_steps, rounds%factors, kept, &
+            is_sound)
+         solution%steps = solution%steps + kept
+         solution%work = solution%work + real(kept, wp)*solution%line%n
+         if (is_sound .and. solution%line%error < end_bound) return
+      end if
       do
          bound = merge(end_bound, way_bound, rounds%is_done)
-         call solve_from(contact, contact%fluid, x, start, rounds, solution, merge(end_tolerance, &
-            way_tolerance, rounds%is_done), merge(end_steps, way_steps, rounds%is_done), line)
+         rounds%tolerance = merge(end_tolerance, way_tolerance, rounds%is_done)
+         rounds%max_steps = merge(end_steps, way_steps, rounds%is_done)
+         call solve_from(contact, contact%fluid, x, start, rounds, solution, line)
          is_sound = line%error < bound
          if (is_sound) exit
          rounds%failures = rounds%failures + 1
          rounds%is_done = .false.
          associate (was_safe => rounds%is_safe)
             rounds%is_safe = .true.
-            call solve_from(contact, contact%fluid, x, start, rounds, solution, way_tolerance, &
-               end_steps, line)
+            rounds%tolerance = way_tolerance
+            rounds%max_steps = end_steps
+            call solve_from(contact, contact%fluid, x, start, rounds, solution, line)
             is_sound = line%error < way_bound
             rounds%is_safe = was_safe
          end associate
@@ -260,15 +276,13 @@ contains
    end function start_of
 
    !> Solves a contact with the oil `fluid` on nodes `x` from a `start`; counts the work.
-   ! allow(too-many-arguments)
-   subroutine solve_from(contact, fluid, x, start, rounds, solution, tolerance, max_steps, line)
+   subroutine solve_from(contact, fluid, x, start, rounds, solution, line)
       type(line_contact_t), intent(in) :: contact
       type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: x(:), tolerance
+      real(wp), intent(in) :: x(:)
       type(start_t), intent(in) :: start
       type(rounds_t), intent(inout) :: rounds
       type(graded_solution_t), intent(inout) :: solution
-      integer, intent(in) :: max_steps
       type(graded_line_t), allocatable, intent(out) :: line
       real(wp) :: pressure(size(x))
       integer :: steps
@@ -282,7 +296,9 @@ contains
          call new_graded_line(line, contact, fluid, x, pressure)
       end if
       call set_pressure(line, pressure, start%rigid_displacement)
-      call solve_graded_newton(line, tolerance, max_steps, rounds%factors, steps, is_sound)
+      rounds%factors%is_fresh = .false.
+      call solve_graded_newton(line, rounds%tolerance, rounds%max_steps, rounds%factors, steps, &
+         is_sound)
       if (.not. is_sound) line%error = huge(1.0_wp)
       solution%steps = solution%steps + steps
       solution%work = solution%work + real(steps, wp)*line%n
@@ -306,8 +322,7 @@ contains
       rounds%is_safe = .true.
       do i = 1, merge(1, size(first_factors), thins(contact%fluid))
          x = first_nodes(film, first_factors(i), ends, widest)
-         call solve_from(contact, contact%fluid, x, bump(contact, x, film), rounds, solution, &
-            way_tolerance, first_steps, line)
+         call solve_from(contact, contact%fluid, x, bump(contact, x, film), rounds, solution, line)
          if (line%error < way_tolerance) exit
       end do
       if (line%error < way_tolerance) call move_alloc(line, solution%line)
@@ -317,10 +332,10 @@ contains
       do while (ease >= 1.0_wp)
          if (allocated(solution%line)) then
             call solve_from(contact, eased_fluid(contact%fluid, ease), x, &
-               start_of(solution%line), rounds, solution, way_tolerance, first_steps, line)
+               start_of(solution%line), rounds, solution, line)
          else
             call solve_from(contact, eased_fluid(contact%fluid, ease), x, &
-               bump(contact, x, film), rounds, solution, way_tolerance, first_steps, line)
+               bump(contact, x, film), rounds, solution, line)
          end if
          if (line%error < way_tolerance) then
             call move_alloc(line, solution%line)

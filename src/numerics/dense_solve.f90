@@ -8,7 +8,7 @@ module dense_solve
    implicit none (type, external)
    private
 
-   public :: solve_dense, solve_transposed, use_one_blas_thread
+   public :: solve_dense, solve_factored, use_one_blas_thread
 
    interface
       !> LU factorisation with partial pivoting, and solution (LAPACK).
@@ -83,18 +83,20 @@ contains
          //to_text(info))
    end subroutine solve_dense
 
-   !> Solves the transposed system of the matrix whose `factors` (n, n) and `pivots` (n)
-   !> `solve_dense` has left; `right_sides` (n, m) become the solutions.
-   subroutine solve_transposed(factors, pivots, right_sides)
+   !> Solves a system, or `is_transposed` the transposed one, with the `factors` (n, n) and `pivots`
+   !> (n) that `solve_dense` has left; `right_sides` (n, m) become the solutions.
+   subroutine solve_factored(factors, pivots, right_sides, is_transposed)
       real(wp), contiguous, intent(in) :: factors(:, :)
       integer, contiguous, intent(in) :: pivots(:)
       real(wp), contiguous, intent(inout) :: right_sides(:, :)
+      logical, intent(in) :: is_transposed
       integer :: n, info
 
       n = size(pivots)
       !$omp critical (lapack)
-      call dgetrs('T', n, size(right_sides, 2), factors, n, pivots, right_sides, n, info)
+      call dgetrs(merge('T', 'N', is_transposed), n, size(right_sides, 2), factors, n, pivots, &
+         right_sides, n, info)
       !$omp end critical (lapack)
-   end subroutine solve_transposed
+   end subroutine solve_factored
 
 end module dense_solve

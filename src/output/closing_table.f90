@@ -343,8 +343,8 @@ contains
          'a narrow spike may exceed it'
    end function spike_remark
 
-   !> Which pressure to take, as lines of the table; empty where no spike is the reason. `can_follow`:
-   !> the case could be solved on a graded grid.
+   !> Which pressure to take, as lines of the table; empty where no spike is the reason.
+   !> `can_follow`: the case could be solved on a graded grid.
    pure function spike_lines(summary, can_follow) result(lines)
       type(line_summary_t), intent(in) :: summary
       logical, intent(in) :: can_follow

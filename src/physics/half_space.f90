@@ -12,6 +12,14 @@ module half_space
    !> From this cell distance on the series is used: its terms up to j^-12 leave an error of 1e-18
    !> there, while the closed form loses digits by cancellation in proportion to j.
    integer, parameter, public :: series_start = 10
+   !> Distance from the middle of an element, over half its length, from which its moments are
+   !> series, with this many terms, and their coefficients.
+   real(wp), parameter :: far = 6.0_wp
+   integer, parameter :: terms = 10
+   integer :: counter
+   real(wp), parameter :: even_terms(terms) = [(1/real(counter*(2*counter + 1), wp), &
+      counter=1, terms)], odd_terms(terms) = [(1/real((2*counter - 1)*(2*counter + 1), wp), &
+      counter=1, terms)]
 
 contains
 
@@ -63,41 +71,57 @@ contains
    pure subroutine element_deflections(x, k)
       real(wp), intent(in), contiguous :: x(0:)
       real(wp), intent(out), contiguous :: k(0:, 0:)
-      real(wp), parameter :: far = 6.0_wp
-      integer, parameter :: terms = 10
-      real(wp) :: a0, a1, above, below, half, middle, u, y
-      integer :: e, i, m
+      real(wp) :: a0(0:ubound(x, 1)), a1(0:ubound(x, 1)), half, middle
+      integer :: e, first, last, n
 
+      n = ubound(x, 1)
       k = 0.0_wp
-      do e = 1, ubound(x, 1)
+      do e = 1, n
          half = 0.5_wp*(x(e) - x(e - 1))
          middle = 0.5_wp*(x(e) + x(e - 1))
-         do i = 0, ubound(x, 1)
-            u = (x(i) - middle)/half
-            if (abs(u) > far) then
-               y = 1/u**2
-               a0 = 0.0_wp
-               a1 = 0.0_wp
-               do m = terms, 1, -1
-                  a0 = (a0 + 1/real(m*(2*m + 1), wp))*y
-                  a1 = (a1 + 1/real((2*m - 1)*(2*m + 1), wp))*y
-               end do
-               a0 = 2*log(abs(x(i) - middle)) - a0
-               a1 = -2*u*a1
-            else
-               above = log(max(abs(1 + u), tiny(u)))
-               below = log(max(abs(1 - u), tiny(u)))
-               a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
-               a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
-               if (i == e) a0 = 2*log(2*half) - 2
-               if (i == e - 1) a0 = 2*log(2*half) - 2
-               if (i == e) a1 = -1.0_wp
-               if (i == e - 1) a1 = 1.0_wp
-            end if
-            k(i, e - 1) = k(i, e - 1) + 0.5_wp*half/pi*(a0 - a1)
-            k(i, e) = k(i, e) + 0.5_wp*half/pi*(a0 + a1)
-         end do
+         first = count(x < middle - far*half)   ! nodes closer than `far`
+         last = count(x <= middle + far*half) - 1
+         call far_moments((x(:first - 1) - middle), half, a0(:first - 1), a1(:first - 1))
+         call far_moments((x(last + 1:) - middle), half, a0(last + 1:), a1(last + 1:))
+         call near_moments((x(first:last) - middle)/half, half, a0(first:last), a1(first:last))
+         a0(e - 1:e) = 2*log(2*half) - 2
+         a1(e - 1:e) = [1.0_wp, -1.0_wp]
+         k(:, e - 1) = k(:, e - 1) + 0.5_wp*half/pi*(a0 - a1)
+         k(:, e) = k(:, e) + 0.5_wp*half/pi*(a0 + a1)
       end do
    end subroutine element_deflections
+
+   !> A0 and A1 at `distance` > `far` half from the middle of an element by their series.
+   pure subroutine far_moments(distance, half, a0, a1)
+      real(wp), intent(in) :: distance(:), half
+      real(wp), intent(out) :: a0(:), a1(:)
+      real(wp) :: s0, s1, y
+      integer :: i, m
+
+      a0 = 2*log(abs(distance))
+      do i = 1, size(distance)
+         y = (half/distance(i))**2
+         s0 = 0.0_wp
+         s1 = 0.0_wp
+         do m = merge(4, terms, y < 1.0e-4_wp), 1, -1
+            s0 = (s0 + even_terms(m))*y
+            s1 = (s1 + odd_terms(m))*y
+         end do
+         a0(i) = a0(i) - s0
+         a1(i) = -2*distance(i)/half*s1
+      end do
+   end subroutine far_moments
+
+   !> A0 and A1 at `u`, not +-1, in closed form.
+   pure elemental subroutine near_moments(u, half, a0, a1)
+      real(wp), intent(in) :: u, half
+      real(wp), intent(out) :: a0, a1
+      real(wp) :: above, below
+
+      above = log(max(abs(1 + u), tiny(u)))
+      below = log(max(abs(1 - u), tiny(u)))
+      a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
+      a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
+   end subroutine near_moments
 
 end module half_space
