@@ -9,6 +9,7 @@ module case_notes
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
+   use missing_value, only: exceeds
    use progress_log, only: progress_log_t
    use quantity_text, only: duration_text
    use quantities, only: h_min, quantity_rows
@@ -170,8 +171,8 @@ contains
       worst = (1.0_wp + rounding)*case%solver%target
       found = ''
       do i = 1, size(summary%of)
-         if (quantity_rows(i)%short == '' .or. .not. ieee_is_finite(summary%of(i)%value)) cycle
-         error = summary%of(i)%error_estimate/abs(summary%of(i)%value)
+         if (quantity_rows(i)%short == '' .or. .not. exceeds(summary%of(i)%value, 0.0_wp)) cycle
+         error = summary%of(i)%error_estimate/summary%of(i)%value
          if (error <= worst) cycle
          found = trim(quantity_rows(i)%short)//': no error is estimated'
          if (.not. ieee_is_finite(error)) exit

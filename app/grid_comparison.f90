@@ -8,7 +8,7 @@ module grid_comparison
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
       run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
-   use domain_choice, only: chosen_outlet
+   use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
@@ -103,11 +103,10 @@ contains
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
       real(wp) :: change
-      logical :: is_even, is_small
+      logical :: is_small
 
       if (.not. report%converged) return
       bars = listener%writer%bars
-      is_even = case%contact%domain%grid /= 'graded'
       if (case%solver%wants_coarse_runs) then
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          if (case%time%is_transient) then   ! roughness passes, the inlet stays
@@ -117,13 +116,13 @@ contains
          call run_farther(bars, at_rest, listener, error)
          if (allocated(error)) return
          ! a target has chosen its grid by the estimate from coarser ones
-         if (is_even .and. .not. (case%time%is_transient .or. case%solver%target > 0.0_wp)) call &
-            run_other_scheme(bars, at_rest, listener, error)
+         if (.not. (case%contact%domain%grid == 'graded' .or. case%time%is_transient &
+            .or. case%solver%target > 0.0_wp)) call run_other_scheme(bars, at_rest, listener, error)
          if (allocated(error)) return
       end if
       if (report%fit%outlet_pressure > 0.0_wp) then
          bars%is_cut = .true.
-         if (case%solver%wants_coarse_runs .and. is_even) then
+         if (case%solver%wants_coarse_runs) then
             call run_longer(bars, new_experiment(case%contact, case%solver, case%time), &
                listener, error)
             if (allocated(error)) return
@@ -142,7 +141,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: change
       character(:), allocatable :: note
-      real(wp) :: chosen
+      type(line_contact_t) :: chosen
 
       note = 'the film is still under pressure at the outlet X = ' &
          //to_text(contact%domain%x_outlet, 4)
@@ -151,9 +150,11 @@ contains
       else
          note = note//', and what that changes is not known'
       end if
-      chosen = chosen_outlet(contact)
-      if (chosen > contact%domain%x_outlet) then
-         note = note//': without x_outlet the program takes '//to_text(chosen, 4)
+      chosen = contact
+      chosen%domain%has_outlet = .false.
+      call choose_domain(chosen)
+      if (chosen%domain%x_outlet > contact%domain%x_outlet) then
+         note = note//': without x_outlet the program takes '//to_text(chosen%domain%x_outlet, 4)
       else
          note = note//': x_outlet farther out cures it'
       end if

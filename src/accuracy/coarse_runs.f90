@@ -164,7 +164,7 @@ contains
 
    !> Runs the case at the spacing of n/2 intervals on a domain lengthened behind the outlet, to
    !> measure what the outlet cuts off: twice the length; in steady contacts up to eight times,
-   !> until nothing is cut off.
+   !> until nothing is cut off. On a graded grid, with this outlet and with that of the program.
    subroutine run_longer(bars, experiment, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
@@ -174,8 +174,20 @@ contains
       type(outcome_t) :: outcome
       integer :: doubling
 
-      if (bars%grids == 0) return
       longer = experiment
+      if (longer%contact%domain%grid == 'graded') then
+         call run_experiment(longer, listener, outcome, error)
+         if (allocated(error) .or. .not. outcome%is_known) return
+         bars%cut = outcome%summary
+         longer%contact%domain%has_outlet = .false.
+         call run_experiment(longer, listener, outcome, error)
+         if (allocated(error)) return
+         bars%has_longer = outcome%is_known
+         bars%longer = outcome%summary
+         return
+      end if
+      if (bars%grids == 0) return
+      bars%cut = bars%coarser(1)
       associate (domain => longer%contact%domain, is_transient => experiment%time%is_transient)
          do doubling = 1, merge(1, 3, is_transient)
             domain%x_outlet = 2*domain%x_outlet - domain%x_inlet

@@ -33,10 +33,10 @@ module error_bars
       real(wp), allocatable :: grid_errors(:)
       !> Why coarse runs give no error estimate; empty or not allocated: they do.
       character(:), allocatable :: unseen
-      !> Whether the outlet cuts off the film, and quantities on n/2 intervals with a longer outlet
-      !> at the same spacing.
+      !> Whether the outlet cuts off the film, and quantities with this outlet, on n/2 intervals or
+      !> a graded grid, and with a longer one at the same spacing.
       logical :: is_cut = .false., has_longer = .false.
-      type(line_summary_t) :: longer
+      type(line_summary_t) :: cut, longer
       !> Measured influence of the inlet; replaces the inlet rule.
       type(inlet_change_t) :: inlet
       !> Transients of chosen resolution: predictions of trial runs, and coarse runs with twice the
@@ -107,18 +107,18 @@ contains
       error = 0.0_wp
       if (.not. bars%is_cut) return
       error = not_known()
-      if (bars%grids == 0 .or. .not. bars%has_longer) return
+      if (.not. bars%has_longer) return
       error = 0.0_wp
       do i = 1, quantity_count
          if (len_trim(quantity_rows(i)%short) == 0) cycle
-         associate (half => bars%coarser(1)%of(i)%value)
-            if (exceeds(half, 0.0_wp)) error = larger(error, cut_error(bars, i)/half)
+         associate (cut => bars%cut%of(i)%value)
+            if (exceeds(cut, 0.0_wp)) error = larger(error, cut_error(bars, i)/cut)
          end associate
       end do
    end function outlet_error
 
-   !> Error of row `i` by the outlet, from its values on n/2 intervals with this and with a longer
-   !> outlet; NaN if these are not known.
+   !> Error of row `i` by the outlet, from its values with this and with a longer outlet; NaN if
+   !> these are not known.
    pure real(wp) function cut_error(bars, i) result(error)
       type(error_bars_t), intent(in) :: bars
       integer, intent(in) :: i
@@ -126,8 +126,7 @@ contains
       error = 0.0_wp
       if (.not. bars%is_cut) return
       error = not_known()
-      if (bars%grids > 0 .and. bars%has_longer) error = safety*abs(bars%coarser(1)%of(i)%value &
-         - bars%longer%of(i)%value)
+      if (bars%has_longer) error = safety*abs(bars%cut%of(i)%value - bars%longer%of(i)%value)
    end function cut_error
 
    !> Why a quantity of `summary` on a grid of spacing `dx` has no estimate.

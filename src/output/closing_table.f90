@@ -343,11 +343,11 @@ contains
          'a narrow spike may exceed it'
    end function spike_remark
 
-   !> Which pressure to take, as lines of the table; empty where no spike is the reason.
-   !> `can_follow`: the case could be solved on a graded grid.
-   pure function spike_lines(summary, can_follow) result(lines)
+   !> Which pressure to take, and the `advice`, as lines of the table; empty where no spike is the
+   !> reason.
+   pure function spike_lines(summary, advice) result(lines)
       type(line_summary_t), intent(in) :: summary
-      logical, intent(in) :: can_follow
+      character(*), intent(in) :: advice
       character(:), allocatable :: lines
 
       lines = ''
@@ -359,12 +359,7 @@ contains
          lines = 'p_max is the top of a pressure spike near the outlet that is narrower than' &
             //' this grid, and rises on finer ones'
       end if
-      lines = '  spike     '//lines//'; p_central is the pressure beside it, at X = 0. '
-      if (can_follow) then
-         lines = lines//"&domain grid = 'graded' follows it"
-      else
-         lines = lines//'More &domain intervals show more of it'
-      end if
+      lines = '  spike     '//lines//'; p_central is the pressure beside it, at X = 0'//advice
       lines = wrapped(lines, columns, margin)
    end function spike_lines
 
