@@ -227,7 +227,8 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
         lines.append(f"{panel.title}: least wall time [ms] for an error of {panel.measure} [%], with the intervals")
         lines.append(f"  {'method':22s}" + "".join(f"{100 * target:>15g}" for target in TARGETS))
         best = [fastest(panel, target) for target in TARGETS]
-        for method in panel.curves:
+        # Further quantities of a contact: only methods that differ in the discretisation.
+        for method in panel.curves if WHOLE in panel.besides else ("auto", KAPPA, GRADED, LIMITS):
             points = [each.get(method) for each in best]
             cells = (f"{f'{1e3 * p.seconds:.3g} ({p.intervals})' if p else '-':>15s}" for p in points)
             lines.append(f"  {method:22s}{''.join(cells)}")

@@ -117,8 +117,8 @@ contains
    end subroutine find_sources
 
    !> Replaces the shares of an unresolved flank in the error of its spike, of which the fluxes of
-   !> so few elements tell nothing. There P = P_0 - C sqrt(distance) in front of the top, of which
-   !> the grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
+   !> so few elements tell nothing. In front of the top P = P_0 - C sqrt(distance), of which the
+   !> grid may miss the last C sqrt(spacing): half of the rise over the last four spacings. Twice
    !> that is the bound.
    pure subroutine bound_spike(line, shares)
       type(graded_line_t), intent(in) :: line
