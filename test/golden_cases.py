@@ -68,6 +68,7 @@ TARGET = "&accuracy target = 0.02 /\n"
 NO_BARS = "&accuracy error_bars = .false. /\n"
 SAVING = "&output checkpoint_interval = 0.0 /\n"
 NO_ADEQUACY = "&output adequacy = .false. /\n"
+GRADED = "&domain grid = 'graded' /\n" + NO_ADEQUACY
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
 LINE = "length = 2.56e-4, intervals = 128"
 AREA = "length_x = 1.6e-4, length_y = 1.2e-4, intervals_x = 32, intervals_y = 48"
@@ -94,9 +95,9 @@ ONE = {
     .replace("load_per_length = 1e5", "hertz_pressure = 0.4e9")
     .replace("speed_1 = 0.1, speed_2 = 1.1", "entrainment_speed = 0.7, slide_to_roll = -0.3, hardness = 1e9"),
     "kappa_adequacy": PLAIN + "&solver space_scheme = 'kappa' /\n",
-    "target": CASE_1 + "&accuracy target = 0.003, target_p_max = 0.03 /\n",
+    "target": CASE_1 + "&accuracy target = 0.003 /\n",
     "climb_fails": CASE_1
-    + "&accuracy target = 0.001, target_p_max = 0.001 /\n"
+    + "&accuracy target = 0.001 /\n"
     + "&solver method = 'fas_block_jacobi', max_cycles = 5 /\n",
     "rest_features": PLAIN.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.2, speed_2 = 0.0")
     + feature(2, "1e-7, -1e-7", "-0.3, 0.4").replace("'feature'", "'feature', 'feature'").replace("1e-4,", "1e-4, 8e-5,", 1),
@@ -105,6 +106,13 @@ ONE = {
     "fas_gauss_seidel": PLAIN + "&solver method = 'fas_block_jacobi', smoother = 'gauss_seidel', levels = 4 /\n" + NO_ADEQUACY,
     "block_jacobi": PLAIN.replace("128", "64") + "&solver method = 'block_jacobi', max_cycles = 60 /\n" + NO_BARS,
     "dense": PLAIN + "&solver method = 'newton_dense', start = 'hertz' /\n" + NO_BARS,
+    # graded grids
+    "graded_sliding": CASE_1.replace("rheology = 'eyring', eyring_stress = 3.3e6", "").replace("1e5", "2e4") + NO_ADEQUACY,
+    "graded_rolling": CASE_1.replace("speed_1 = 0.1", "speed_1 = 1.1") + NO_ADEQUACY,
+    "graded_endless": MOES.format(m=50.0, l=10.0, velocity="sum") + NO_ADEQUACY,
+    "graded_feature": CASE_1.replace("speed_2 = 1.1", "speed_2 = 0.0") + feature(2, position=0.1) + GRADED,
+    "graded_cut": MOES.format(m=0.3, l=5.0, velocity="sum") + "&domain x_inlet = -9.0, x_outlet = 1.2 /\n",
+    "graded_target": MOES.format(m=5.0, l=5.0, velocity="mean") + "&accuracy target = 1e-3 /\n",
     # in time
     "ridge_slow": PLAIN + feature(1) + time(0.6, 0.05),
     "ridge_fast": PLAIN + feature(2) + time(0.6, 0.05, ", scheme = 'backward_euler'"),

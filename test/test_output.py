@@ -171,13 +171,14 @@ def test_transient_result_has_every_step(results):
 def test_inlet_that_the_program_chooses(solved_cases):
     case = "&case problem = 'ehl_line' / &moes moes_m = 1.0, moes_l = 5.0, velocity = 'sum' /\n"
     case += "&lubricant viscosity_law = 'barus', density_law = 'constant' /\n"
-    tail, zero = solved_cases(tail=case, zero=case + "&domain inlet = 'zero', intervals = 2048 /\n")
-    assert text(tail["input/effective/domain"].attrs["inlet"]) == "tail"
-    assert text(zero["input/effective/domain"].attrs["inlet"]) == "zero"
-    assert tail["input/effective/domain"].attrs["x_inlet"] > 0.3 * zero["input/effective/domain"].attrs["x_inlet"]
-    assert tail["solution/pressure"][0] > 0 == zero["solution/pressure"][0]
-    films = [file["summary/h_min"].attrs["dimensionless"] for file in (tail, zero)]
-    errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((tail, zero), films, strict=True)]
+    far, near = solved_cases(far=case, near=case + "&domain grid = 'even', intervals = 2048 /\n")
+    assert text(far["input/effective/domain"].attrs["grid"]) == "graded"
+    assert text(near["input/effective/domain"].attrs["grid"]) == "even"
+    assert far["input/effective/domain"].attrs["x_inlet"] < 3 * near["input/effective/domain"].attrs["x_inlet"] < 0
+    assert np.ptp(np.diff(far["solution/x"][()])) > 1 > 1e-9 > np.ptp(np.diff(near["solution/x"][()]))
+    assert far["input/effective/domain"].attrs["intervals"] == far["solution/x"].size - 1
+    films = [file["summary/h_min"].attrs["dimensionless"] for file in (far, near)]
+    errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((far, near), films, strict=True)]
     # each within its own estimate of the truth
     assert abs(films[0] - films[1]) < (errors[0] + errors[1]) * films[1] < 0.02 * films[1]
 

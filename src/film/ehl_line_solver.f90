@@ -40,7 +40,7 @@ module ehl_line_solver
 contains
 
    !> Solves one contact on its grid, or where `find_steady` is given on the one that finds; on a
-   !> graded grid by `solve_graded_contact`. Steady:
+   !> graded grid by `solve_graded_contact`, and on an even one if that fails. Steady:
    !> with the surfaces at rest where they are. Transient: from the smooth steady contact.
    !> `contact%domain` is completed where the user left it open; an outlet of the program that cuts
    !> the steady film off is moved out. The listener is told every cycle of the steady solution and
@@ -59,15 +59,23 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       procedure(find_steady_interface), optional :: find_steady
+      type(line_contact_t) :: graded
       type(line_hierarchy_t) :: hierarchy
       type(time_settings_t) :: whole_steps
       real(wp) :: start, begin
       logical :: is_resumed
 
       if (contact%domain%grid == 'graded') then
-         call solve_graded_contact(contact, settings, listener, state, report, &
-            error)   ! error: the caller looks
-         return
+         graded = contact
+         call solve_graded_contact(graded, settings, listener, state, report, error)
+         if (allocated(error) .or. report%converged .or. listener%is_stopping &
+            .or. report%breakdown%count > 0) then
+            contact = graded
+            return
+         end if
+         if (allocated(listener%grid_errors)) deallocate (listener%grid_errors)
+         contact%domain%grid = 'even'   ! anew, but for what the user gave
+         call choose_anew(contact, settings%target)
       end if
       start = wall_seconds()
       is_resumed = allocated(time%resume_from)
