@@ -96,9 +96,7 @@ ONE = {
     .replace("speed_1 = 0.1, speed_2 = 1.1", "entrainment_speed = 0.7, slide_to_roll = -0.3, hardness = 1e9"),
     "kappa_adequacy": PLAIN + "&solver space_scheme = 'kappa' /\n",
     "target": CASE_1 + "&accuracy target = 0.003 /\n",
-    "climb_fails": CASE_1
-    + "&accuracy target = 0.001 /\n"
-    + "&solver method = 'fas_block_jacobi', max_cycles = 5 /\n",
+    "climb_fails": CASE_1 + "&accuracy target = 0.001 /\n" + "&solver method = 'fas_block_jacobi', max_cycles = 5 /\n",
     "rest_features": PLAIN.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.2, speed_2 = 0.0")
     + feature(2, "1e-7, -1e-7", "-0.3, 0.4").replace("'feature'", "'feature', 'feature'").replace("1e-4,", "1e-4, 8e-5,", 1),
     "velocity_layers": PLAIN + "&output velocity_layers = 5, xdmf = .true. /\n",

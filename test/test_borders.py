@@ -81,7 +81,7 @@ INSIDE = {
     "block_jacobi_in_time_without_sliding": rolling(256, 2, CYCLE | {"relaxation": 0.4}),
     "line_in_time_without_sliding": rolling(128, 0.5, LINE),
     "plain_block_jacobi_relaxation": namelists.case_1(64, PLAIN | {"relaxation": 0.8}),
-    "dense_when_thinning": thinning(100, 40, 256, DENSE),
+    "dense_when_thinning": thinning(100, 40, 512, DENSE),
     "dense_in_time": rolling(64, 2, DENSE),
     "line_on_long_waves": wavy(1.0, 0.3, LINE),
     "gauss_seidel_on_waves": wavy(0.5, 0.3, GAUSS_SEIDEL),
@@ -136,16 +136,14 @@ OUTSIDE = {
 
 # Map, method, a cell inside and one outside, of the maps in full; methods without one are right in every cell of the map.
 CELLS = [
-    ("moes_barus", "FAS, line", (0.74, 20), (3.1, 40)),
+    ("moes_barus", "FAS, line", (0.74, 20), (0.74, 30)),
     ("moes_barus", "FAS, Gauss-Seidel", (0.36, 25), (0.74, 25)),
     ("moes_barus", "FAS, Block-Jacobi", (0.36, 25), (0.74, 25)),
-    ("moes_roelands", "FAS, line", (0.74, 30), (1.5, 40)),
-    ("moes_roelands", "FAS, Gauss-Seidel", (13, 20), (55, 40)),
-    ("moes_roelands", "FAS, Block-Jacobi", (0.74, 30), (1.5, 40)),
+    ("moes_roelands", "FAS, Gauss-Seidel", (13, 20), (3.1, 40)),
     ("moes_eyring", "FAS, line", (230, 20), (980, 40)),
     ("moes_eyring", "FAS, Gauss-Seidel", (230, 20), (980, 40)),
     ("moes_eyring", "FAS, Block-Jacobi", (230, 10), (980, 40)),
-    ("slide_to_roll", "FAS, Gauss-Seidel", (8, 1), (20, 1)),
+    ("slide_to_roll", "FAS, Gauss-Seidel", (12, 1), (16, 1)),
     ("intervals", "auto, L = 10", (512, 2000), (128, 2000)),
     ("intervals", "auto, L = 40", (512, 2000), (128, 2000)),
     ("intervals", "auto, L = 10, 3.3 MPa", (512, 2000), (128, 2000)),

@@ -60,7 +60,7 @@ CORNERS = [
     (17.7, 32.74, 0.0417, 1.42e6, "constant", False, 2.6120),
     (4.365, 34.08, 0.0, 3.35e6, "dowson_higginson", False, 1.7529),
     (8.367, 33.49, 0.0345, 3.12e6, "dowson_higginson", True, 1.8336),
-    (9.034, 23.28, 0.00107, 9.22e6, "constant", True, 2.8899),
+    (9.034, 23.28, 0.00107, 9.22e6, "constant", False, 2.8899),
     (4.824, 31.28, 0.023, 4.33e6, "dowson_higginson", True, 1.4866),
     (32.49, 24.64, 0.0348, 6e6, "constant", True, 2.5653),
 ]

@@ -51,7 +51,9 @@ def test_a_wanted_accuracy_is_not_met_in_silence(asperity, tmp_path, given):
 
 def test_chosen_outlet_lies_behind_rupture(asperity, tmp_path):
     for grid, place in ("even", 3.448), ("graded", 5.896):
-        figures, note, outlet, _ = solve(asperity, tmp_path, LIGHT.replace("OUTLET", f", grid = '{grid}'").replace("-40.0", "-400.0"))
+        figures, note, outlet, _ = solve(
+            asperity, tmp_path, LIGHT.replace("OUTLET", f", grid = '{grid}'").replace("-40.0", "-400.0")
+        )
         assert note is None
         assert outlet == pytest.approx(place, abs=1e-3)
         assert figures["h_min"][1] < 1e-3 * figures["h_min"][0]
