@@ -165,8 +165,8 @@ contains
       real(wp) :: error, worst
       integer :: i
 
-      if (.not. (case%solver%target > 0.0_wp .and. allocated(listener%writer%bars%grid_errors) &
-         .and. report%converged)) return
+      if (.not. (case%solver%target > 0.0_wp .and. report%converged) .or. &
+         case%time%is_transient) return
       summary = listener%writer%quantities_at_end(state, report)
       worst = (1.0_wp + rounding)*case%solver%target
       found = ''

@@ -9,6 +9,7 @@ module grid_comparison
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
       run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
    use domain_choice, only: choose_domain
+   use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
@@ -21,7 +22,6 @@ module grid_comparison
    use run_observer, only: run_observer_t
    use signals, only: begin_activity, is_interrupted
    use solver_settings, only: time_settings_t
-   use steady_target, only: solve_contact
    use system_limits, only: lubricated_memory, memory_fault, of_blas, processors, thread_memory
    use text, only: to_text
    use wall_clock, only: wall_seconds
@@ -174,8 +174,9 @@ contains
          layers=case%layers), of_blas + thread_memory(2)) == ''
    end function has_second_thread
 
-   !> Solves the case as `solve_contact` does, with two threads at the same time as its `side_runs`.
-   !> They are allocated afterwards if they were made and the solution converged on their domain.
+   !> Solves the case as `solve_ehl_line` does, with two threads at the same time as its
+   !> `side_runs`. They are allocated afterwards if they were made and the solution converged on
+   !> their domain.
    subroutine solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       type(case_t), intent(inout) :: case
       type(side_runs_t), allocatable, target, intent(out) :: side_runs
@@ -187,7 +188,7 @@ contains
       logical :: is_off
 
       if (.not. has_second_thread(case, listener)) then
-         call solve_contact(case%contact, case%solver, case%time, listener, state, report, &
+         call solve_ehl_line(case%contact, case%solver, case%time, listener, state, report, &
             error)   ! error: the caller looks
          return
       end if
@@ -197,7 +198,7 @@ contains
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals
       !$omp master
-      call solve_contact(case%contact, case%solver, case%time, listener, state, report, error)
+      call solve_ehl_line(case%contact, case%solver, case%time, listener, state, report, error)
       is_off = allocated(error) .or. .not. report%converged
       if (.not. is_off) is_off = abs(case%contact%domain%x_outlet - x_outlet) > 0.0_wp
       call begin_activity('coarse runs')

@@ -37,7 +37,7 @@ contains
             .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
          call apply_model(choice, case%contact, case%time)
-         case%contact%domain%grid = case%domain%grid
+         case%contact%domain%grid = merge('even  ', 'graded', case%domain%grid == 'even')
          call choose_anew(case%contact, case%solver%target)
          call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate

@@ -40,13 +40,11 @@ contains
       character(:), allocatable :: note
       type(side_runs_t), allocatable :: side_runs
       real(wp) :: seconds
-      logical :: is_graded
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
-      is_graded = case%contact%domain%grid == 'graded'
-      listener%has_coarse_runs = case%solver%wants_coarse_runs .and. .not. (is_graded &
-         .or. (case%time%is_transient .and. case%solver%target > 0.0_wp))
+      listener%has_coarse_runs = case%solver%wants_coarse_runs .and. .not. &
+         (case%time%is_transient .and. case%solver%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
@@ -70,11 +68,6 @@ contains
       listener%writer%run%space_scheme = case%solver%space_scheme
       call solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       if (allocated(error)) return
-      if (case%contact%domain%grid == 'even' .and. is_graded) then   ! the graded grid failed
-         listener%has_coarse_runs = case%solver%wants_coarse_runs
-         listener%writer%bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
-         listener%writer%bars%left_out = listener%writer%choice%influence
-      end if
       report%fit%nodes_per_wave = nodes_in_wave(case%contact)
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
@@ -119,7 +112,10 @@ contains
    subroutine keep_coarser(listener)
       type(run_observer_t), intent(inout) :: listener
 
-      if (allocated(listener%grid_errors)) listener%writer%bars%grid_errors = listener%grid_errors
+      if (allocated(listener%grid_errors)) then
+         listener%writer%bars%grid_errors = listener%grid_errors
+         listener%has_coarse_runs = .false.
+      end if
       if (.not. (listener%has_coarse_runs .and. allocated(listener%coarser))) return
       if (size(listener%coarser) < 2) return
       call copy_coarser(listener%writer%bars, listener%coarser)

@@ -15,7 +15,7 @@ module bench_measure
    use missing_value, only: not_known
    use resolution_choice, only: choose_resolution
    use solver_settings, only: solver_settings_t, time_settings_t
-   use steady_target, only: solve_contact
+   use ehl_line_solver, only: solve_ehl_line
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -140,7 +140,7 @@ contains
          call choose_resolution(bars, contact, settings, time, listener, error)
          if (allocated(error)) return
       end if
-      call solve_contact(contact, settings, time, listener, state, report, error)
+      call solve_ehl_line(contact, settings, time, listener, state, report, error)
       if (allocated(error)) return
       times = [report%cost%phase_seconds([phase_setup, phase_steady, phase_transient]), &
          wall_seconds() - start]

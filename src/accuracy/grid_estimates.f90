@@ -14,7 +14,7 @@ module grid_estimates
    implicit none (type, external)
    private
 
-   public :: coarse_values_t, estimate_grid_errors, estimated_error, copy_coarser
+   public :: coarse_values_t, estimate_grid_errors, copy_coarser
 
    !> Error of the exit between two nodes, in spacings.
    real(wp), parameter, public :: exit_jitter = 0.2_wp
@@ -46,18 +46,6 @@ contains
       values%grids = min(size(coarser), size(values%coarser))
       values%coarser(:values%grids) = coarser(:values%grids)
    end subroutine copy_coarser
-
-   !> Estimated relative error of h_min on its grid; huge without coarse runs.
-   pure real(wp) function estimated_error(values, summary) result(error)
-      class(coarse_values_t), intent(in) :: values
-      type(line_summary_t), intent(in) :: summary
-      type(quantity_t) :: smallest
-
-      smallest = summary%of(h_min)
-      call estimate_at_rest(values, h_min, 0.0_wp, ieee_is_finite(summary%crests%spike), smallest)
-      error = huge(1.0_wp)
-      if (ieee_is_finite(smallest%error_grid)) error = smallest%error_grid/smallest%value
-   end function estimated_error
 
    !> Sets the errors of all quantities by grid and time step.
    pure subroutine estimate_grid_errors(values, is_transient, dx, summary)

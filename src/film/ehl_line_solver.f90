@@ -21,36 +21,17 @@ module ehl_line_solver
 
    public :: solve_ehl_line
 
-   abstract interface
-      !> Builds the grids of a contact with a complete domain, chooses the number of intervals, and
-      !> solves the steady contact on the finest grid.
-      subroutine find_steady_interface(hierarchy, contact, settings, listener, report, error)
-         import :: error_t, line_contact_t, line_hierarchy_t, listener_t, report_t, &
-            solver_settings_t
-         implicit none (type, external)
-         type(line_hierarchy_t), intent(inout) :: hierarchy
-         type(line_contact_t), intent(inout) :: contact
-         type(solver_settings_t), intent(in) :: settings
-         class(listener_t), intent(inout) :: listener
-         type(report_t), intent(inout) :: report
-         type(error_t), allocatable, intent(out) :: error
-      end subroutine find_steady_interface
-   end interface
-
 contains
 
-   !> Solves one contact on its grid, or where `find_steady` is given on the one that finds; on a
-   !> graded grid by `solve_graded_contact`, and on an even one if that fails. Steady:
-   !> with the surfaces at rest where they are. Transient: from the smooth steady contact.
-   !> `contact%domain` is completed where the user left it open; an outlet of the program that cuts
-   !> the steady film off is moved out. The listener is told every cycle of the steady solution and
-   !> every time step, and gets the summaries of the coarser grids that a steady solution has
-   !> passed.
-   !> With `time%resume_from` the transient goes on there. Not converging is in the report; `error`
-   !> is for failures of memory, libraries and files of heights.
-   ! allow(too-many-arguments)  the last is optional
-   recursive subroutine solve_ehl_line(contact, settings, time, listener, state, report, error, &
-      find_steady)
+   !> Solves one contact on its even grid, or a steady one on a graded grid, and on an even one if
+   !> that fails. Steady: with the surfaces at rest where they are. Transient: from the smooth
+   !> steady contact. `contact%domain` is completed where the user left it open; an outlet of the program
+   !> that cuts the steady film off is moved out. The listener is told every cycle of the steady
+   !> solution and every time step, and gets the summaries of the coarser grids that a steady
+   !> solution has passed, or the errors of a graded one. With `time%resume_from` the transient goes
+   !> on there. Not converging is in the report; `error` is for failures of memory, libraries and
+   !> files of heights.
+   subroutine solve_ehl_line(contact, settings, time, listener, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
@@ -58,12 +39,7 @@ contains
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
-      procedure(find_steady_interface), optional :: find_steady
       type(line_contact_t) :: graded
-      type(line_hierarchy_t) :: hierarchy
-      type(time_settings_t) :: whole_steps
-      real(wp) :: start, begin
-      logical :: is_resumed
 
       if (contact%domain%grid == 'graded') then
          graded = contact
@@ -77,6 +53,24 @@ contains
          contact%domain%grid = 'even'   ! anew, but for what the user gave
          call choose_anew(contact, settings%target)
       end if
+      call solve_on_even(contact, settings, time, listener, state, report, &
+         error)   ! error: the caller looks
+   end subroutine solve_ehl_line
+
+   !> The same on an even grid.
+   recursive subroutine solve_on_even(contact, settings, time, listener, state, report, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      class(listener_t), intent(inout) :: listener
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(line_hierarchy_t) :: hierarchy
+      type(time_settings_t) :: whole_steps
+      real(wp) :: start, begin
+      logical :: is_resumed
+
       start = wall_seconds()
       is_resumed = allocated(time%resume_from)
       if (is_resumed) report = time%resume_from%report
@@ -93,14 +87,9 @@ contains
       hierarchy%work_units = report%cost%work_units
       hierarchy%earlier_pairs = report%cost%fft_pairs
       hierarchy%setup_seconds = wall_seconds() - start
-      if (present(find_steady)) then
-         call find_steady(hierarchy, contact, settings, listener, report, error)
-      else
-         call new_hierarchy(hierarchy, contact, settings%levels, error)
-         if (.not. (allocated(error) .or. is_resumed)) call solve_start(hierarchy, contact, &
-            settings, time, listener, report)
-      end if
+      call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
+      if (.not. is_resumed) call solve_start(hierarchy, contact, settings, time, listener, report)
       associate (seconds => report%cost%phase_seconds, level => hierarchy%levels(hierarchy%finest))
          seconds(phase_setup) = seconds(phase_setup) + hierarchy%setup_seconds
          seconds(phase_steady) = seconds(phase_steady) + wall_seconds() - start &
@@ -113,8 +102,7 @@ contains
                ! at twice the distance from the end of the contact; all else is chosen anew
                call choose_anew(contact, settings%target, min(2*contact%domain%x_outlet - 1, &
                   farthest))
-               call solve_ehl_line(contact, settings, time, listener, state, report, error, &
-                  find_steady)
+               call solve_on_even(contact, settings, time, listener, state, report, error)
                return
             end if
          end if
@@ -131,7 +119,7 @@ contains
       report%numbers%levels = hierarchy%finest - hierarchy%coarsest + 1
       call report_cost(hierarchy, report)
       report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
-   end subroutine solve_ehl_line
+   end subroutine solve_on_even
 
    !> Solves the steady contact on a given grid: the result, or with smooth surfaces the start of a
    !> transient.

@@ -17,7 +17,7 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, report_cost
+   public :: coarsest_for_film, count_work, is_newton, report_cost
 
    !> The smoothers.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
@@ -145,40 +145,6 @@ contains
       hierarchy%coarsest = hierarchy%fas_coarsest
       hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
    end subroutine new_hierarchy
-
-   !> Builds a hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to
-   !> `most` intervals.
-   subroutine new_growing_hierarchy(hierarchy, contact, most, error)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: most
-      type(error_t), allocatable, intent(out) :: error
-      integer :: first
-
-      first = coarsest_for_film(contact)
-      do while (first > most .and. first > smallest_grid)
-         first = first/2
-      end do
-      call make_room(hierarchy, 1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) &
-         + 1.0e-9_wp))
-      call new_grid(hierarchy, contact, first, error)   ! error: the caller looks
-   end subroutine new_growing_hierarchy
-
-   !> Adds a level of twice the intervals and poses the steady problem of the rough surfaces on it.
-   subroutine add_level(hierarchy, contact, error)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (first => hierarchy%levels(1)%n)
-         call new_grid(hierarchy, contact, first, error)
-         if (allocated(error)) return
-         hierarchy%fas_coarsest = 1 + doublings(first, &
-            cycle_coarsest(first, hierarchy%levels(hierarchy%top)%n))
-      end associate
-      hierarchy%work_units = 0.5_wp*hierarchy%work_units
-      call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness=.true.)
-   end subroutine add_level
 
    !> Removes all levels and makes room for `most`.
    pure subroutine make_room(hierarchy, most)

@@ -20,15 +20,15 @@ module nested_start
    implicit none (type, external)
    private
 
-   public :: bump_start, first_guess, full_multigrid_start, solve_level
+   public :: bump_start, full_multigrid_start
 
    !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
-   real(wp), parameter, public :: coarse_run_tolerance = 1.0e-3_wp
+   real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
    !> Most first grids to try.
-   integer, parameter, public :: max_firsts = 4
+   integer, parameter :: max_firsts = 4
    !> Bound on Sigma in the start of a level, and most smoothings to reach it.
    real(wp), parameter :: largest_sigma = 10.0_wp
    integer, parameter :: max_smoothings = 30

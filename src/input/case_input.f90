@@ -140,6 +140,8 @@ contains
          domain%intervals = values%integer_value('domain', 'intervals')
          domain%grid = values%word_value('domain', 'grid')
          if (even_reason(values) /= '') domain%grid = 'even'
+         if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
+            .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'
          time%is_transient = values%logical_value('time', 'transient')
          time%end_time = values%real_value('time', 'end_time')
          time%time_step = values%real_value('time', 'time_step')

@@ -123,12 +123,16 @@ contains
       else if (values%word_value('solver', 'space_scheme') == 'kappa') then
          call check_kappa_scheme(values, "space_scheme = 'kappa'")
       end if
-      if (values%word_value('domain', 'grid') == 'graded') then
-         reason = even_reason(values)
-         if (values%logical_value('time', 'transient')) reason = 'transient = .true.'
-         if (reason /= '') call values%refuse('domain', 'grid', "found 'graded' with "//reason &
-            //", expected 'even' or 'auto'")
+      reason = even_reason(values)
+      if (values%logical_value('time', 'transient')) then
+         reason = 'transient = .true.'
+      else if (values%is_given('accuracy', 'target') .and. reason /= 'intervals') then
+         if (values%word_value('domain', 'grid') == 'even') reason = "grid = 'even'"
+         if (reason /= '') call values%refuse('accuracy', 'target', 'found with '//reason &
+            //', expected the graded grid of a steady contact')
       end if
+      if (values%word_value('domain', 'grid') == 'graded' .and. reason /= '') call values%refuse( &
+         'domain', 'grid', "found 'graded' with "//reason//", expected 'even' or 'auto'")
       if (.not. values%has_value('domain', 'intervals')) return
       call check_fineness(values)
       intervals = values%integer_value('domain', 'intervals')
