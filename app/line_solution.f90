@@ -218,7 +218,8 @@ contains
       if (allocated(report%method)) method = report%method
       associate (given => case%domain, domain => case%contact%domain)
          choice%numbers = [number_choice_t('grid', 'grid', 'chosen', &
-            number_text(real(domain%intervals, wp), 9)//' intervals'), &
+            number_text(real(domain%intervals, wp), 9)//trim(merge(' elements ', ' intervals', &
+            domain%grid == 'graded'))), &
             number_choice_t('domain', 'domain', ends_decision(given%has_inlet, given%has_outlet), &
             number_text(domain%x_inlet, 3)//' to '//number_text(domain%x_outlet, 3)), &
             number_choice_t('method', 'iteration', trim(merge('chosen', 'given ', &

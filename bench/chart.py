@@ -228,11 +228,12 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
         lines.append(f"  {'method':22s}" + "".join(f"{100 * target:>15g}" for target in TARGETS))
         best = [fastest(panel, target) for target in TARGETS]
         # Further quantities of a contact: only methods that differ in the discretisation.
-        for method in panel.curves if WHOLE in panel.besides else ("auto", KAPPA, GRADED, LIMITS):
+        is_further = WHOLE not in panel.besides
+        for method in ("auto", KAPPA, GRADED, LIMITS) if is_further else panel.curves:
             points = [each.get(method) for each in best]
             cells = (f"{f'{1e3 * p.seconds:.3g} ({p.intervals})' if p else '-':>15s}" for p in points)
             lines.append(f"  {method:22s}{''.join(cells)}")
-        lines += [f"  observed order in 1/intervals: {orders(panel)}", *besides(panel)]
+        lines += [f"  observed order in 1/intervals: {orders(panel)}", *([] if is_further else besides(panel))]
     lines += [f"Not converged, not shown: {answer['name']}: {answer['reason'].strip()}" for answer in failures]
     return "\n".join(lines) + "\n"
 

@@ -175,7 +175,8 @@ def test_inlet_that_the_program_chooses(solved_cases):
     assert text(far["input/effective/domain"].attrs["grid"]) == "graded"
     assert text(near["input/effective/domain"].attrs["grid"]) == "even"
     assert far["input/effective/domain"].attrs["x_inlet"] < 3 * near["input/effective/domain"].attrs["x_inlet"] < 0
-    assert np.ptp(np.diff(far["solution/x"][()])) > 1 > 1e-9 > np.ptp(np.diff(near["solution/x"][()]))
+    assert np.ptp(np.diff(far["solution/x"][()])) > 1
+    assert np.ptp(np.diff(near["solution/x"][()])) < 1e-9
     assert far["input/effective/domain"].attrs["intervals"] == far["solution/x"].size - 1
     films = [file["summary/h_min"].attrs["dimensionless"] for file in (far, near)]
     errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((far, near), films, strict=True)]

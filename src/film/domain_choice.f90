@@ -24,7 +24,7 @@ module domain_choice
    implicit none (type, external)
    private
 
-   public :: choose_anew, choose_domain, choose_intervals, chosen_outlet, &
+   public :: choose_anew, choose_domain, choose_intervals, &
       inlet_error, inlet_pressure_error, intervals_for, intervals_for_film
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).

@@ -116,8 +116,9 @@ contains
          values = quantity_values(i, state%x, state%pressure, state%film_thickness, state%friction)
          j = functionals(i)
          errors(i) = abs(values(1) - values(2))
-         if (j > 0) then
-            errors(i) = errors(i) + solution%bounds(j)/solution%values(j)*abs(values(1))
+         if (j > 0) then   ! no sliding: 0, exactly
+            if (.not. abs(values(1)) <= 0.0_wp) errors(i) = errors(i) + solution%bounds(j) &
+               /solution%values(j)*abs(values(1))
          else   ! the exit: its element, and the error of a film over its slope
             associate (line => solution%line)
                call exit_element(line, j, part)

@@ -122,7 +122,7 @@ contains
             x = solution%line%x
             rounds%is_done = .true.
          end if
-         call listener%on_stage('steady on '//to_text(size(x))//' nodes', report%cycles, &
+         call listener%on_stage(to_text(size(x))//' nodes, grid', report%cycles, &
             [report%residual, report%load_error])
          call advance(contact, x, rounds, solution, is_sound)
          if (.not. is_sound) then

@@ -255,13 +255,16 @@ contains
    function outcome_text(report, is_short) result(outcome)
       type(report_t), intent(in) :: report
       logical, intent(in) :: is_short
-      character(:), allocatable :: outcome
+      character(:), allocatable :: outcome, word
 
       outcome = ''
       if (allocated(report%reason)) outcome = trim(report%reason)
       outcome = ending_text(report%outcome(), outcome)
       if (report%outcome() /= has_converged .and. is_short) return
-      outcome = outcome//', '//counted(report%cycles, 'cycle')
+      word = 'cycle'
+      if (allocated(report%method)) word = trim(merge('grid ', 'cycle', index(report%method, &
+         'graded') > 0))
+      outcome = outcome//', '//counted(report%cycles, word)
       if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
       if (report%fit%uncut_steps > 0) outcome = outcome//' (' &
          //number_text(real(report%fit%uncut_steps, wp), 9)//' of the start not cut into parts)'

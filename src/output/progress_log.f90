@@ -86,8 +86,9 @@ contains
    end subroutine start_case
 
    !> In a log cycles 1, 2, 4, 8, ... and after a long silence; on a terminal ten a second at most.
-   subroutine on_cycle(self, cycle, residual, load_error)
+   subroutine on_cycle(self, words, cycle, residual, load_error)
       class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: words
       integer, intent(in) :: cycle
       real(wp), intent(in) :: residual, load_error
       logical :: is_due
@@ -97,7 +98,7 @@ contains
       if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() &
          - self%last_line >= update_seconds
       if (.not. is_due) return
-      call self%update('cycle '//number_text(real(cycle, wp), 9) &
+      call self%update(words//' '//number_text(real(cycle, wp), 9) &
          //'  residual '//number_text(residual, 3)//'  load error '//number_text(load_error, 3))
    end subroutine on_cycle
 

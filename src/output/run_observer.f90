@@ -92,7 +92,7 @@ contains
       real(wp), intent(in), optional :: residuals(2)
 
       if (present(cycle)) then
-         call self%log%on_cycle(cycle, residuals(1), residuals(2))
+         call self%log%on_cycle(words, cycle, residuals(1), residuals(2))
       else
          call begin_activity(words)
       end if
