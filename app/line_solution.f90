@@ -70,11 +70,7 @@ contains
       listener%writer%run%space_scheme = case%solver%space_scheme
       call solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       if (allocated(error)) return
-      if (case%contact%domain%grid == 'even' .and. is_graded) then   ! the graded grid failed
-         listener%has_coarse_runs = case%solver%wants_coarse_runs
-         listener%writer%bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
-         listener%writer%bars%left_out = listener%writer%choice%influence
-      end if
+      if (is_graded) call take_even_bars(case, listener)
       report%fit%nodes_per_wave = nodes_in_wave(case%contact)
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
@@ -94,6 +90,17 @@ contains
       call fill_numbers(case, report, listener%writer%choice)
       call complete_report(listener, seconds, report)
    end subroutine solve_line_case
+
+   !> Prepares the error bars of an even grid where there was no solution on a graded one.
+   subroutine take_even_bars(case, listener)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: listener
+
+      if (case%contact%domain%grid == 'graded') return
+      listener%has_coarse_runs = case%solver%wants_coarse_runs
+      listener%writer%bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
+      listener%writer%bars%left_out = listener%writer%choice%influence
+   end subroutine take_even_bars
 
    !> Grid, time step and scheme of the run that this one goes on with.
    subroutine restore_resolution(case, listener)

@@ -59,24 +59,13 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       procedure(find_steady_interface), optional :: find_steady
-      type(line_contact_t) :: graded
       type(line_hierarchy_t) :: hierarchy
       type(time_settings_t) :: whole_steps
       real(wp) :: start, begin
-      logical :: is_resumed
+      logical :: is_over, is_resumed
 
-      if (contact%domain%grid == 'graded') then
-         graded = contact
-         call solve_graded_contact(graded, settings, listener, state, report, error)
-         if (allocated(error) .or. report%converged .or. listener%is_stopping &
-            .or. report%breakdown%count > 0) then
-            contact = graded
-            return
-         end if
-         if (allocated(listener%grid_errors)) deallocate (listener%grid_errors)
-         contact%domain%grid = 'even'   ! anew, but for what the user gave
-         call choose_anew(contact, settings%target)
-      end if
+      call try_graded(contact, settings, listener, state, report, is_over, error)
+      if (is_over) return
       start = wall_seconds()
       is_resumed = allocated(time%resume_from)
       if (is_resumed) report = time%resume_from%report
@@ -132,6 +121,34 @@ contains
       call report_cost(hierarchy, report)
       report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
+
+   !> Solves the contact if its grid is a graded one. Unless `is_over`, it is prepared for an even
+   !> grid: there was no graded one, or no solution on it.
+   subroutine try_graded(contact, settings, listener, state, report, is_over, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      class(listener_t), intent(inout) :: listener
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      logical, intent(out) :: is_over
+      type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: graded
+
+      is_over = .false.
+      if (contact%domain%grid /= 'graded') return
+      graded = contact
+      call solve_graded_contact(graded, settings, listener, state, report, error)
+      is_over = allocated(error) .or. report%converged .or. listener%is_stopping &
+         .or. report%breakdown%count > 0
+      if (is_over) then
+         contact = graded
+         return
+      end if
+      if (allocated(listener%grid_errors)) deallocate (listener%grid_errors)
+      report = report_t()
+      contact%domain%grid = 'even'
+      call choose_anew(contact, settings%target)
+   end subroutine try_graded
 
    !> Solves the steady contact on a given grid: the result, or with smooth surfaces the start of a
    !> transient.
