@@ -25,9 +25,9 @@ contains
 
    !> Solves one contact on its even grid, or a steady one on a graded grid, and on an even one if
    !> that fails. Steady: with the surfaces at rest where they are. Transient: from the smooth
-   !> steady contact. `contact%domain` is completed where the user left it open; an outlet of the program
-   !> that cuts the steady film off is moved out. The listener is told every cycle of the steady
-   !> solution and every time step, and gets the summaries of the coarser grids that a steady
+   !> steady contact. `contact%domain` is completed where the user left it open; an outlet of the
+   !> program that cuts the steady film off is moved out. The listener is told every cycle of the
+   !> steady solution and every time step, and gets the summaries of the coarser grids that a steady
    !> solution has passed, or the errors of a graded one. With `time%resume_from` the transient goes
    !> on there. Not converging is in the report; `error` is for failures of memory, libraries and
    !> files of heights.

@@ -22,7 +22,7 @@ module graded_errors
    implicit none (type, external)
    private
 
-   public :: estimate_errors, error_bound, hidden_spike
+   public :: estimate_errors, error_bound, has_flank, hidden_spike
 
 contains
 
@@ -155,6 +155,15 @@ contains
          summit = first - 2 + maxloc(p(first - 1:exit_node), 1)
       end associate
    end subroutine find_flank
+
+   !> Whether there is such a flank.
+   pure logical function has_flank(line)
+      type(graded_line_t), intent(in) :: line
+      integer :: first, last, summit
+
+      call find_flank(line, first, summit, last)
+      has_flank = first > 0
+   end function has_flank
 
    !> Marks the elements at the top of a spike that is not resolved and may pass the crest: the
    !> spacing is above the length at which it ends, and the pressure, growing with the root of the

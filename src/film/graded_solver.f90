@@ -8,7 +8,7 @@
 module graded_solver
    use constants, only: pi
    use expected_film, only: newtonian_film
-   use graded_errors, only: error_bound, estimate_errors, hidden_spike
+   use graded_errors, only: error_bound, estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: factors_t, solve_graded_newton
    use graded_nodes, only: first_nodes, monotone_cubic, refined_nodes
@@ -187,7 +187,7 @@ contains
    end subroutine judge_spike
 
    !> Bounds that a spike decides: the largest pressure, which it might pass, is not known if it is
-   !> lost or bounded badly, nor is the friction of an oil that does not thin.
+   !> lost or bounded badly, nor is friction if its flank is not resolved.
    pure subroutine bound_top(solution)
       type(graded_solution_t), intent(inout) :: solution
 
@@ -197,7 +197,7 @@ contains
          if (.not. solution%is_limited) return
          solution%is_lost = solution%is_lost .or. .not. bounds(top) < widest_bar*values(top)
          if (solution%is_lost) bounds([top, spike]) = not_known()
-         if (.not. thins(solution%line%fluid)) bounds(sliding) = not_known()
+         if (has_flank(solution%line)) bounds(sliding) = not_known()
       end associate
    end subroutine bound_top
 
@@ -211,8 +211,8 @@ contains
    end subroutine limit
 
    !> Solves on the nodes `x` from the present solution. Where Newton's method fails: on the same
-   !> nodes with the safe scheme; the third time, or if that fails too, the largest pressure is
-   !> given up, and the grid goes back to an earlier one.
+   !> nodes with the safe scheme; the third time, or if that fails too, a spike is not resolved any
+   !> further, and the grid goes back to an earlier one.
    subroutine advance(contact, x, rounds, solution, is_sound)
       type(line_contact_t), intent(in) :: contact
       real(wp), allocatable, intent(inout) :: x(:)
@@ -251,7 +251,6 @@ contains
          end associate
          if (is_sound .and. rounds%failures < max_failures) exit
          call limit(rounds, solution)
-         solution%is_lost = .true.
          rounds%is_safe = .true.
          if (is_sound) exit
          kept = size(rounds%earlier)
