@@ -96,7 +96,7 @@ ONE = {
     .replace("speed_1 = 0.1, speed_2 = 1.1", "entrainment_speed = 0.7, slide_to_roll = -0.3, hardness = 1e9"),
     "kappa_adequacy": PLAIN + "&solver space_scheme = 'kappa' /\n",
     "target": CASE_1 + "&accuracy target = 0.003 /\n",
-    "climb_fails": CASE_1 + "&accuracy target = 0.001 /\n" + "&solver method = 'fas_block_jacobi', max_cycles = 5 /\n",
+    "cycles_fail": CASE_1 + "&solver method = 'fas_block_jacobi', max_cycles = 5 /\n",
     "rest_features": PLAIN.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.2, speed_2 = 0.0")
     + feature(2, "1e-7, -1e-7", "-0.3, 0.4").replace("'feature'", "'feature', 'feature'").replace("1e-4,", "1e-4, 8e-5,", 1),
     "velocity_layers": PLAIN + "&output velocity_layers = 5, xdmf = .true. /\n",
@@ -202,7 +202,7 @@ HEIGHTS = {"a.csv": tilted(1, 2), "b.csv": tilted(2, 3)}
 # Namelists together, other commands, and what is interrupted and goes on.
 MORE = {
     "several": (
-        {"a.nml": PLAIN + NO_ADEQUACY, "b.nml": ONE["refused"], "c.nml": ONE["line_elastic"], "d.nml": ONE["climb_fails"]},
+        {"a.nml": PLAIN + NO_ADEQUACY, "b.nml": ONE["refused"], "c.nml": ONE["line_elastic"], "d.nml": ONE["cycles_fail"]},
         [
             "asperity a.nml c.nml --set load.load_per_length=1.5e5 --output out --outcomes",
             "asperity a.nml b.nml --keep-going --quiet",
