@@ -27,7 +27,7 @@ program asperity_bench
    call get_command_argument(1, file)
    call read_text_file(trim(file), content, error)
    if (allocated(error)) call stop_with(error%message)
-   write (output_unit, '(a)') 'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,'// &
+   write (output_unit, '(a)') 'name,method,grid,converged,intervals,x_inlet,x_outlet,levels,'// &
       'cycles,steps,residual,load_error,tolerance,step_residual,fft_pairs,work_units,'// &
       'processor,h_min,h_central,p_max,friction_coefficient,difference,reason'
    do while (index(content, marker) == 1)
@@ -77,7 +77,7 @@ contains
       associate (report => outcome%report, first => outcome%first, domain => outcome%contact%domain)
          write (output_unit, '(7a,2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",'// &
             'es12.5,6(",",es24.16e3),3a)') '"', job%name, '","', report%method, '","', &
-            trim(domain%inlet), '"', merge(1, 0, report%converged), domain%intervals, &
+            trim(domain%grid), '"', merge(1, 0, report%converged), domain%intervals, &
             domain%x_inlet, domain%x_outlet, report%numbers%levels, report%cycles, report%steps, &
             report%residual, report%load_error, report%tolerance_effective, first%residual, &
             report%cost%fft_pairs, report%cost%work_units, outcome%processor, &

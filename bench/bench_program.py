@@ -26,7 +26,7 @@ ASPERITY = ROOT / "build" / "bin" / "asperity"
 PROGRAM = ROOT / "build" / "bin" / "asperity-bench"
 ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 PHASES = ("setup", "steady", "transient", "all")
-WORDS = {"name", "method", "inlet", "reason"}
+WORDS = {"name", "method", "grid", "reason"}
 # Longest run [s of wall time, generous: other work may share the machine].
 PATIENCE = 3600
 sys.path.append(str(ROOT / "postproc"))

@@ -36,7 +36,7 @@ FRICTION = summary("friction_coefficient", "rolling_friction_coefficient", "roll
 MOST, OTHERS = FIGURES + CENTRAL + FRICTION[:2], FILMS + CENTRAL + FRICTION
 AREA, DRY = summary("contact_area_fraction"), summary("contact_area_fraction", "mean_separation", "p_max")
 PLASTIC = (*summary("contact_area_fraction", "plastic_area_fraction", "mean_separation"), "sweep/dp_mean")
-DOMAIN, GRID = "error_domain", "error_grid"
+GRID = "error_grid"
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
 ALL = {"is_sample": True}
 NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
@@ -55,12 +55,11 @@ FAMILIES = [
     ),
     Family("graded", "graded", "Smooth contacts of all kinds, chosen domain and grid", MOST, steady.graded, 300, aim=0.01),
     Family("graded", "graded_even", "The same beside even grids, kappa scheme", OTHERS, steady.other, 100, is_other=True),
-    Family("domain", "outlet", "Given outlets, far ahead of film rupture to far behind it", FILMS, steady.given_outlet, 30, DOMAIN),
+    Family("domain", "outlet", "Given outlets, far ahead of film rupture to far behind it", FILMS, steady.given_outlet, 30),
     Family("domain", "open", "Domain and grid chosen by the program", FILMS + CENTRAL, steady.open_domain, 40),
     Family("domain", "open_light", "The same, light loads and low Eyring stress", FILMS, steady.light_eyring),
     Family("domain", "extreme", "The same where load, oil, sliding and stress are extreme", summary("h_min"), steady.extreme),
-    Family("domain", "zero_inlet", "Given inlets without pressure, mostly Eyring", FILMS, steady.given_inlet("zero"), 40, DOMAIN),
-    Family("domain", "tail_inlet", "Given inlets with a tail, mostly Eyring", FILMS, steady.given_inlet("tail"), 40, DOMAIN),
+    Family("domain", "given_inlet", "Given inlets, mostly Eyring", FILMS, steady.given_inlet, 40),
     Family("dry", "dry_hertz_line", "Hertz, line", DRY, dry.hertz(1), 48),
     Family("dry", "dry_hertz_area", "Hertz, point", DRY, dry.hertz(2)),
     Family("dry", "dry_waves", "Sinusoids", DRY, dry.waves, 48),

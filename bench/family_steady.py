@@ -1,9 +1,7 @@
 """Random steady contacts: of all kinds, domains, pressure spikes, friction; each with its truth.
 
-The truth of a given domain has the member's spacing and a domain several times as long, so that the grid error cancels and
-`error_domain` is judged alone. Where the program chooses the domain, the truth has a grid and an inlet that serve all members. A
-pressure spike needs a dX that (nearly) resolves it; Eyring's law makes it a corner, where a grid errs by up to half of the
-pressure drop over a spacing.
+The truth has graded nodes, a far inlet and a target of 3e-4, except for the schemes of even grids: there a pressure spike needs a
+dX that (nearly) resolves it; Eyring's law makes it a corner, where a grid errs by up to half of the pressure drop over a spacing.
 """
 
 from __future__ import annotations
@@ -13,12 +11,10 @@ import random
 from collections.abc import Callable
 
 import namelists
-from judge import FARTHEST, LONGER, Member, beside, finer_sample
+from judge import GRADED, LONGER, Member, beside, finer_sample
 from namelists import LAWS, Groups, plane, steel
 from samples import contacts, fresh_contacts
 
-# Far enough for ordinary contacts, with the tail.
-FAR = {"intervals": 2**15, "inlet": "tail", "x_inlet": -60.0, "x_outlet": 3.0}
 NEWTONIAN = (LAWS[0], LAWS[3], {"viscosity_law": "constant", "density_law": "constant"})
 OILS = (LAWS[0], LAWS[3], LAWS[1], LAWS[2])
 # Wanted accuracy of stiff contacts; None: the program's grid.
@@ -35,11 +31,6 @@ def width(m: float, l: float) -> float:  # noqa: E741
     """S = sqrt(2 H_c) of a rough fit of the Newtonian film [half-widths]."""
     film = ((2.45 / m) ** 1.5 + (1.3 * l**0.75 * m**-0.12) ** 1.5) ** (1 / 1.5) if l > 0 else (2.45 / m + 3.1 * m**-0.2)
     return math.sqrt(2 * film * math.pi / (8 * m))
-
-
-def far(m: float, l: float, intervals: int, outlet: float, farthest: float = math.inf) -> dict:  # noqa: E741
-    """The domain of a truth; `outlet` behind X = 1."""
-    return {"intervals": intervals, "inlet": "tail", "x_inlet": max(-(1 + 16 * width(m, l)), -farthest), "x_outlet": 1 + outlet}
 
 
 def sample(fresh: bool, longer: bool) -> Draw:
@@ -87,27 +78,22 @@ def contact(source: random.Random, is_eyring: bool, lightest: float, heaviest: f
 
 
 def given_outlet(source: random.Random, i: int) -> Member:
-    """From far ahead of rupture to far behind it, light to heavy loads; the truth lies on the same nodes, and twice as many."""
+    """From far ahead of rupture to far behind it, light to heavy loads."""
     m, l, groups = contact(source, i % 2 == 1, 0.05, 30)  # noqa: E741
-    s = width(m, l)
-    outlet, inlet, n = 1 + s * log_uniform(source, 0.05, 2), max(-(1 + 20 * s), -450.0), 8192
-    common = {"x_inlet": inlet, "inlet": "tail"}
-    return beside(
-        groups, common | {"x_outlet": outlet, "intervals": n}, common | {"x_outlet": 2 * outlet - inlet, "intervals": 2 * n}
-    )
+    return beside(groups, {"x_outlet": 1 + width(m, l) * log_uniform(source, 0.05, 2)}, GRADED)
 
 
 def open_domain(source: random.Random, i: int) -> Member:
     """The whole domain and grid left open, over the whole range."""
-    m, l, groups = contact(source, i % 3 > 0, 0.02, 300)  # noqa: E741
-    return beside(groups, {}, far(m, l, 2**16, max(0.75 * width(m, l), 1.0), 900.0))
+    groups = contact(source, i % 3 > 0, 0.02, 300)[2]
+    return beside(groups, {}, GRADED)
 
 
 def light_eyring(source: random.Random, _: int) -> Member:
     """M below 1 with low Eyring stress, domain left open: the slope of the pressure in front of the inlet thins the oil."""
     m, l = log_uniform(source, 0.05, 1), source.uniform(10, 40)  # noqa: E741
     groups = steel(m, l, log_uniform(source, 0.1, 20), log_uniform(source, 0.5e6, 2e6))
-    return beside(groups, {}, far(m, l, 2**16, 0.75 * width(m, l), 900.0))
+    return beside(groups, {}, GRADED)
 
 
 def extreme(source: random.Random, i: int) -> Member:
@@ -115,26 +101,14 @@ def extreme(source: random.Random, i: int) -> Member:
     m, l = log_uniform(source, 0.01, 5000), source.uniform(2, 60)  # noqa: E741
     slide, stress = log_uniform(source, 0.1, 20), log_uniform(source, 0.5e6, 20e6)
     groups = steel(m, l, slide, stress if i % 2 == 1 else None, source.choice(OILS))
-    return beside(groups, {}, far(m, l, 2**17, max(0.75 * width(m, l), 1.0), 900.0))
+    return beside(groups, {}, GRADED)
 
 
-def given_inlet(inlet: str) -> Draw:
-    """A given inlet, without pressure or with the tail, from inside the pressure build-up to far out.
-
-    The truth at the same spacing, eight times as long.
-    """
-
-    def draw(source: random.Random, i: int) -> Member:
-        m, l, groups = contact(source, i % 4 > 0, 0.1, 30)  # noqa: E741
-        s = width(m, l)
-        start, outlet = -(1 + s * log_uniform(source, 1.5, 30 if inlet == "zero" else 6)), 1 + max(0.75 * s, 1.0)
-        n, factor = 4096, 8
-        while outlet - factor * (outlet - start) < -FARTHEST:
-            factor //= 2
-        fine = {"inlet": "tail", "x_inlet": outlet - factor * (outlet - start), "x_outlet": outlet, "intervals": factor * n}
-        return beside(groups, {"inlet": inlet, "x_inlet": start, "x_outlet": outlet, "intervals": n}, fine)
-
-    return draw
+def given_inlet(source: random.Random, i: int) -> Member:
+    """A given inlet, from inside the pressure build-up to far out."""
+    m, l, groups = contact(source, i % 4 > 0, 0.1, 30)  # noqa: E741
+    start = -(1 + width(m, l) * log_uniform(source, 1.5, 30))
+    return beside(groups, {"x_inlet": start}, GRADED)
 
 
 def spike(source: random.Random, i: int) -> Member:
@@ -150,7 +124,7 @@ def wide(source: random.Random, i: int) -> Member:
     m, l = 10 ** source.uniform(0.5, 3.5), source.uniform(2, 60)  # noqa: E741
     stress = 10 ** source.uniform(5.7, 7.3) if i % 4 else None
     groups = steel(m, l, 10 ** source.uniform(-1.3, 1.3), stress, LAWS[source.randrange(4)])
-    return beside(groups, {}, far(m, l, 2**18, max(0.75 * width(m, l), 1.0)))
+    return beside(groups, {}, GRADED)
 
 
 def stiff(source: random.Random, i: int) -> Member:
@@ -160,8 +134,7 @@ def stiff(source: random.Random, i: int) -> Member:
     """
     rise, l = 31 * (259 / 31) ** source.random(), source.uniform(10, 30)  # noqa: E741
     m = 2 * math.pi * (rise / l) ** 2  # alpha p_h = L sqrt(M/(2 pi))
-    fine = far(m, l, 2**18, max(0.75 * width(m, l), 0.5))
-    return beside(plane(m, l, LAWS[i % 2]), {}, fine, accuracy={"target": TARGETS[i // 2 % 3]})
+    return beside(plane(m, l, LAWS[i % 2]), {}, GRADED, accuracy={"target": TARGETS[i // 2 % 3]})
 
 
 def pressure_on_a_grid(source: random.Random, i: int) -> Member:
@@ -172,11 +145,7 @@ def pressure_on_a_grid(source: random.Random, i: int) -> Member:
     else:
         m, l = 10 ** source.uniform(0, 2.9), source.uniform(3, 30)  # noqa: E741
         groups = steel(m, l, source.uniform(0.05, 2), 10 ** source.uniform(6.5, 9))
-    film = (2.45 / m + 1.3 * m**-0.125 * l**0.75 + 2.6 * m**-0.2) * math.pi / (8 * m)
-    inlet = -min(1 + 40 * (1 + 3 / m) * math.sqrt(2 * film), FARTHEST)
-    # Spikes, of which loads above M = 1 are in danger, need many intervals, light contacts a long domain.
-    fine = {"intervals": 2**16 if m > 1 else 2**15, "inlet": "tail", "x_inlet": inlet, "x_outlet": max(1.5, 3 * math.sqrt(1 / m))}
-    return beside(groups, {"intervals": 2 ** source.randint(6, 12)}, fine)
+    return beside(groups, {"intervals": 2 ** source.randint(6, 12)}, GRADED)
 
 
 def rolling(source: random.Random, i: int) -> Member:
@@ -186,7 +155,7 @@ def rolling(source: random.Random, i: int) -> Member:
     m = 2 * math.pi * (hertz / namelists.STEEL_MODULUS) ** 2 / math.sqrt(speed_number)
     slide = 0.0 if i % 3 == 0 else source.uniform(0, 0.05)
     groups = steel(m, l, slide, 10 ** source.uniform(6, 7.3), LAWS[i % 4])
-    return beside(groups, {}, far(m, l, 2**17, max(width(m, l), 0.5)))
+    return beside(groups, {}, GRADED)
 
 
 def friction_given(source: random.Random, _: int) -> Member:
@@ -195,4 +164,4 @@ def friction_given(source: random.Random, _: int) -> Member:
     slide = source.choice((-1, 1)) * source.uniform(0.02, 1.8)
     stress = 10 ** source.uniform(6.0, 7.5) if source.random() < 0.5 else None
     domain = {"x_inlet": -source.uniform(3.0, 12.0), "x_outlet": 2.0, "intervals": 2 ** source.randint(8, 11)}
-    return beside(steel(m, l, slide, stress), domain, FAR)
+    return beside(steel(m, l, slide, stress), domain, GRADED)

@@ -236,7 +236,7 @@ def narrow(source: random.Random, _: int) -> Member:
     length = 10 ** source.uniform(-1.0, -0.3)
     shape = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.05, 0.5), length, -1.5 - length)
     surfaces, time = {"surface_2": shape}, {"end_time": (2.6 + 1.5 * length) / contact.speed}
-    return Member(contact.case(surfaces, time, domain={"inlet": "auto"}), contact.truth(surfaces, time))
+    return Member(contact.case(surfaces, time), contact.truth(surfaces, time))
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,6 @@
-!> Errors by the length of the inlet, by rules or, with a tail or an inlet close to the contact,
-!> measured: quantities on a coarser grid of the same domain and, at the same spacing, on a longer
-!> domain.
-!>
-!> The remainder beyond the tail (module inlet_tail) falls with the fourth power of its distance, so
-!> that the longer domain is as good as infinite, and the change is that on the grid of the result
-!> (40 contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the intervals 0.8 to 1.1 times it,
-!> except where it passes through zero). A pressure spike, which jumps with the position of the
-!> nodes, is not compared: the largest pressure is that next to it.
+!> Errors by the length of the inlet, by rules or, with an inlet close to the contact, measured:
+!> quantities on graded grids of the same domain and of one with a far inlet. A pressure spike is
+!> not compared: the largest pressure is that next to it.
 module inlet_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use iteration_report, only: report_t
