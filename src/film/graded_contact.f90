@@ -16,7 +16,7 @@ module graded_contact
    use line_contact, only: line_contact_t, move_profiles
    use line_state, only: line_state_t
    use listener, only: listener_t
-   use missing_value, only: not_known
+   use missing_value, only: exceeds, not_known
    use quantities, only: quantity_count, quantity_values
    use solver_settings, only: solver_settings_t
    use state_output, only: fill_properties
@@ -92,7 +92,7 @@ contains
          call fill_properties(contact, state)
          state%friction = friction_t(sign(values(sliding), contact%slide_to_roll), &
             values(rolling), 0.5_wp*contact%slide_to_roll, values(rolling_power), not_known())
-         if (.not. abs(contact%slide_to_roll) > 0.0_wp) state%friction%sliding = &
+         if (.not. exceeds(abs(contact%slide_to_roll), 0.0_wp)) state%friction%sliding = &
             contact%slide_to_roll
          if (allocated(state%shear_stress_mean)) state%friction%stress_share = &
             maxval(abs(state%shear_stress_mean)/max(state%pressure, tiny(1.0_wp)), &
@@ -117,7 +117,7 @@ contains
          j = functionals(i)
          errors(i) = abs(values(1) - values(2))
          if (j > 0) then   ! no sliding: 0, exactly
-            if (.not. abs(values(1)) <= 0.0_wp) errors(i) = errors(i) + solution%bounds(j) &
+            if (exceeds(abs(values(1)), 0.0_wp)) errors(i) = errors(i) + solution%bounds(j) &
                /solution%values(j)*abs(values(1))
          else   ! the exit: its element, and the error of a film over its slope
             associate (line => solution%line)

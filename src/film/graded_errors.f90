@@ -27,7 +27,7 @@ module graded_errors
 contains
 
    !> Evaluates the quantities of a solved line, `values`, and the share of every element in their
-   !> errors (n, functional_count); NaN and 0 where there is no such quantity.
+   !> errors (n, functional_count); 0 where there is no such quantity.
    subroutine estimate_errors(line, slide_to_roll, factors, values, shares)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(in) :: slide_to_roll

@@ -172,7 +172,7 @@ contains
          line%load_defect = 0.5_wp*pi - dot_product(line%weights, line%state%pressure)
          line%merit = norm2(pull) + abs(line%load_defect)
          line%error = max(line%error/minval(line%state%film), abs(line%load_defect), &
-            maxval(p, line%is_cavitated)/max(maxval(p), tiny(1.0_wp)))
+            max(maxval(p, line%is_cavitated), 0.0_wp)/max(maxval(p), tiny(1.0_wp)))
       end associate
    end subroutine evaluate
 

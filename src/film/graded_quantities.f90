@@ -4,7 +4,7 @@ module graded_quantities
    use graded_line, only: graded_line_t
    use kinds, only: wp
    use lubricant, only: fluid_viscosity
-   use missing_value, only: not_known
+   use missing_value, only: exceeds
    use rheology, only: evaluate_stress
    implicit none (type, external)
    private
@@ -22,7 +22,7 @@ module graded_quantities
    !> Relative steps of the differences that give derivatives of the shear stress.
    real(wp), parameter :: difference = 1.0e-6_wp
 
-   !> A quantity; NaN: there is none.
+   !> A quantity; 0: there is none.
    type :: functional_t
       real(wp) :: value = 0.0_wp
       !> Its derivatives (0:n), and the addition of each element to its error by its sum (n).
@@ -55,8 +55,7 @@ contains
       end associate
       call find_spike(line, list(spike))
       call add_rolling(line, list(rolling), list(rolling_power))
-      list(sliding)%value = not_known()
-      if (abs(slide_to_roll) > 0.0_wp) call add_sliding(line, line%lambda*abs(slide_to_roll)/12, &
+      if (exceeds(abs(slide_to_roll), 0.0_wp)) call add_sliding(line, line%lambda*abs(slide_to_roll)/12, &
          list(sliding))
    end subroutine evaluate_quantities
 
@@ -81,14 +80,13 @@ contains
       value = dot_product(by_value(i - 1:i + 1), f(i - 1:i + 1))
    end subroutine find_vertex
 
-   !> The pressure of a spike apart from the largest; NaN if there is none.
+   !> The pressure of a spike apart from the largest, if there is one.
    pure subroutine find_spike(line, quantity)
       type(graded_line_t), intent(in) :: line
       type(functional_t), intent(inout) :: quantity
       real(wp) :: bend(line%n - 1)
       integer :: crest, i
 
-      quantity%value = not_known()
       associate (p => line%state%pressure, n => line%n, h => line%spacing)
          crest = maxloc(p, 1) - 1
          if (crest >= n - 2) return
@@ -113,6 +111,7 @@ contains
       type(graded_line_t), intent(in) :: line
       type(functional_t), intent(inout) :: force, power
       real(wp), dimension(line%n) :: c, rise
+      real(wp), dimension(0:line%n) :: bend_p, bend_h
 
       associate (p => line%state%pressure, h => line%state%film, e => line%oil%face_mobility, &
          rho => line%oil%density, slopes => line%slopes, n => line%n)
@@ -122,10 +121,10 @@ contains
          force%by_film(:n - 1) = force%by_film(:n - 1) + 0.25_wp*rise
          force%by_pressure(1:) = 0.25_wp*(h(1:) + h(:n - 1))
          force%by_pressure(:n - 1) = force%by_pressure(:n - 1) - 0.25_wp*(h(1:) + h(:n - 1))
-         associate (bend_p => second_differences(line, p), bend_h => second_differences(line, h))
-            force%quadrature = line%spacing**2/48*((bend_p(1:) + bend_p(:n - 1))*(h(1:) &
-               - h(:n - 1)) - rise*(bend_h(1:) + bend_h(:n - 1)))
-         end associate
+         bend_p = second_differences(line, p)
+         bend_h = second_differences(line, h)
+         force%quadrature = line%spacing**2/48*((bend_p(1:) + bend_p(:n - 1))*(h(1:) - h(:n - 1)) &
+            - rise*(bend_h(1:) + bend_h(:n - 1)))
          ! rho changes little: left out of the derivatives
          c = rise/(line%lambda*line%spacing*(rho(1:) + rho(:n - 1)))
          power%value = sum(c*rise*e) + line%lambda/abs(line%x(0))

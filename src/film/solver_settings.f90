@@ -35,8 +35,8 @@ module solver_settings
       logical :: has_outlet = .false.
       !> Grid intervals on the finest grid, 2^k or 3, 5, 7 times that; 0: chosen by the program.
       integer :: intervals = 0
-      !> Nodes: 'even', 'graded' (module graded_solver; steady only) or, until `choose_domain`,
-      !> 'auto'. The intervals of a graded grid are known when it is solved.
+      !> Kind of its nodes, 'even', 'graded' (module graded_solver; steady only) or, until
+      !> `choose_domain`, 'auto'. The intervals of a graded grid are known when it is solved.
       character(len=word_length) :: grid = 'even'
       !> Whether the outlet is the program's, which moves it out if it cuts off the film.
       logical :: may_lengthen = .false.
