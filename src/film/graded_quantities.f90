@@ -55,8 +55,8 @@ contains
       end associate
       call find_spike(line, list(spike))
       call add_rolling(line, list(rolling), list(rolling_power))
-      if (exceeds(abs(slide_to_roll), 0.0_wp)) call add_sliding(line, line%lambda*abs(slide_to_roll)/12, &
-         list(sliding))
+      if (exceeds(abs(slide_to_roll), 0.0_wp)) call add_sliding(line, &
+         line%lambda*abs(slide_to_roll)/12, list(sliding))
    end subroutine evaluate_quantities
 
    !> Vertex of the parabola through node `i` and its neighbours, no farther than they are, and its
