@@ -7,7 +7,8 @@ module graded_nodes
    public :: first_nodes, monotone_cubic, refined_nodes
 
    !> The spacing is the first share of the length over which the pressure builds up, or the second
-   !> of the distance from X = +-1 outside the contact, the third inside, there at most the fourth number.
+   !> of the distance from X = +-1 outside the contact, the third inside, there at most the fourth
+   !> number.
    real(wp), parameter :: finest = 0.25_wp, outside = 0.15_wp, inside = 0.2_wp, coarsest = 0.12_wp
    !> Waves of the surfaces are resolved up to this distance from X = 0, at least.
    real(wp), parameter :: around = 2.0_wp
