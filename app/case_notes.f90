@@ -10,7 +10,6 @@ module case_notes
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
-   use progress_log, only: progress_log_t
    use quantity_text, only: duration_text
    use quantities, only: h_min, quantity_rows
    use run_observer, only: run_observer_t

@@ -115,9 +115,7 @@ contains
          end if
          call run_farther(bars, at_rest, listener, error)
          if (allocated(error)) return
-         ! a target has chosen its grid by the estimate from coarser ones
-         if (.not. (case%contact%domain%grid == 'graded' .or. case%time%is_transient &
-            .or. case%solver%target > 0.0_wp)) call run_other_scheme(bars, at_rest, listener, error)
+         if (.not. case%time%is_transient) call run_other_scheme(bars, at_rest, listener, error)
          if (allocated(error)) return
       end if
       if (report%fit%outlet_pressure > 0.0_wp) then

@@ -11,7 +11,6 @@ module result_end
    use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
    use inlet_errors, only: film_loss
    use iteration_report, only: is_outside, report_t
-   use kinds, only: wp
    use quantity_text, only: number_text
    use line_state, only: line_state_t
    use missing_value, only: exceeds

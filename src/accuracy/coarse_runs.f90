@@ -8,10 +8,9 @@ module coarse_runs
    use grid_estimates, only: copy_coarser
    use inlet_errors, only: inlet_change_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use listener, only: listener_t
    use quantities, only: x_cavitation
-   use solver_settings, only: domain_t, max_chosen
+   use solver_settings, only: max_chosen
    use split_errors, only: predicted_values, orders_in_time
    implicit none (type, external)
    private

@@ -2,7 +2,6 @@
 !> split_errors), inlet (inlet_errors), an outlet that cuts off the film, iteration, and what was
 !> left out of the model; their sum, or the reason why it is not known.
 module error_bars
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
    use grid_errors, only: safety
    use grid_estimates, only: coarse_values_t, estimate_grid_errors, exit_jitter
@@ -63,17 +62,8 @@ contains
 
       if (allocated(bars%grid_errors)) then
          summary%of%error_grid = bars%grid_errors
-      else if (bars%forecast%is_known) then
-         call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, summary)
-         call allow_for_spike(bars%spike_law, dx, summary)
-      else if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
-         call estimate_grid_errors(bars%coarse_values_t, report%steps > 0, dx, summary)
-         call allow_for_spike(bars%spike_law, dx, summary)
-      end if
-      if (.not. allocated(bars%grid_errors)) then
-         call doubt_shear(bars%spike_law, dx, summary)
-         call doubt_lost_waves(bars%waves, bars%spike_law, dx, summary)
-         summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
+      else
+         call estimate_on_even(bars, report%steps > 0, dx, summary)
       end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
@@ -88,6 +78,25 @@ contains
          end associate
       end do
    end subroutine apply_error_bars
+
+   !> Sets the errors by an even grid and the time step, and extrapolated values.
+   pure subroutine estimate_on_even(bars, is_transient, dx, summary)
+      type(error_bars_t), intent(in) :: bars
+      logical, intent(in) :: is_transient
+      real(wp), intent(in) :: dx
+      type(line_summary_t), intent(inout) :: summary
+
+      if (bars%forecast%is_known) then
+         call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, summary)
+         call allow_for_spike(bars%spike_law, dx, summary)
+      else if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
+         call estimate_grid_errors(bars%coarse_values_t, is_transient, dx, summary)
+         call allow_for_spike(bars%spike_law, dx, summary)
+      end if
+      call doubt_shear(bars%spike_law, dx, summary)
+      call doubt_lost_waves(bars%waves, bars%spike_law, dx, summary)
+      summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
+   end subroutine estimate_on_even
 
    !> Whether the surfaces have waves that coarse runs do not resolve; a prediction resolves them.
    pure logical function has_unseen_waves(bars)

@@ -9,7 +9,7 @@ module grid_estimates
    use line_summary, only: line_summary_t, new_quantity, quantity_t
    use missing_value, only: larger, not_known
    use pressure_errors, only: estimate_crest, estimate_crest_in_time, top_of
-   use quantities, only: h_central, h_min, is_chance, p_max, quantity_count, quantity_rows, &
+   use quantities, only: h_central, is_chance, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node
    implicit none (type, external)
    private

@@ -86,6 +86,7 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: even
+      type(line_state_t) :: on_even
       real(wp) :: budget
 
       call listener%on_stage('measuring what each ingredient changes')
@@ -101,16 +102,15 @@ contains
                   error)   ! error: the caller looks
             else
                budget = max(share*steady_steps*n, small_run)
+               even = contact
+               on_even = state
                if (contact%domain%grid == 'graded') then
-                  even = contact
                   even%domain = domain_t()
                   call choose_domain(even)
-                  call measure_at_rest(even, even_state(even, state), list, budget, adequacy, &
-                     listener, error)   ! error: the caller looks
-               else
-                  call measure_at_rest(contact, state, list, budget, adequacy, listener, &
-                     error)   ! error: the caller looks
+                  on_even = even_state(even, state)
                end if
+               call measure_at_rest(even, on_even, list, budget, adequacy, listener, &
+                  error)   ! error: the caller looks
             end if
          end associate
       end associate

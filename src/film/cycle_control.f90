@@ -2,13 +2,13 @@
 !> do not.
 module cycle_control
    use fas_cycle, only: cycle_from
-   use film_equation, only: carried_load, elastic_film, evaluate_deflection, load_defect
+   use film_equation, only: elastic_film, evaluate_deflection, load_defect
    use film_state, only: film_state_t, is_finite
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_hierarchy, only: count_work, is_newton, line_hierarchy_t, method_block_jacobi, &
       method_fas
-   use line_level, only: contact_load, largest_pressure, line_level_t
+   use line_level, only: largest_pressure, line_level_t
    use listener, only: is_stopped, listener_t
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds

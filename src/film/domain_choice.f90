@@ -39,7 +39,8 @@ module domain_choice
    !> Margin of an outlet behind waves, and its largest distance from the end of the contact
    !> relative to smooth surfaces.
    real(wp), parameter :: wave_margin = 1.1_wp, max_widening = 3.0_wp
-   !> c of the inlet X = -(1 + c S) of a graded grid.
+   !> c of the inlet X = -(1 + c S) of a graded grid, on which a far inlet costs little: the film
+   !> errs there by 2e-5 in the lightest contacts, with 1/c^2 (load in front of it).
    real(wp), parameter :: far_reach = 300.0_wp
    !> Largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
@@ -59,7 +60,6 @@ contains
       associate (domain => contact%domain)
          if (domain%grid == 'auto') domain%grid = merge('graded', 'even  ', &
             finest_wave(contact) >= huge(1.0_wp))
-         if (domain%grid == 'graded') call choose_far_ends(contact)
          if (.not. domain%has_outlet) then
             domain%x_outlet = chosen_outlet(contact)
             domain%has_outlet = .true.
@@ -71,24 +71,6 @@ contains
          domain%intervals_are_chosen = .true.
       end associate
    end subroutine choose_domain
-
-   !> Chooses the ends of a graded grid, on which a far inlet costs little: the film errs there by
-   !> 2e-5 in the lightest contacts, with 1/c^2 (load in front of it).
-   pure subroutine choose_far_ends(contact)
-      type(line_contact_t), intent(inout) :: contact
-      real(wp) :: width
-
-      width = sqrt(2*newtonian_film(contact))
-      associate (domain => contact%domain)
-         if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + width)
-         domain%may_lengthen = domain%may_lengthen .or. .not. domain%has_outlet
-         domain%has_outlet = .true.
-         if (domain%has_inlet) return
-         domain%x_inlet = -(1 + far_reach*width)
-         domain%has_inlet = .true.
-         domain%inlet_is_chosen = .true.
-      end associate
-   end subroutine choose_far_ends
 
    !> Chooses a domain anew except for what the user gave; the outlet is `x_outlet`, if present.
    pure subroutine choose_anew(contact, target, x_outlet)
@@ -106,11 +88,16 @@ contains
    end subroutine choose_anew
 
    !> Outlet chosen by the program: behind X = sqrt(1 + s^2) the gap opens, about as sqrt(X^2 - 1),
-   !> faster than passing waves of slope s close it, and pressure does not build up again.
+   !> faster than passing waves of slope s close it, and pressure does not build up again; farther
+   !> out on a graded grid, where that costs nothing.
    pure function chosen_outlet(contact) result(x_outlet)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: x_outlet, smooth
 
+      if (contact%domain%grid == 'graded') then
+         x_outlet = max(1.5_wp, 1 + sqrt(2*newtonian_film(contact)))
+         return
+      end if
       smooth = max(1.5_wp, 1 + 0.5_wp*sqrt(2*newtonian_film(contact)))
       x_outlet = max(smooth, min(wave_margin*sqrt(1 + closing_slope(contact)**2), &
          1 + max_widening*(smooth - 1)))
@@ -120,7 +107,7 @@ contains
    pure subroutine choose_inlet(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
-      real(wp) :: tolerance
+      real(wp) :: reach, tolerance
 
       tolerance = default_inlet_error
       if (present(target)) then
@@ -128,7 +115,9 @@ contains
       end if
       associate (domain => contact%domain)
          if (domain%has_inlet) return
-         domain%x_inlet = -(1 + sqrt(2*newtonian_film(contact))*inlet_reach(contact, tolerance))
+         reach = inlet_reach(contact, tolerance)
+         if (domain%grid == 'graded') reach = far_reach
+         domain%x_inlet = -(1 + sqrt(2*newtonian_film(contact))*reach)
          domain%has_inlet = .true.
          domain%inlet_is_chosen = .true.
       end associate

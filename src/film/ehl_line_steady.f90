@@ -7,7 +7,7 @@ module ehl_line_steady
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, method_fas, method_newton_krylov, new_hierarchy, &
+   use line_hierarchy, only: line_hierarchy_t, method_fas, new_hierarchy, &
       pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
    use nested_start, only: bump_start, full_multigrid_start
@@ -36,32 +36,25 @@ module ehl_line_steady
 contains
 
    !> Solves the steady problem posed on the hierarchy, to the tolerance of the settings or else
-   !> `steady_tolerance`. `is_started`: the finest level holds a first approximation from which
-   !> Newton's method continues.
-   subroutine solve_steady(hierarchy, contact, settings, listener, report, is_started)
+   !> `steady_tolerance`.
+   subroutine solve_steady(hierarchy, contact, settings, listener, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       class(listener_t), intent(inout), target :: listener
       type(report_t), intent(inout) :: report
-      logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
       character(:), allocatable :: failure, failures
-      logical :: has_start, is_sound
+      logical :: is_sound
       integer :: i
 
-      has_start = .false.
-      if (present(is_started)) has_start = is_started
       allocate (attempts, source=steady_attempts(contact, settings))
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
          call note_choice(report, attempts(i))
          call listener%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
             //report%method)
-         if (has_start .and. attempts(i)%method == method_newton_krylov) then
-            has_start = .false.
-            is_sound = .true.
-         else if (settings%start == 'hertz') then
+         if (settings%start == 'hertz') then
             call bump_start(hierarchy, contact, hierarchy%finest)
             is_sound = .true.
             if (attempts(i)%follows_time) call follow_time(hierarchy, hierarchy%finest, &

@@ -2,8 +2,7 @@
 !> its factors by LAPACK, and solutions with the transposed matrix.
 !>
 !> Unknowns are P(1..n-1) and H0, complementarity by the active set of `graded_line`. A step is the
-!> best of up to three: plain; bent, where the mobility of a node would change by much (as in module
-!> newton_line); and 0.4 of the plain one.
+!> best of up to three: plain; bent (`bent_step` of module mobility); and 0.4 of the plain one.
 module graded_newton
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dense_solve, only: solve_dense, solve_factored
@@ -11,6 +10,7 @@ module graded_newton
    use film_state, only: film_state_t
    use graded_line, only: evaluate, graded_line_t, point_mobility, set_pressure
    use kinds, only: wp
+   use mobility, only: bent_step, flowing_share
    use moes, only: moes_m_sum_from_lambda
    use rheology, only: thins, wall_stress
    implicit none (type, external)
@@ -23,9 +23,6 @@ module graded_newton
    !> third.
    real(wp), parameter :: largest_step = 0.6_wp, least_film_share = 0.35_wp, &
       largest_slip_step = 10.0_wp
-   !> A step is bent where it changes ln e by more than the first; the oil of a node flows where its
-   !> conductance exceeds the second share of the diagonal.
-   real(wp), parameter :: small_change = 0.3_wp, flowing_share = 0.1_wp
    !> Share of the norm below which the plain step is good enough, or after it the bent one; length
    !> of the short one.
    real(wp), parameter :: good_plain = 0.5_wp, good_bent = 0.9_wp, short = 0.4_wp
@@ -85,8 +82,6 @@ contains
          call choose_step(line, step(:, 1), best)
          is_sound = allocated(best%pressure)
          if (.not. is_sound) return
-         call set_pressure(line, best%pressure, best%rigid_displacement)
-         call evaluate(line)
          steps = steps + 1
          factors%is_fresh = line%error < fresh_share*error .and. all(was_cavitated &
             .eqv. line%is_cavitated)
@@ -152,8 +147,8 @@ contains
    end subroutine fill_matrix
 
 
-   !> The best of the trial steps; without a pressure if none leaves a positive film. The line is
-   !> left at the last trial.
+   !> The best of the trial steps, at which the line is left; without a pressure if none leaves a
+   !> positive film.
    subroutine choose_step(line, step, best)
       type(graded_line_t), intent(inout) :: line
       real(wp), intent(in) :: step(:)
@@ -161,6 +156,7 @@ contains
       type(film_state_t) :: start
       type(trial_t) :: trial
       real(wp) :: bent(line%n), merit
+      logical :: is_last
       integer :: way
 
       merit = line%merit
@@ -173,9 +169,13 @@ contains
          else
             call try_step(line, start, step, merge(short, 1.0_wp, way == 3), trial)
          end if
-         if (trial%merit < best%merit) best = trial
+         is_last = trial%merit < best%merit
+         if (is_last) best = trial
          if (best%merit < good_plain*merit .or. (way == 2 .and. best%merit < good_bent*merit)) exit
       end do
+      if (is_last .or. .not. allocated(best%pressure)) return
+      call set_pressure(line, best%pressure, best%rigid_displacement)
+      call evaluate(line)
    end subroutine choose_step
 
    !> Takes `share` of the longest part of a step from the state `start` that respects the bounds
@@ -222,27 +222,21 @@ contains
          line%state%rigid_displacement, length, line%merit)
    end subroutine try_step
 
-   !> Bends the step of nodes whose mobility e would change by much: a falling pressure goes no
-   !> further than to where the oil flows, or to where e has grown as its tangent predicts; a rising
-   !> one as far as e falls by that tangent.
+   !> Bends the step of nodes whose mobility e falls with P and would change by much.
    pure subroutine bend_step(line, step)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(inout) :: step(:)
-      real(wp), dimension(line%n - 1) :: bent, change, e, flow, rate, slope
+      real(wp), dimension(line%n - 1) :: e, flowing, slope
       real(wp) :: by(line%n - 1, 3)
 
       associate (p => line%state%pressure, h => line%state%film(1:line%n - 1), n => line%n, &
          x => line%x)
          slope = (p(2:) - p(:n - 2))/(x(2:) - x(:n - 2))
          call point_mobility(line%fluid, p(1:n - 1), h, slope, e, by)
-         rate = -by(:, 1)/e
-         change = rate*step(:n - 1)
-         flow = log(max(e/(line%lambda*min(line%spacing(2:), line%spacing(:n - 1)) &
-            *flowing_share*line%diagonal), tiny(1.0_wp)))
-         bent = flow
-         where (change < 1.0_wp) bent = min(flow, -log(1 - change))
-         where (abs(change) > small_change .and. .not. line%is_cavitated .and. bent > change &
-            .and. rate > 0.0_wp) step(:n - 1) = bent/rate
+         flowing = line%lambda*min(line%spacing(2:), line%spacing(:n - 1))*flowing_share &
+            *line%diagonal
+         where (.not. line%is_cavitated .and. by(:, 1) < 0.0_wp) step(:n - 1) = &
+            bent_step(step(:n - 1), e, by(:, 1), flowing)
       end associate
    end subroutine bend_step
 

@@ -64,9 +64,6 @@ module graded_solver
       real(wp) :: values(functional_count) = 0.0_wp, bounds(functional_count) = 0.0_wp
       !> A spike is not resolved any further; it has no bound, the largest pressure is not known.
       logical :: is_limited = .false., is_lost = .false.
-      !> Grids, Newton steps, nodes times Newton steps.
-      integer :: grids = 0, steps = 0
-      real(wp) :: work = 0.0_wp
    end type graded_solution_t
 
    !> What goes from grid to grid.
@@ -113,6 +110,7 @@ contains
       type(report_t), intent(inout) :: report
       type(rounds_t) :: rounds
       real(wp), allocatable :: x(:)
+      integer :: grid
       logical :: is_sound, was_done
 
       report%converged = .false.
@@ -124,19 +122,18 @@ contains
       rounds%least_front = least_spacing*contact%slope*minval(solution%line%state%film)
       rounds%least_behind = rounds%least_front
       allocate (rounds%earlier(0))
-      do
-         solution%grids = solution%grids + 1
+      do grid = 1, max_rounds + max_failures + 1
          was_done = rounds%is_done
          call assess(contact, target, rounds, solution, x)
          call report%add(solution%line%error, abs(solution%line%load_defect))
          report%converged = was_done .and. solution%line%error < end_bound
          report%reason = 'converged'
-         if (report%converged .and. (rounds%is_done .or. solution%grids > max_rounds)) return
+         if (report%converged .and. (rounds%is_done .or. grid > max_rounds)) return
          report%converged = .false.
          report%reason = 'not solved on '//to_text(max_rounds)//' grids'
          if (listener%is_stopping) report%reason = 'stopped from outside'
-         if (solution%grids > max_rounds + max_failures .or. is_stopped(listener)) return
-         if (solution%grids >= max_rounds .or. size(x) > max_nodes) then   ! solved well, at least
+         if (grid > max_rounds + max_failures .or. is_stopped(listener)) return
+         if (grid >= max_rounds .or. size(x) > max_nodes) then   ! solved well, at least
             x = solution%line%x
             rounds%is_done = .true.
          end if
@@ -246,15 +243,13 @@ contains
       if (rounds%is_done .and. size(x) == size(start%x)) then   ! on the same grid
          call solve_graded_newton(solution%line, end_tolerance, end_steps, rounds%factors, kept, &
             is_sound)
-         solution%steps = solution%steps + kept
-         solution%work = solution%work + real(kept, wp)*solution%line%n
          if (is_sound .and. solution%line%error < end_bound) return
       end if
       do
          bound = merge(end_bound, way_bound, rounds%is_done)
          rounds%tolerance = merge(end_tolerance, way_tolerance, rounds%is_done)
          rounds%max_steps = merge(end_steps, way_steps, rounds%is_done)
-         call solve_from(contact, contact%fluid, x, start, rounds, solution, line)
+         call solve_from(contact, contact%fluid, x, start, rounds, line)
          is_sound = line%error < bound
          if (is_sound) exit
          rounds%failures = rounds%failures + 1
@@ -263,7 +258,7 @@ contains
             rounds%is_safe = .true.
             rounds%tolerance = way_tolerance
             rounds%max_steps = end_steps
-            call solve_from(contact, contact%fluid, x, start, rounds, solution, line)
+            call solve_from(contact, contact%fluid, x, start, rounds, line)
             is_sound = line%error < way_bound
             rounds%is_safe = was_safe
          end associate
@@ -292,14 +287,13 @@ contains
       start%rigid_displacement = line%state%rigid_displacement
    end function start_of
 
-   !> Solves a contact with the oil `fluid` on nodes `x` from a `start`; counts the work.
-   subroutine solve_from(contact, fluid, x, start, rounds, solution, line)
+   !> Solves a contact with the oil `fluid` on nodes `x` from a `start`.
+   subroutine solve_from(contact, fluid, x, start, rounds, line)
       type(line_contact_t), intent(in) :: contact
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: x(:)
       type(start_t), intent(in) :: start
       type(rounds_t), intent(inout) :: rounds
-      type(graded_solution_t), intent(inout) :: solution
       type(graded_line_t), allocatable, intent(out) :: line
       real(wp) :: pressure(size(x))
       integer :: steps
@@ -317,8 +311,6 @@ contains
       call solve_graded_newton(line, rounds%tolerance, rounds%max_steps, rounds%factors, steps, &
          is_sound)
       if (.not. is_sound) line%error = huge(1.0_wp)
-      solution%steps = solution%steps + steps
-      solution%work = solution%work + real(steps, wp)*line%n
    end subroutine solve_from
 
    !> Solves the first grid with the safe scheme; the line is not allocated if that fails. A
@@ -339,7 +331,7 @@ contains
       rounds%is_safe = .true.
       do i = 1, merge(1, size(first_factors), thins(contact%fluid))
          x = first_nodes(film, first_factors(i), ends, widest)
-         call solve_from(contact, contact%fluid, x, bump(contact, x, film), rounds, solution, line)
+         call solve_from(contact, contact%fluid, x, bump(contact, x, film), rounds, line)
          if (line%error < way_tolerance) exit
       end do
       if (line%error < way_tolerance) call move_alloc(line, solution%line)
@@ -349,10 +341,10 @@ contains
       do while (ease >= 1.0_wp)
          if (allocated(solution%line)) then
             call solve_from(contact, eased_fluid(contact%fluid, ease), x, &
-               start_of(solution%line), rounds, solution, line)
+               start_of(solution%line), rounds, line)
          else
             call solve_from(contact, eased_fluid(contact%fluid, ease), x, &
-               bump(contact, x, film), rounds, solution, line)
+               bump(contact, x, film), rounds, line)
          end if
          if (line%error < way_tolerance) then
             call move_alloc(line, solution%line)

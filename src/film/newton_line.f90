@@ -8,6 +8,7 @@ module newton_line
    use kinds, only: wp
    use line_level, only: line_level_t
    use listener, only: is_stopped, listener_t
+   use mobility, only: bent_step, flowing_share
    use newton_work, only: allocate_work, newton_t
    use reynolds_jacobian, only: evaluate_jacobian
    use rheology, only: thins, wall_stress
@@ -20,10 +21,6 @@ module newton_line
    !> than the second, and reduces no film below the third.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, &
       smallest_film_share = 0.5_wp
-   !> A step is bent where it changes ln e by more than the first; the oil of a node flows where its
-   !> mobility exceeds the second share of the diagonal (1000 Newtonian contacts: of 0.02-2 the
-   !> fastest).
-   real(wp), parameter :: small_change = 0.3_wp, flowing_share = 0.1_wp
    !> Largest change of Sigma of the slip factor in a step.
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> Most halvings of a step before the method gives up.
@@ -135,28 +132,17 @@ contains
    end subroutine prepare_system
 
    !> Bends the step of nodes whose mobility e would change by much.
-   !>
-   !> Where oil is nearly solid, its film fixes P, linearly; where it flows, the flow is linear, in
-   !> e ~ exp(-a P). A falling pressure goes no further than to where the oil begins to flow, or to
-   !> where e has grown as its tangent in P predicts; a rising one as far as e falls by that
-   !> tangent, but not past where the flow ends. Unbent, the step overshoots at a spike, which then
-   !> comes back by one e-fold, or one node, a step.
    pure subroutine bend_step(newton, level)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(in) :: level
-      real(wp) :: bent, change, flow, rate
       integer :: i
 
       associate (e => level%oil%mobility, e_p => newton%jacobian%slopes%e_p, &
          step => newton%step)
          do i = 1, level%n - 1
-            if (abs(e_p(i)*step(i)) <= small_change*e(i) .or. newton%is_cavitated(i)) cycle
-            rate = -e_p(i)/e(i)
-            change = rate*step(i)
-            flow = log(e(i)/(flowing_share*level%dx**2*abs(newton%jacobian%diagonal(i))))
-            bent = flow
-            if (change < 1.0_wp) bent = min(flow, -log(1 - change))
-            if (bent > change) step(i) = bent/rate
+            if (newton%is_cavitated(i)) cycle
+            step(i) = bent_step(step(i), e(i), e_p(i), flowing_share*level%dx**2 &
+               *abs(newton%jacobian%diagonal(i)))
          end do
       end associate
    end subroutine bend_step
