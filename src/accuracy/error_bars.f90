@@ -154,7 +154,7 @@ contains
       else if (any(exceeds(bars%left_out, 0.0_wp))) then
          reason = 'what was left out of the model may change it, or a pressure spike that this '// &
             'grid does not resolve'
-      else if (allocated(bars%grid_errors)) then
+      else if (allocated(bars%grid_errors) .and. (bars%has_longer .or. .not. bars%is_cut)) then
          reason = 'a pressure spike has no end at the lengths of this grid: p_max is at least this'
       else if (has_unseen_waves(bars)) then
          reason = bars%unseen

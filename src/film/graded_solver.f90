@@ -134,7 +134,7 @@ contains
          if (listener%is_stopping) report%reason = 'stopped from outside'
          if (grid > max_rounds + max_failures .or. is_stopped(listener)) return
          if (grid >= max_rounds .or. size(x) > max_nodes) then   ! solved well, at least
-            x = solution%line%x
+            x = solution%line%x(:)
             rounds%is_done = .true.
          end if
          call listener%on_stage(to_text(size(x))//' nodes, grid', report%cycles, &
@@ -178,7 +178,7 @@ contains
          end do
          if (.not. rounds%is_done) call refined_nodes(line%x, shares, is_marked, &
             merge(rounds%least_behind, rounds%least_front, line%x(1:) > 0.0_wp), x, rounds%is_done)
-         if (rounds%is_done) x = line%x
+         if (rounds%is_done) x = line%x(:)
          call bound_top(solution)
       end associate
    end subroutine assess
@@ -226,8 +226,8 @@ contains
    end subroutine limit
 
    !> Solves on the nodes `x` from the present solution. Where Newton's method fails: on the same
-   !> nodes with the safe scheme; the third time, or if that fails too, a spike is not resolved any
-   !> further, and the grid goes back to an earlier one.
+   !> nodes with the safe scheme, which then stays; the third time, or if that fails too, a spike
+   !> is not resolved any further, and the grid goes back to an earlier one.
    subroutine advance(contact, x, rounds, solution, is_sound)
       type(line_contact_t), intent(in) :: contact
       real(wp), allocatable, intent(inout) :: x(:)
@@ -254,17 +254,13 @@ contains
          if (is_sound) exit
          rounds%failures = rounds%failures + 1
          rounds%is_done = .false.
-         associate (was_safe => rounds%is_safe)
-            rounds%is_safe = .true.
-            rounds%tolerance = way_tolerance
-            rounds%max_steps = end_steps
-            call solve_from(contact, contact%fluid, x, start, rounds, line)
-            is_sound = line%error < way_bound
-            rounds%is_safe = was_safe
-         end associate
+         rounds%is_safe = .true.
+         rounds%tolerance = way_tolerance
+         rounds%max_steps = end_steps
+         call solve_from(contact, contact%fluid, x, start, rounds, line)
+         is_sound = line%error < way_bound
          if (is_sound .and. rounds%failures < max_failures) exit
          call limit(rounds, solution)
-         rounds%is_safe = .true.
          if (is_sound) exit
          kept = size(rounds%earlier)
          if (kept == 0) return
@@ -282,8 +278,8 @@ contains
       type(graded_line_t), intent(in) :: line
       type(start_t) :: start
 
-      start%x = line%x
-      start%pressure = line%state%pressure
+      start%x = line%x(:)   ! from 1, as the nodes of a grid to come
+      start%pressure = line%state%pressure(:)
       start%rigid_displacement = line%state%rigid_displacement
    end function start_of
 

@@ -118,9 +118,9 @@ contains
       real(wp) :: bent, change, flow, rate
 
       bent_step = step
+      if (abs(slope*step) <= small_change*e) return   ! also where e = 0, of a solid
       rate = -slope/e
       change = rate*step
-      if (abs(change) <= small_change) return
       flow = log(max(e/flowing, tiny(e)))
       bent = flow
       if (change < 1.0_wp) bent = min(flow, -log(1 - change))
