@@ -11,11 +11,10 @@
 !> J by the film. quadrature: what the sum for J itself misses. The bound of the error of J is
 !> sum |s| + 2 |sum s|.
 module graded_errors
-   use dense_solve, only: solve_factored
    use graded_line, only: graded_line_t, point_mobility, steep_elements
-   use graded_newton, only: factorise, factors_t
    use graded_quantities, only: evaluate_quantities, functional_count, functional_t, &
       rolling_power, second_differences, spike, top
+   use graded_system, only: factorise, graded_factors_t, solve_system
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_viscosity
    use rheology, only: thins
@@ -24,6 +23,9 @@ module graded_errors
 
    public :: estimate_errors, error_bound, has_flank, hidden_spike
 
+   !> Remainder of an adjoint over its right side.
+   real(wp), parameter :: adjoint_tolerance = 1.0e-3_wp
+
 contains
 
    !> Evaluates the quantities of a solved line, `values`, and the share of every element in their
@@ -31,12 +33,12 @@ contains
    subroutine estimate_errors(line, slide_to_roll, factors, values, shares)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(in) :: slide_to_roll
-      type(factors_t), intent(inout) :: factors
+      type(graded_factors_t), intent(inout) :: factors
       real(wp), intent(out) :: values(functional_count)
       real(wp), allocatable, intent(out) :: shares(:, :)
       type(functional_t) :: list(functional_count)
-      real(wp) :: z(line%n, functional_count)
-      real(wp), dimension(0:line%n, functional_count) :: y, by_film, at_nodes
+      real(wp) :: z(line%n)
+      real(wp), dimension(0:line%n) :: y, by_film, at_nodes
       real(wp), dimension(line%n) :: flux_error, lost_load, power_error
       integer :: i, j, n, o
 
@@ -44,33 +46,26 @@ contains
       call evaluate_quantities(line, slide_to_roll, list)
       values = list%value
       allocate (shares(n, functional_count), source=0.0_wp)
-      if (.not. factors%is_fresh) call factorise(line, factors)
-      if (.not. factors%is_fresh) then
+      call factorise(line, factors)
+      if (.not. factors%is_sound) then
          shares = huge(1.0_wp)
          return
       end if
       call find_sources(line, flux_error, lost_load, power_error)
       do j = 1, functional_count
-         by_film(:, j) = list(j)%by_film
-         z(:n - 1, j) = list(j)%by_pressure(1:n - 1)
-      end do
-      at_nodes = matmul(transpose(line%kernel), by_film)
-      z(:n - 1, :) = z(:n - 1, :) - at_nodes(1:n - 1, :)
-      z(n, :) = sum(by_film, 1)
-      call solve_factored(factors%matrix, factors%pivots, z, is_transposed=.true.)
-      do j = 1, functional_count
-         y(:, j) = 0.0_wp
-         where (.not. line%is_cavitated) y(1:n - 1, j) = z(:n - 1, j)/line%diagonal
+         by_film = list(j)%by_film
+         if (.not. (any(abs(by_film) > 0.0_wp) .or. any(abs(list(j)%by_pressure) > 0.0_wp))) cycle
+         call factors%system%kernel%multiply_transposed(by_film, at_nodes)
+         z = [list(j)%by_pressure(1:n - 1) - at_nodes(1:n - 1), sum(by_film)]
+         call solve_system(factors, adjoint_tolerance, z, is_transposed=.true.)
+         y = [0.0_wp, merge(0.0_wp, z(:n - 1)/line%diagonal, line%is_cavitated), 0.0_wp]
          do i = 1, n - 1
             o = max(-2, -i)
-            by_film(i + o:i + 1, j) = by_film(i + o:i + 1, j) - y(i, j)*line%by_film(o:, i)
+            by_film(i + o:i + 1) = by_film(i + o:i + 1) - y(i)*line%by_film(o:, i)
          end do
-         by_film(:, j) = by_film(:, j)/line%weights
-      end do
-      at_nodes = -matmul(line%kernel, by_film)
-      do j = 1, functional_count
-         shares(:, j) = (y(1:, j) - y(:n - 1, j))*flux_error + list(j)%quadrature &
-            + (0.5_wp*(at_nodes(1:, j) + at_nodes(:n - 1, j)) - z(n, j))*lost_load
+         call factors%system%kernel%multiply(by_film/line%elastic%weights, at_nodes)
+         shares(:, j) = (y(1:) - y(:n - 1))*flux_error + list(j)%quadrature &
+            - (0.5_wp*(at_nodes(1:) + at_nodes(:n - 1)) + z(n))*lost_load
       end do
       shares(:, rolling_power) = shares(:, rolling_power) + power_error
       call bound_spike(line, shares)

@@ -8,7 +8,7 @@
 !> takes rH = rho H by the parabola through three nodes and e by module face_mobility; a = 0, c =
 !> 1/2 in the first element. The same flux leaves an element and enters the next one, whatever their
 !> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (module
-!> half_space), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
+!> graded_kernel), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
 !>
 !> Behind X = 0, where ln mu changes by more than 1 in an element, and in two elements on either
 !> side, the scheme is the safe one: a = -h/(2 k), c = 0, and the mean of e at both nodes. A
@@ -19,7 +19,7 @@ module graded_line
    use film_state, only: film_state_t
    use face_mobility, only: fluid_face_mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
-   use half_space, only: element_deflections
+   use graded_kernel, only: exact, graded_kernel_t, new_graded_kernel
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
@@ -39,8 +39,10 @@ module graded_line
       integer :: n = 0
       !> X of the nodes, and spacing of the elements [b].
       real(wp), allocatable :: x(:), spacing(:)
-      !> K of the film (0:n, 0:n), weights of Int P dX, X^2/2 - Psi_1 - Psi_2 of the nodes.
-      real(wp), allocatable :: kernel(:, :), weights(:), gap(:)
+      !> X^2/2 - Psi_1 - Psi_2 of the nodes; K of the film, and its elasticity.
+      real(wp), allocatable :: gap(:)
+      type(graded_kernel_t) :: elastic
+      real(wp) :: elasticity = 1.0_wp
       !> Weights a and c of the wedge, and whether the scheme is the safe one.
       real(wp), allocatable :: upstream(:), downstream(:)
       logical, allocatable :: is_safe(:)
@@ -53,10 +55,10 @@ module graded_line
       type(film_state_t) :: state
       type(coefficients_t) :: oil
       type(mobility_slopes_t) :: slopes
-      !> q of the elements.
-      real(wp), allocatable :: flux(:)
-      !> Derivatives of -r(i) by P and H of nodes i-2 ... i+1, (-2:1, n-1), and by P(i) alone, with
-      !> its film.
+      !> q of the elements, and its derivatives by P and H of nodes i-2 ... i, (-2:0, n).
+      real(wp), allocatable :: flux(:), flux_by_p(:, :), flux_by_h(:, :)
+      !> Derivatives of -r(i) by P and H of nodes i-2 ... i+1, (-2:2 with a 0, -2:1; n-1), and by
+      !> P(i) alone, with its film.
       real(wp), allocatable :: by_pressure(:, :), by_film(:, :), diagonal(:)
       !> Where P + r/diagonal <= 0 a node is cavitated (n-1). Change of P that r, or there P, asks
       !> for.
@@ -71,7 +73,7 @@ contains
 
    !> Prepares the problem of a contact at rest on rising nodes `x` (0:n) with zero unknowns; the
    !> scheme is the safe one in all elements, or where `pressure` (0:n) rises steeply.
-   pure subroutine new_graded_line(line, contact, fluid, x, pressure)
+   subroutine new_graded_line(line, contact, fluid, x, pressure)
       type(graded_line_t), intent(out) :: line
       type(line_contact_t), intent(in) :: contact
       type(fluid_t), intent(in) :: fluid
@@ -83,22 +85,19 @@ contains
       line%n = n
       line%lambda = contact%lambda
       line%fluid = fluid
-      allocate (line%x(0:n), line%kernel(0:n, 0:n), line%weights(0:n), line%gap(0:n), &
-         line%is_cavitated(n - 1))
+      allocate (line%x(0:n), line%gap(0:n), line%is_cavitated(n - 1))
       line%x = x
       line%spacing = x(1:) - x(:n - 1)
-      line%weights = 0.0_wp
-      line%weights(1:) = 0.5_wp*line%spacing
-      line%weights(:n - 1) = line%weights(:n - 1) + 0.5_wp*line%spacing
       line%gap = 0.5_wp*x**2 - surface_height(contact%surface_1, x, 0.0_wp) &
          - surface_height(contact%surface_2, x, 0.0_wp)
-      call element_deflections(x, line%kernel)
-      line%kernel = contact%elasticity*line%kernel
+      line%elasticity = contact%elasticity
+      call new_graded_kernel(line%elastic, line%x, line%elasticity, exact)
       allocate (line%state%pressure(0:n), line%state%film(0:n), line%oil%density(0:n), &
          line%oil%ln_mu(0:n), line%slopes%rho_p(0:n), source=0.0_wp)
       allocate (line%oil%face_mobility(n), line%slopes%by_p_left(n), line%slopes%by_p_right(n), &
          line%slopes%by_h_left(n), line%slopes%by_h_right(n), line%flux(n), line%pull(n - 1), &
-         line%diagonal(n - 1), line%by_pressure(-2:1, n - 1), line%by_film(-2:1, n - 1))
+         line%flux_by_p(-2:0, n), line%flux_by_h(-2:0, n), &
+         line%diagonal(n - 1), line%by_pressure(-2:2, n - 1), line%by_film(-2:1, n - 1))
       call choose_scheme(line, pressure)
    end subroutine new_graded_line
 
@@ -137,15 +136,13 @@ contains
    !> Sets the pressure (0:n), the rigid displacement and their film.
    pure subroutine set_pressure(line, pressure, rigid_displacement)
       type(graded_line_t), intent(inout) :: line
-      real(wp), intent(in) :: pressure(0:), rigid_displacement
-      integer :: j
+      real(wp), intent(in), contiguous :: pressure(0:)
+      real(wp), intent(in) :: rigid_displacement
 
       line%state%pressure = pressure
       line%state%rigid_displacement = rigid_displacement
-      line%state%film = rigid_displacement + line%gap
-      do j = 1, line%n - 1
-         if (pressure(j) > 0.0_wp) line%state%film = line%state%film - line%kernel(:, j)*pressure(j)
-      end do
+      call line%elastic%multiply(pressure, line%state%film)
+      line%state%film = rigid_displacement + line%gap - line%state%film
    end subroutine set_pressure
 
    !> Evaluates the equations with their derivatives at the present pressure and positive film.
@@ -162,14 +159,14 @@ contains
          line%error = 0.0_wp
          do i = 1, n - 1
             d(i) = max(abs(line%by_pressure(0, i) - dot_product(line%by_film(max(-2, -i):, i), &
-               line%kernel(max(i - 2, 0):i + 1, i))), tiny(1.0_wp))
+               line%elastic%band(max(-2, -i):1, i))), tiny(1.0_wp))
             residual = line%flux(i) - line%flux(i + 1)
             pull(i) = residual/d(i)
             line%is_cavitated(i) = p(i) + pull(i) <= 0.0_wp
             if (.not. line%is_cavitated(i)) line%error = max(line%error, abs(residual))
          end do
          where (line%is_cavitated) pull = -p
-         line%load_defect = 0.5_wp*pi - dot_product(line%weights, line%state%pressure)
+         line%load_defect = 0.5_wp*pi - dot_product(line%elastic%weights, line%state%pressure)
          line%merit = norm2(pull) + abs(line%load_defect)
          line%error = max(line%error/minval(line%state%film), abs(line%load_defect), &
             max(maxval(p, line%is_cavitated), 0.0_wp)/max(maxval(p), tiny(1.0_wp)))
@@ -179,13 +176,14 @@ contains
    !> Sets the flux of the elements, and the derivatives of -r = q(i+1) - q(i).
    pure subroutine evaluate_flux(line)
       type(graded_line_t), intent(inout) :: line
-      real(wp) :: by_p(-2:0, line%n), by_h(-2:0, line%n), c, own, rise
+      real(wp) :: c, own, rise
       integer :: i, m, n
 
       n = line%n
       associate (p => line%state%pressure, h => line%state%film, rho => line%oil%density, &
          rho_p => line%slopes%rho_p, e => line%oil%face_mobility, a => line%upstream, &
-         b => line%downstream, slopes => line%slopes)
+         b => line%downstream, slopes => line%slopes, by_p => line%flux_by_p, &
+         by_h => line%flux_by_h)
          do i = 1, n
             m = max(i - 2, 0)
             c = 1/(line%lambda*line%spacing(i))
@@ -199,13 +197,13 @@ contains
             by_h(:, i) = [a(i)*rho(m), own*rho(i - 1) - c*slopes%by_h_left(i)*rise, &
                b(i)*rho(i) - c*slopes%by_h_right(i)*rise]
          end do
+         line%by_pressure(-1:1, :) = by_p(:, 2:)
+         line%by_film(-1:1, :) = by_h(:, 2:)
+         line%by_pressure([-2, 2], :) = 0.0_wp
+         line%by_film(-2, :) = 0.0_wp
+         line%by_pressure(-2:0, :) = line%by_pressure(-2:0, :) - by_p(:, :n - 1)
+         line%by_film(-2:0, :) = line%by_film(-2:0, :) - by_h(:, :n - 1)
       end associate
-      line%by_pressure(-1:1, :) = by_p(:, 2:)
-      line%by_film(-1:1, :) = by_h(:, 2:)
-      line%by_pressure(-2, :) = 0.0_wp
-      line%by_film(-2, :) = 0.0_wp
-      line%by_pressure(-2:0, :) = line%by_pressure(-2:0, :) - by_p(:, :n - 1)
-      line%by_film(-2:0, :) = line%by_film(-2:0, :) - by_h(:, :n - 1)
    end subroutine evaluate_flux
 
    !> Replaces the mobility of the elements with the safe scheme by the mean of both nodes, each

@@ -1,14 +1,12 @@
-!> Newton's method for the steady line contact on a graded grid, with the full elastic matrix and
-!> its factors by LAPACK, and solutions with the transposed matrix.
+!> Newton's method for the steady line contact on a graded grid.
 !>
 !> Unknowns are P(1..n-1) and H0, complementarity by the active set of `graded_line`. A step is the
 !> best of up to three: plain; bent (`bent_step` of module mobility); and 0.4 of the plain one.
 module graded_newton
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use dense_solve, only: solve_dense, solve_factored
-   use errors, only: error_t
    use film_state, only: film_state_t
    use graded_line, only: evaluate, graded_line_t, point_mobility, set_pressure
+   use graded_system, only: factorise, graded_factors_t, solve_system
    use kinds, only: wp
    use mobility, only: bent_step, flowing_share
    use moes, only: moes_m_sum_from_lambda
@@ -16,7 +14,7 @@ module graded_newton
    implicit none (type, external)
    private
 
-   public :: factors_t, factorise, solve_graded_newton
+   public :: solve_graded_newton
 
    !> A step changes no pressure by more than the first share of the largest of P, of the largest P
    !> and of min(1, 4 M); no film falls below the second share; Sigma changes by no more than the
@@ -26,41 +24,30 @@ module graded_newton
    !> Share of the norm below which the plain step is good enough, or after it the bent one; length
    !> of the short one.
    real(wp), parameter :: good_plain = 0.5_wp, good_bent = 0.9_wp, short = 0.4_wp
-   !> Factors are kept that reduce the error to this share.
-   real(wp), parameter :: fresh_share = 1.0e-2_wp
-   !> Error of a state from which an earlier one of the same call is close enough for its adjoints.
-   real(wp), parameter :: close = 1.0e-7_wp
+   !> Remainder of a linear solution over its right side.
+   real(wp), parameter :: linear_tolerance = 1.0e-3_wp
    !> Least length of a step, and size of a full one that has reached round-off.
    real(wp), parameter :: least_length = 1.0e-9_wp, round_off = 1.0e-11_wp
 
-   !> Factors of the matrix (n, n): the last row is the load, the last column H0. `is_fresh`: of the
-   !> present state, or one close to it.
-   type :: factors_t
-      logical :: is_fresh = .false.
-      real(wp), allocatable :: matrix(:, :)
-      integer, allocatable :: pivots(:)
-   end type factors_t
-
-   !> A trial step: P, H0, its length and the norm of what remains.
+   !> A trial step: where it leads, its length and the norm of what remains.
    type :: trial_t
-      real(wp), allocatable :: pressure(:)
-      real(wp) :: rigid_displacement = 0.0_wp, length = 0.0_wp, merit = huge(1.0_wp)
+      type(film_state_t) :: state
+      real(wp) :: length = 0.0_wp, merit = huge(1.0_wp)
    end type trial_t
 
 contains
 
    !> Solves the equations from the line's present pressure until their `error` is below `tolerance`
-   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. Fresh factors
-   !> are kept while they serve. `is_sound`: no system was singular, and a step was found.
+   !> or a full step is at round-off; at most `max_steps` steps, counted in `steps`. `is_sound`: no
+   !> system was singular, and a step was found.
    subroutine solve_graded_newton(line, tolerance, max_steps, factors, steps, is_sound)
       type(graded_line_t), intent(inout) :: line
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
-      type(factors_t), intent(inout) :: factors
+      type(graded_factors_t), intent(inout) :: factors
       integer, intent(out) :: steps
       logical, intent(out) :: is_sound
-      real(wp) :: step(line%n, 1), before(0:line%n), error
-      logical :: was_cavitated(line%n - 1)
+      real(wp) :: step(line%n), before(0:line%n)
       type(trial_t) :: best
 
       steps = 0
@@ -68,87 +55,26 @@ contains
       if (.not. is_sound) return
       call evaluate(line)
       do while (line%error >= tolerance .and. steps < max_steps)
-         step(:, 1) = [line%pull, line%load_defect]
-         if (factors%is_fresh) then
-            call solve_factored(factors%matrix, factors%pivots, step, is_transposed=.false.)
-         else
-            call factorise(line, factors, step)
-         end if
-         is_sound = factors%is_fresh .and. all(ieee_is_finite(step))
+         call factorise(line, factors)
+         is_sound = factors%is_sound
+         if (.not. is_sound) return
+         step = [line%pull, line%load_defect]
+         call solve_system(factors, linear_tolerance, step, is_transposed=.false.)
+         where (line%is_cavitated) step(:line%n - 1) = line%pull   ! to P = 0 exactly
+         is_sound = all(ieee_is_finite(step))
          if (.not. is_sound) return
          before = line%state%pressure
-         was_cavitated = line%is_cavitated
-         error = line%error
-         call choose_step(line, step(:, 1), best)
-         is_sound = allocated(best%pressure)
+         call choose_step(line, step, best)
+         is_sound = best%length > 0.0_wp
          if (.not. is_sound) return
          steps = steps + 1
-         factors%is_fresh = line%error < fresh_share*error .and. all(was_cavitated &
-            .eqv. line%is_cavitated)
          if (best%length >= 1.0_wp .and. maxval(abs(line%state%pressure - before)) &
             <= round_off*maxval(before)) exit
       end do
-      factors%is_fresh = factors%is_fresh .and. line%error < close
    end subroutine solve_graded_newton
 
-   !> Fills and factorises the matrix of the line's last evaluation; solves with the right side
-   !> `step` (n, 1), if present. The factors are not fresh if it is singular.
-   subroutine factorise(line, factors, step)
-      type(graded_line_t), intent(in) :: line
-      type(factors_t), intent(inout) :: factors
-      real(wp), intent(inout), contiguous, optional :: step(:, :)
-      real(wp) :: unused(line%n)
-      type(error_t), allocatable :: error
-
-      if (allocated(factors%matrix)) then
-         if (size(factors%pivots) /= line%n) deallocate (factors%matrix, factors%pivots)
-      end if
-      if (.not. allocated(factors%matrix)) allocate (factors%matrix(line%n, line%n), &
-         factors%pivots(line%n))
-      call fill_matrix(line, factors%matrix)
-      unused = 0.0_wp
-      if (present(step)) then
-         call solve_dense(factors%matrix, step(:, 1), factors%pivots, error)
-      else
-         call solve_dense(factors%matrix, unused, factors%pivots, error)
-      end if
-      factors%is_fresh = .not. allocated(error)
-   end subroutine factorise
-
-   !> Rows 1..n-1: -dr/dP and -dr/dH0 with the film that follows, over the diagonal (identity where
-   !> cavitated); row n: weights of the load.
-   pure subroutine fill_matrix(line, a)
-      type(graded_line_t), intent(in) :: line
-      real(wp), intent(inout), contiguous :: a(:, :)
-      real(wp) :: by_film(line%n - 1, -2:1), inverse(line%n - 1)
-      integer :: i, j, n, o
-
-      n = line%n
-      inverse = merge(0.0_wp, 1/line%diagonal, line%is_cavitated)
-      do o = -2, 1
-         by_film(:, o) = line%by_film(o, :)*inverse
-      end do
-      do j = 1, n - 1
-         associate (k => line%kernel(:, j))   ! (1:n+1)
-            a(1, j) = -(by_film(1, -1)*k(1) + by_film(1, 0)*k(2) + by_film(1, 1)*k(3))
-            do i = 2, n - 1
-               a(i, j) = -(by_film(i, -2)*k(i - 1) + by_film(i, -1)*k(i) + by_film(i, 0)*k(i + 1) &
-                  + by_film(i, 1)*k(i + 2))
-            end do
-         end associate
-         do i = max(1, j - 1), min(n - 1, j + 2)
-            a(i, j) = a(i, j) + line%by_pressure(j - i, i)*inverse(i)
-         end do
-         if (line%is_cavitated(j)) a(j, j) = 1.0_wp
-         a(n, j) = line%weights(j)
-      end do
-      a(:n - 1, n) = sum(by_film, 2)
-      a(n, n) = 0.0_wp
-   end subroutine fill_matrix
-
-
-   !> The best of the trial steps, at which the line is left; without a pressure if none leaves a
-   !> positive film.
+   !> The best of the trial steps, at which the line is left; of length 0 if none leaves a positive
+   !> film.
    subroutine choose_step(line, step, best)
       type(graded_line_t), intent(inout) :: line
       real(wp), intent(in) :: step(:)
@@ -173,8 +99,8 @@ contains
          if (is_last) best = trial
          if (best%merit < good_plain*merit .or. (way == 2 .and. best%merit < good_bent*merit)) exit
       end do
-      if (is_last .or. .not. allocated(best%pressure)) return
-      call set_pressure(line, best%pressure, best%rigid_displacement)
+      if (is_last .or. .not. best%length > 0.0_wp) return
+      line%state = best%state
       call evaluate(line)
    end subroutine choose_step
 
@@ -188,15 +114,12 @@ contains
       type(trial_t), intent(out) :: trial
       real(wp), dimension(0:line%n) :: change, film_change, pressure, slope
       real(wp) :: scale, length
-      integer :: j, n
+      integer :: n
 
       n = line%n
-      change = 0.0_wp
-      change(1:n - 1) = step(:n - 1)
-      film_change = step(n)
-      do j = 1, n - 1
-         film_change = film_change - line%kernel(:, j)*change(j)
-      end do
+      change = [0.0_wp, step(:n - 1), 0.0_wp]
+      call line%elastic%multiply(change, film_change)
+      film_change = step(n) - film_change
       scale = max(maxval(start%pressure), min(1.0_wp, 4*moes_m_sum_from_lambda(line%lambda)))
       length = 1/max(1.0_wp, maxval(abs(change)/max(scale, start%pressure))/largest_step, &
          maxval(-film_change/start%film)/largest_step)
@@ -211,15 +134,21 @@ contains
       end if
       length = share*length
       do while (length > least_length)
-         call set_pressure(line, max(start%pressure + length*change, 0.0_wp), &
-            start%rigid_displacement + length*step(n))
+         pressure = start%pressure + length*change
+         if (any(pressure < 0.0_wp)) then
+            call set_pressure(line, max(pressure, 0.0_wp), start%rigid_displacement &
+               + length*step(n))
+         else   ! the film is linear in the step
+            line%state%pressure = pressure
+            line%state%film = start%film + length*film_change
+            line%state%rigid_displacement = start%rigid_displacement + length*step(n)
+         end if
          if (all(line%state%film > least_film_share*start%film)) exit
          length = 0.5_wp*length
       end do
       if (.not. length > least_length) return
       call evaluate(line)
-      if (ieee_is_finite(line%merit)) trial = trial_t(line%state%pressure, &
-         line%state%rigid_displacement, length, line%merit)
+      if (ieee_is_finite(line%merit)) trial = trial_t(line%state, length, line%merit)
    end subroutine try_step
 
    !> Bends the step of nodes whose mobility e falls with P and would change by much.

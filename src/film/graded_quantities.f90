@@ -143,7 +143,7 @@ contains
       real(wp), intent(in) :: couette
       type(functional_t), intent(inout) :: force
       real(wp), dimension(line%n) :: slope, lengths, step, by_slope
-      real(wp) :: part, tail(1), ln_stress(0:line%n), bend(0:line%n), ln_mu(0:line%n)
+      real(wp) :: by_part, part, tail(1), ln_stress(0:line%n), bend(0:line%n), ln_mu(0:line%n)
       integer :: j, last
 
       associate (p => line%state%pressure, h => line%state%film, n => line%n, x => line%x)
@@ -164,13 +164,23 @@ contains
          force%by_pressure(1:) = force%by_pressure(1:) + change(1, 1)
          force%by_film(:n - 1) = change(2, 0)
          force%by_film(1:) = force%by_film(1:) + change(2, 1)
+         ! the exit moves with the films beside it and with the flux
+         step = mean_stress(p(:n - 1), p(1:), h(:n - 1), h(1:), slope)
+         by_part = merge(line%spacing(j)*step(j)/(h(j) - h(j - 1)), 0.0_wp, part*(1 - part) &
+            > 0.0_wp)
+         last = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
+         force%by_film(j - 1) = force%by_film(j - 1) - (1 - part)*by_part
+         force%by_film(j) = force%by_film(j) - part*by_part
+         force%by_pressure(last - 1:last + 1) = force%by_pressure(last - 1:last + 1) &
+            + by_part*line%flux_by_p(:, last + 1)
+         force%by_film(last - 1:last + 1) = force%by_film(last - 1:last + 1) &
+            + by_part*line%flux_by_h(:, last + 1)
          ! what the logarithmic means miss, and the exit between two nodes
          call fluid_viscosity(line%fluid, p, ln_mu)
          call evaluate_stress(line%fluid, couette, h*[slope(1), (p(2:) - p(:n - 2))/(x(2:) &
             - x(:n - 2)), 0.0_wp], 1/h, ln_mu, ln_stress)
          ln_stress = log(max(ln_stress, tiny(1.0_wp)))
          bend = second_differences(line, ln_stress)
-         last = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
          bend(last:) = 0.0_wp
          where (p(:n - 1) > 0.0_wp) force%quadrature = -line%spacing**3/24*(bend(1:) + bend(:n &
             - 1))*exp(0.5_wp*(ln_stress(1:) + ln_stress(:n - 1)))
@@ -226,12 +236,11 @@ contains
       integer, intent(out) :: element
       real(wp), intent(out) :: part
       real(wp) :: flow
-      integer :: crest, last
+      integer :: last
 
       associate (p => line%state%pressure, h => line%state%film)
-         crest = maxloc(p, 1) - 1
          last = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
-         flow = sum(line%flux(crest + 1:last + 1))/(last + 1 - crest)
+         flow = line%flux(last + 1)
          element = min(last + 2, line%n)
          do while (element > 2 .and. h(element - 1) > flow)
             element = element - 1

@@ -12,9 +12,10 @@ module graded_solver
    use expected_film, only: newtonian_film
    use graded_errors, only: error_bound, estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
-   use graded_newton, only: factors_t, solve_graded_newton
+   use graded_newton, only: solve_graded_newton
    use graded_nodes, only: first_nodes, monotone_cubic, refined_nodes
    use graded_quantities, only: functional_count, rolling_power, sliding, spike, top
+   use graded_system, only: graded_factors_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, min_in_wave
@@ -36,7 +37,7 @@ module graded_solver
    !> Most Newton steps of the first grid, of one on the way, of the last or with the safe scheme.
    integer, parameter :: first_steps = 30, way_steps = 15, end_steps = 40
    !> Most grids, nodes, and failures before a spike counts as unbounded.
-   integer, parameter :: max_rounds = 30, max_nodes = 3000, max_failures = 3
+   integer, parameter :: max_rounds = 30, max_nodes = 30000, max_failures = 3
    !> Least spacing over the smallest film; growth of the largest pressure behind which its spike
    !> counts as unbounded.
    real(wp), parameter :: least_spacing = 5.0e-4_wp, unbounded_growth = 3.0_wp
@@ -68,7 +69,7 @@ module graded_solver
 
    !> What goes from grid to grid.
    type :: rounds_t
-      type(factors_t) :: factors
+      type(graded_factors_t) :: factors
       !> Solutions of the last grids, to go back to.
       type(start_t), allocatable :: earlier(:)
       !> Largest pressure of the first grid; least spacings in front of X = 0 and behind it.
@@ -303,7 +304,6 @@ contains
          call new_graded_line(line, contact, fluid, x, pressure)
       end if
       call set_pressure(line, pressure, start%rigid_displacement)
-      rounds%factors%is_fresh = .false.
       call solve_graded_newton(line, rounds%tolerance, rounds%max_steps, rounds%factors, steps, &
          is_sound)
       if (.not. is_sound) line%error = huge(1.0_wp)
@@ -365,7 +365,7 @@ contains
    end subroutine solve_first
 
    !> Hertz's pressure, wider for a thick film, with a film of about twice `film` at X = 0.
-   pure function bump(contact, x, film) result(start)
+   function bump(contact, x, film) result(start)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: x(:), film
       type(start_t) :: start
@@ -378,7 +378,7 @@ contains
       start%x = x
       start%pressure = sqrt(max(1 - (x/width)**2, 0.0_wp))
       start%pressure([1, size(x)]) = 0.0_wp
-      start%pressure = 0.5_wp*pi/dot_product(line%weights, start%pressure)*start%pressure
+      start%pressure = 0.5_wp*pi/dot_product(line%elastic%weights, start%pressure)*start%pressure
       call set_pressure(line, start%pressure, 0.0_wp)
       associate (h => line%state%film)
          start%rigid_displacement = max(2*film - h(minloc(abs(x), 1) - 1), 0.5_wp*film - minval(h))

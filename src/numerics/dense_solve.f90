@@ -8,7 +8,7 @@ module dense_solve
    implicit none (type, external)
    private
 
-   public :: solve_dense, solve_factored, use_one_blas_thread
+   public :: solve_dense, use_one_blas_thread
 
    interface
       !> LU factorisation with partial pivoting, and solution (LAPACK).
@@ -19,17 +19,6 @@ module dense_solve
          real(wp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info
       end subroutine dgesv
-
-      !> Solution with the factors of dgesv or, `trans` = 'T', with those transposed (LAPACK).
-      subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
-         import :: wp
-         implicit none (type, external)
-         character, intent(in) :: trans
-         integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
-         real(wp), intent(in) :: a(lda, *)
-         real(wp), intent(inout) :: b(ldb, *)
-         integer, intent(out) :: info
-      end subroutine dgetrs
    end interface
 
    abstract interface
@@ -82,21 +71,5 @@ contains
       if (info /= 0) call fail(error, internal_error, 'dgesv: matrix is singular, info = ' &
          //to_text(info))
    end subroutine solve_dense
-
-   !> Solves a system, or `is_transposed` the transposed one, with the `factors` (n, n) and `pivots`
-   !> (n) that `solve_dense` has left; `right_sides` (n, m) become the solutions.
-   subroutine solve_factored(factors, pivots, right_sides, is_transposed)
-      real(wp), contiguous, intent(in) :: factors(:, :)
-      integer, contiguous, intent(in) :: pivots(:)
-      real(wp), contiguous, intent(inout) :: right_sides(:, :)
-      logical, intent(in) :: is_transposed
-      integer :: n, info
-
-      n = size(pivots)
-      !$omp critical (lapack)
-      call dgetrs(merge('T', 'N', is_transposed), n, size(right_sides, 2), factors, n, pivots, &
-         right_sides, n, info)
-      !$omp end critical (lapack)
-   end subroutine solve_factored
 
 end module dense_solve

@@ -13,14 +13,14 @@ module exponential_sum
    !> same iterations, with six it takes more.
    integer, parameter, public :: terms = 8
 
-   !> kappa(j) ~ constant - sum_l weight(l) ratio(l)^j, j = 0..n.
+   !> kappa(d) ~ constant - sum_l weight(l) exp(-rate(l) d), d = 0..n.
    type :: exponential_sum_t
       real(wp) :: constant = 0.0_wp
-      !> Any sign and in (0, 1).
-      real(wp) :: weight(terms) = 0.0_wp, ratio(terms) = 0.0_wp
+      !> Any sign, and positive.
+      real(wp) :: weight(terms) = 0.0_wp, rate(terms) = 0.0_wp
    end type exponential_sum_t
 
-   !> Decay rates are spread geometrically from `slowest`/n to `fastest`.
+   !> Decay rates are spread geometrically from `slowest`/(largest distance) to `fastest`.
    real(wp), parameter :: slowest = 0.5_wp, fastest = 4.0_wp
    !> Fitted are all indices below `dense_points`, then about `sparse_points` spread
    !> logarithmically; the first ones weigh more.
@@ -63,42 +63,42 @@ contains
       allocate (points, source=candidates(:count))
    end function sample_points
 
-   !> Fits `kernel` (0:n), n >= 2, to about 1 %, well near j = 0; exactly if there are fewer points
-   !> than terms. Fails (internal_error) if LAPACK does.
-   subroutine fit_exponentials(kernel, fit, error)
-      real(wp), intent(in) :: kernel(0:)
+   !> Fits a kernel, its `values` at rising `points`, which begin with about 0, 1, 2, to about 1 %,
+   !> well near the first; exactly if there are fewer points than terms. Fails (internal_error) if
+   !> LAPACK does.
+   subroutine fit_exponentials(points, values, fit, error)
+      real(wp), intent(in) :: points(:), values(:)
       type(exponential_sum_t), intent(out) :: fit
       type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: matrix(:, :), values(:), work(:)
-      integer, allocatable :: points(:), pivots(:)
-      real(wp) :: rate
+      real(wp), allocatable :: matrix(:, :), solution(:), work(:)
+      integer, allocatable :: pivots(:)
+      real(wp) :: longest
       integer, parameter :: q = terms
       integer :: l, n, rank, info
 
-      n = ubound(kernel, 1)
-      points = sample_points(n)
-      allocate (matrix(size(points), q + 1), work(64*(size(points) + q + 1)))
+      n = size(points)
+      longest = points(n)
+      allocate (matrix(n, q + 1), work(64*(n + q + 1)))
       allocate (pivots(q + 1), source=0)
       do l = 1, q
-         rate = slowest/n*(fastest*n/slowest)**(real(l - 1, wp)/(q - 1))
-         fit%ratio(l) = exp(-rate)
-         matrix(:, l + 1) = -exp(-rate*points)
+         fit%rate(l) = slowest/longest*(fastest*longest/slowest)**(real(l - 1, wp)/(q - 1))
+         matrix(:, l + 1) = -exp(-fit%rate(l)*points)
       end do
       matrix(:, 1) = 1.0_wp
-      values = [kernel(points), (0.0_wp, l=size(points), q)]   ! room for all terms
+      solution = [values, (0.0_wp, l=n, q)]   ! room for all terms
       matrix(:heavy_points, :) = heavy_weight*matrix(:heavy_points, :)
-      values(:heavy_points) = heavy_weight*values(:heavy_points)
+      solution(:heavy_points) = heavy_weight*solution(:heavy_points)
       ! an OpenBLAS built without threads must not be called by two threads at a time
       !$omp critical (lapack)
-      call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(values), pivots, &
-         rank_tolerance, rank, work, size(work), info)
+      call dgelsy(n, q + 1, 1, matrix, n, solution, size(solution), pivots, rank_tolerance, rank, &
+         work, size(work), info)
       !$omp end critical (lapack)
       if (info /= 0) then
          call fail(error, internal_error, 'dgelsy: info = '//to_text(info))
          return
       end if
-      fit%constant = values(1)
-      fit%weight = values(2:q + 1)
+      fit%constant = solution(1)
+      fit%weight = solution(2:q + 1)
    end subroutine fit_exponentials
 
 end module exponential_sum

@@ -1,8 +1,9 @@
 !> LU of a semiseparable matrix plus two outer diagonals on each side, in O(n (q + 2)^2) and without
 !> pivoting:
 !>
-!>     A(i,j) = sum_l lower(l,i) ratio(l)^(i-j), j < i;   diagonal(i), j = i;
-!>              sum_l upper(l,i) ratio(l)^(j-i), j > i
+!>     A(i,j) = sum_l lower(l,i) decay(l,i-1) ... decay(l,j+1) onward(l,j), j < i;
+!>              diagonal(i), j = i;
+!>              sum_l upper(l,i) decay(l,i) ... decay(l,j-2) backward(l,j), j > i
 !>
 !> and slots q+1, q+2 of `lower` and `upper` add to the entries at distance 1 and 2. One sweep
 !> eliminates, carrying the (q+2)x(q+2) matrix that rows above pass to those below. Idea: Vandebril,
@@ -14,7 +15,7 @@ module semiseparable
    private
 
    public :: semiseparable_t, new_semiseparable, factor_semiseparable, solve_semiseparable, &
-      solve_two
+      solve_transposed, solve_two
 
    !> Width of the generators: exponentials and two outer diagonals. A constant, so that the
    !> compiler unrolls all loops over it: a third less time for the factors, nearly half for a
@@ -24,8 +25,9 @@ module semiseparable
    !> The matrix and its factors, for n rows and q exponentials.
    type :: semiseparable_t
       integer :: n = 0
-      !> Ratios of the exponentials.
-      real(wp) :: ratio(q) = 0.0_wp
+      !> Decay of the exponentials from row i to i+1; what column i adds to them for the rows from
+      !> i+1 on; and for those up to i-1: (q, n, 3), or (q, 1, 3) where all rows are alike.
+      real(wp), allocatable :: columns(:, :, :)
       !> Rows of the matrix (q+2, n); (q+2, n); (n). `upper` is overwritten by the factors.
       real(wp), allocatable :: lower(:, :), upper(:, :), diagonal(:)
       !> Factors (q+2, n), and the inverse pivots (n).
@@ -34,18 +36,17 @@ module semiseparable
 
 contains
 
-   !> Allocates storage for n rows with exponentials of the given ratios.
-   pure subroutine new_semiseparable(matrix, n, ratio)
-      type(semiseparable_t), intent(inout) :: matrix
+   !> Allocates storage for n rows with exponentials of the given generators.
+   pure subroutine new_semiseparable(matrix, n, decay, onward, backward)
+      type(semiseparable_t), intent(out) :: matrix
       integer, intent(in) :: n
-      real(wp), intent(in) :: ratio(q)
+      real(wp), intent(in) :: decay(:, :), onward(:, :), backward(:, :)
 
       matrix%n = n
-      matrix%ratio = ratio
-      if (allocated(matrix%lower)) then
-         deallocate (matrix%lower, matrix%upper, matrix%diagonal, matrix%carry, &
-            matrix%inverse_pivot)
-      end if
+      allocate (matrix%columns(q, size(decay, 2), 3))
+      matrix%columns(:, :, 1) = decay
+      matrix%columns(:, :, 2) = onward
+      matrix%columns(:, :, 3) = backward
       allocate (matrix%lower(m, n), matrix%upper(m, n), matrix%diagonal(n), matrix%carry(m, n), &
          matrix%inverse_pivot(n))
    end subroutine new_semiseparable
@@ -55,7 +56,7 @@ contains
       type(semiseparable_t), intent(inout) :: matrix
       real(wp), intent(out) :: smallest_pivot
 
-      call eliminate(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%diagonal, &
+      call eliminate(matrix%n, matrix%columns, matrix%lower, matrix%upper, matrix%diagonal, &
          matrix%carry, matrix%inverse_pivot, smallest_pivot)
    end subroutine factor_semiseparable
 
@@ -63,32 +64,39 @@ contains
    !> U over their pivots.
    !>
    !> What the rows above leave for row i is W = sum over slots r of lower(r,i) times column r: `z`
-   !> its part in the exponentials, `at` and `ahead` in the columns i and i+1.
+   !> its part in the exponentials, as they are at row i-1; `at` and `ahead` in the columns i and
+   !> i+1.
    ! allow(too-many-arguments)  the parts of one matrix
-   pure subroutine eliminate(n, rho, lower, upper, diagonal, eta, inverse_pivot, smallest_pivot)
+   pure subroutine eliminate(n, columns, lower, upper, diagonal, eta, inverse_pivot, smallest_pivot)
       integer, intent(in) :: n
-      real(wp), intent(in) :: rho(q), lower(m, n), diagonal(n)
+      real(wp), intent(in), contiguous :: columns(:, :, :)
+      real(wp), intent(in) :: lower(m, n), diagonal(n)
       real(wp), intent(inout) :: upper(m, n)
       real(wp), intent(out) :: eta(m, n), inverse_pivot(n), smallest_pivot
-      real(wp) :: z(q, m), decay(q, q), at(m), ahead(m), sums(m), row(m), left(q), carry(m), &
-         total, next, pivot
-      integer :: i, l, r
+      real(wp) :: z(q, m), decay(q, q), rho(q), before(q), passed(q), total, next, pivot
+      real(wp), dimension(m) :: at, ahead, sums, row, carry
+      integer :: i, k, l, r
 
-      do r = 1, q
-         decay(:, r) = rho*rho(r)
-      end do
       z = 0.0_wp
       at = 0.0_wp
       ahead = 0.0_wp
       smallest_pivot = huge(1.0_wp)
       do i = 1, n
-         row = upper(:, i)
+         k = min(i, size(columns, 2))
+         if (k > 1 .or. i == 1) then
+            before = columns(:, max(k - 1, 1), 1)
+            rho = columns(:, k, 1)
+            do r = 1, q
+               decay(:, r) = before*rho(r)
+            end do
+         end if
+         passed = 0.0_wp
          do r = 1, m
             total = 0.0_wp
             !$omp simd reduction(+:total)
             do l = 1, q
-               total = total + z(l, r)
-               row(l) = row(l) + lower(r, i)*z(l, r)
+               total = total + columns(l, k, 3)*z(l, r)
+               passed(l) = passed(l) + lower(r, i)*z(l, r)
             end do
             sums(r) = total + at(r)
          end do
@@ -99,6 +107,8 @@ contains
             total = total + lower(r, i)*sums(r)
             next = next + lower(r, i)*ahead(r)
          end do
+         row = upper(:, i)
+         row(1:q) = row(1:q) + before*passed
          row(q + 1) = row(q + 1) + next
          pivot = diagonal(i) + total
          smallest_pivot = min(smallest_pivot, abs(pivot))
@@ -106,15 +116,14 @@ contains
          inverse_pivot(i) = 1.0_wp/pivot
          row = row*inverse_pivot(i)
          upper(:, i) = row
-         carry = [rho*(sums(1:q) + 1.0_wp), 1.0_wp, sums(q + 1)]
+         carry = [rho*sums(1:q) + columns(:, k, 2), 1.0_wp, sums(q + 1)]
          eta(:, i) = carry
-         left = rho*row(1:q)
-         z(:, q + 2) = rho*z(:, q + 1) - carry(q + 2)*left
-         z(:, q + 1) = -left
+         z(:, q + 2) = before*z(:, q + 1) - carry(q + 2)*row(1:q)
+         z(:, q + 1) = -row(1:q)
          do r = 1, q
             !$omp simd
             do l = 1, q
-               z(l, r) = decay(l, r)*z(l, r) - carry(r)*left(l)
+               z(l, r) = decay(l, r)*z(l, r) - carry(r)*row(l)
             end do
          end do
          at = [rho*ahead(1:q), 0.0_wp, ahead(q + 1)] - carry*row(q + 1)
@@ -127,7 +136,7 @@ contains
       type(semiseparable_t), intent(in) :: matrix
       real(wp), intent(inout), contiguous :: x(:)
 
-      call substitute_one(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, &
+      call substitute_one(matrix%n, matrix%columns, matrix%lower, matrix%upper, matrix%carry, &
          matrix%inverse_pivot, x)
    end subroutine solve_semiseparable
 
@@ -137,18 +146,46 @@ contains
       type(semiseparable_t), intent(in) :: matrix
       real(wp), intent(inout), contiguous :: x(:, :)
 
-      call substitute_two(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, &
+      call substitute_two(matrix%n, matrix%columns, matrix%lower, matrix%upper, matrix%carry, &
          matrix%inverse_pivot, x)
    end subroutine solve_two
 
+   !> Solves A^T x = b with the factors of A; `x` (n) holds b on entry.
+   pure subroutine solve_transposed(matrix, x)
+      type(semiseparable_t), intent(in) :: matrix
+      real(wp), intent(inout), contiguous :: x(:)
+      real(wp) :: state(m)
+      integer :: i, k
+
+      associate (lower => matrix%lower, upper => matrix%upper)
+         state = 0.0_wp
+         do i = 1, matrix%n   ! columns of U, whose rows are over their pivots
+            k = min(i, size(matrix%columns, 2))
+            x(i) = x(i) - dot_product(matrix%columns(:, k, 3), state(:q)) - state(q + 1)
+            if (i > 1) k = min(i - 1, k)
+            state(:q) = matrix%columns(:, k, 1)*state(:q) + upper(:q, i)*x(i)
+            state(q + 1) = state(q + 2) + upper(q + 1, i)*x(i)
+            state(q + 2) = upper(q + 2, i)*x(i)
+         end do
+         state = 0.0_wp
+         do i = matrix%n, 1, -1   ! columns of L
+            k = min(i, size(matrix%columns, 2))
+            x(i) = (x(i) - dot_product(matrix%carry(:, i), state))*matrix%inverse_pivot(i)
+            state(:q) = matrix%columns(:, k, 1)*state(:q) + lower(:q, i)*x(i)
+            state(q + 1) = state(q + 2) + lower(q + 1, i)*x(i)
+            state(q + 2) = lower(q + 2, i)*x(i)
+         end do
+      end associate
+   end subroutine solve_transposed
+
    !> Forward and backward substitution on plain arrays. Sums are formed in two independent parts.
-   pure subroutine substitute_one(n, rho, lower, upper, eta, inverse_pivot, x)
+   pure subroutine substitute_one(n, columns, lower, upper, eta, inverse_pivot, x)
       integer, parameter :: k = 1
       include 'substitution.inc'
    end subroutine substitute_one
 
    !> The same for two right sides.
-   pure subroutine substitute_two(n, rho, lower, upper, eta, inverse_pivot, x)
+   pure subroutine substitute_two(n, columns, lower, upper, eta, inverse_pivot, x)
       integer, parameter :: k = 2
       include 'substitution.inc'
    end subroutine substitute_two

@@ -60,56 +60,57 @@ contains
       k = dx*(log(dx) + line_kernel(n))/pi
    end function line_deflection_coefficients
 
-   !> Computes K (0:n, 0:n) of rising nodes `x` (0:n) [half-widths], with P linear between them: D_i
-   !> = - sum_j K_ij P_j,
+   !> Computes the entries K_ij, |i - j| <= `width`, of rising nodes `x` (0:n) [half-widths], with P
+   !> linear between them: D_i = - sum_j K_ij P_j, k(i-j, j) = K_ij, 0 outside,
    !>
    !>     K_ij = 1/pi Int ln|x_i - s| hat_j(s) ds
    !>
    !> by the moments A0, A1 of every element, 2 w long, at u = (x_i - middle)/w: the hat at its
    !> left end has the part w/2 (A0 - A1), at its right end w/2 (A0 + A1). Near the element in
    !> closed form, farther by the series, as differences would cancel.
-   pure subroutine element_deflections(x, k)
+   pure subroutine element_deflections(x, width, k)
       real(wp), intent(in), contiguous :: x(0:)
-      real(wp), intent(out), contiguous :: k(0:, 0:)
-      real(wp) :: a0(0:ubound(x, 1)), a1(0:ubound(x, 1)), half, middle
-      integer :: e, first, last, n
+      integer, intent(in) :: width
+      real(wp), intent(out), contiguous :: k(-width:, 0:)
+      real(wp) :: a0, a1, half, middle
+      integer :: e, i, n
 
       n = ubound(x, 1)
       k = 0.0_wp
       do e = 1, n
          half = 0.5_wp*(x(e) - x(e - 1))
          middle = 0.5_wp*(x(e) + x(e - 1))
-         first = count(x < middle - far*half)   ! nodes closer than `far`
-         last = count(x <= middle + far*half) - 1
-         call far_moments((x(:first - 1) - middle), half, a0(:first - 1), a1(:first - 1))
-         call far_moments((x(last + 1:) - middle), half, a0(last + 1:), a1(last + 1:))
-         call near_moments((x(first:last) - middle)/half, half, a0(first:last), a1(first:last))
-         a0(e - 1:e) = 2*log(2*half) - 2
-         a1(e - 1:e) = [1.0_wp, -1.0_wp]
-         k(:, e - 1) = k(:, e - 1) + 0.5_wp*half/pi*(a0 - a1)
-         k(:, e) = k(:, e) + 0.5_wp*half/pi*(a0 + a1)
+         do i = max(0, e - 1 - width), min(n, e + width)
+            if (i == e - 1 .or. i == e) then
+               a0 = 2*log(2*half) - 2
+               a1 = 2*(e - i) - 1
+            else if (abs(x(i) - middle) > far*half) then
+               call far_moments(x(i) - middle, half, a0, a1)
+            else
+               call near_moments((x(i) - middle)/half, half, a0, a1)
+            end if
+            if (i - e < width) k(i - e + 1, e - 1) = k(i - e + 1, e - 1) + 0.5_wp*half/pi*(a0 - a1)
+            if (i - e >= -width) k(i - e, e) = k(i - e, e) + 0.5_wp*half/pi*(a0 + a1)
+         end do
       end do
    end subroutine element_deflections
 
    !> A0 and A1 at `distance` > `far` half from the middle of an element by their series.
    pure subroutine far_moments(distance, half, a0, a1)
-      real(wp), intent(in) :: distance(:), half
-      real(wp), intent(out) :: a0(:), a1(:)
-      real(wp) :: s0, s1, y
-      integer :: i, m
+      real(wp), intent(in) :: distance, half
+      real(wp), intent(out) :: a0, a1
+      real(wp) :: y
+      integer :: m
 
-      a0 = 2*log(abs(distance))
-      do i = 1, size(distance)
-         y = (half/distance(i))**2
-         s0 = 0.0_wp
-         s1 = 0.0_wp
-         do m = merge(4, terms, y < 1.0e-4_wp), 1, -1
-            s0 = (s0 + even_terms(m))*y
-            s1 = (s1 + odd_terms(m))*y
-         end do
-         a0(i) = a0(i) - s0
-         a1(i) = -2*distance(i)/half*s1
+      a0 = 0.0_wp
+      a1 = 0.0_wp
+      y = (half/distance)**2
+      do m = terms, 1, -1
+         a0 = (a0 + even_terms(m))*y
+         a1 = (a1 + odd_terms(m))*y
       end do
+      a0 = 2*log(abs(distance)) - a0
+      a1 = -2*distance/half*a1
    end subroutine far_moments
 
    !> A0 and A1 at `u`, not +-1, in closed form.
