@@ -4,6 +4,7 @@ module ehl_line_solver
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
+   use features, only: rough_surface_t
    use film_breakdown, only: check_breakdown
    use graded_contact, only: solve_graded_contact
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
@@ -130,10 +131,16 @@ contains
       type(time_settings_t), intent(in) :: time
       class(listener_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
+      type(line_contact_t) :: posed
 
+      posed = contact
+      if (time%is_transient) then
+         posed%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
+         posed%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
+      end if
       hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
-      call solve_steady(hierarchy, contact, settings, listener, report)
+      call solve_steady(hierarchy, posed, settings, listener, report)
       if (settings%explains_failure .and. .not. (report%converged .or. listener%is_stopping)) then
          if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), &
             contact, report)

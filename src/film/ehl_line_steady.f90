@@ -10,9 +10,8 @@ module ehl_line_steady
    use line_hierarchy, only: line_hierarchy_t, method_fas, new_hierarchy, &
       pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
-   use nested_start, only: bump_start, full_multigrid_start
+   use nested_start, only: bump_start, full_multigrid_start, graded_start
    use listener, only: relay_t, listener_t
-   use continuation, only: follow_time
    use solver_choice, only: adopt, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
@@ -54,11 +53,11 @@ contains
          call note_choice(report, attempts(i))
          call listener%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
             //report%method)
-         if (settings%start == 'hertz') then
+         if (settings%start == 'hertz' .and. .not. attempts(i)%starts_graded) then
             call bump_start(hierarchy, contact, hierarchy%finest)
             is_sound = .true.
-            if (attempts(i)%follows_time) call follow_time(hierarchy, hierarchy%finest, &
-               is_sound, listener)
+         else if (attempts(i)%starts_graded) then
+            call graded_start(hierarchy, contact, is_sound, listener)
          else
             call full_multigrid_start(hierarchy, contact, is_sound, listener)
          end if
@@ -69,7 +68,7 @@ contains
          else
             report%converged = .false.
             report%reason = 'the exact solution of the coarse start grid failed'
-            if (attempts(i)%follows_time) report%reason = 'the start in pseudo-time came to no end'
+            if (attempts(i)%starts_graded) report%reason = 'a graded grid has no solution'
             if (listener%is_stopping) report%reason = 'stopped from outside'
             if (listener%is_stopping) return
          end if

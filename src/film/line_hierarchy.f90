@@ -58,13 +58,10 @@ module line_hierarchy
       real(wp) :: kernel_bound = 3.0_wp
       !> Film of the first start relative to the Moes film.
       real(wp) :: start_film = 1.0_wp
-      !> The first solution uses an Eyring stress higher by this factor, which is then lowered in
-      !> steps.
-      real(wp) :: first_stress = 1.0_wp
       !> Kappa scheme: the finest level is first solved by upwind2.
       logical :: thesis_first = .false.
-      !> If Newton's method fails on a level, it follows the pressure in pseudo-time.
-      logical :: follows_time = .false.
+      !> Starts from the solution on a graded grid.
+      logical :: starts_graded = .false.
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as
       !> in the thesis).
       logical :: film_is_recomputed = .true.

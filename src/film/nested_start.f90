@@ -1,11 +1,14 @@
-!> First approximations: nested exact solutions and full multigrid, or the Hertz pressure.
+!> First approximations: nested exact solutions and full multigrid, the Hertz pressure, or the
+!> solution on a graded grid.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use continuation, only: follow_stress, follow_time
    use fas_cycle, only: cycle_from
    use film_equation, only: carried_load, set_film
    use film_state, only: film_state_t
+   use graded_nodes, only: monotone_cubic
+   use graded_solver, only: graded_solution_t, solve_graded
    use hertz, only: line_pressure
+   use iteration_report, only: report_t
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
@@ -13,20 +16,22 @@ module nested_start
    use line_level, only: contact_load, line_level_t
    use quantities, only: exit_between_nodes
    use newton_line, only: solve_newton
-   use listener, only: is_stopped, listener_t
+   use listener, only: is_stopped, listener_t, relay_t
    use reynolds_line, only: evaluate_coefficients
    use transfer, only: prolong_cubic
-   use rheology, only: eased_fluid, thins, wall_stress
+   use rheology, only: thins, wall_stress
    implicit none (type, external)
    private
 
-   public :: bump_start, full_multigrid_start
+   public :: bump_start, full_multigrid_start, graded_start
 
    !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
+   !> Accuracy of a graded solution to start from.
+   real(wp), parameter :: graded_target = 0.1_wp
    !> Most first grids to try.
    integer, parameter :: max_firsts = 4
    !> Bound on Sigma in the start of a level, and most smoothings to reach it.
@@ -73,46 +78,52 @@ contains
       end do
    end subroutine full_multigrid_start
 
-   !> Solves exactly on the levels from `first` (`first_stress`: there from a higher Eyring stress)
-   !> to the coarsest of the cycles; if that is the finest level, it keeps the interpolated
-   !> pressure, or (`follows_time`) the one reached in pseudo-time.
+   !> Solves exactly on the levels from `first` to the coarsest of the cycles; if that is the finest
+   !> level, it keeps the interpolated pressure.
    subroutine nested_solutions(hierarchy, contact, first, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: first
       logical, intent(out) :: is_sound
       class(listener_t), intent(inout), optional :: listener
-      type(line_contact_t) :: eased
       real(wp) :: tolerance
       integer :: k
 
       is_sound = .true.
-      associate (choice => hierarchy%relaxation)
-         eased = contact
-         eased%fluid = eased_fluid(contact%fluid, choice%first_stress)
-         do k = first, hierarchy%coarsest
-            call first_guess(hierarchy, eased, k, first)
-            if (k == first .and. choice%first_stress > 1.0_wp) then
-               call follow_stress(hierarchy, k, choice%first_stress, is_sound, listener)
-               if (.not. is_sound) return
-            end if
-            if (k == hierarchy%top) then
-               if (choice%follows_time) call follow_time(hierarchy, k, is_sound, listener)
-               return
-            end if
-            tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
-               .and. k >= hierarchy%top - 2)
-            call solve_level(hierarchy, k, tolerance, is_sound, listener)
-            if (.not. is_sound .and. choice%follows_time) then
-               if (is_stopped(listener)) return
-               call first_guess(hierarchy, contact, k, first)
-               call follow_time(hierarchy, k, is_sound, listener)
-               if (is_sound) call solve_level(hierarchy, k, tolerance, is_sound, listener)
-            end if
-            if (.not. is_sound) return
-         end do
-      end associate
+      do k = first, hierarchy%coarsest
+         call first_guess(hierarchy, contact, k, first)
+         if (k == hierarchy%top) return
+         tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
+            .and. k >= hierarchy%top - 2)
+         call solve_level(hierarchy, k, tolerance, is_sound, listener)
+         if (.not. is_sound) return
+      end do
    end subroutine nested_solutions
+
+   !> Interpolates the solution of a graded grid to the finest level. `is_sound` is false if there
+   !> is none, or `listener` asks to stop.
+   subroutine graded_start(hierarchy, contact, is_sound, listener)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(out) :: is_sound
+      class(listener_t), intent(inout), target :: listener
+      type(graded_solution_t) :: solution
+      type(relay_t) :: relay
+      type(report_t) :: report
+
+      relay%parent => listener
+      associate (level => hierarchy%levels(hierarchy%finest))
+         call solve_graded(contact, [level%x(0), level%x(level%n)], graded_target, relay, &
+            solution, report)
+         is_sound = allocated(solution%line)
+         if (.not. is_sound) return
+         level%state%pressure = monotone_cubic(solution%line%x, solution%line%state%pressure, &
+            level%x)
+         level%state%pressure([0, level%n]) = 0.0_wp
+         level%state%rigid_displacement = solution%line%state%rigid_displacement
+         call set_smooth_film(level)
+      end associate
+   end subroutine graded_start
 
    !> Sets the first guess of level k: from the level below, or from `bump_start` on the `first`
    !> one.
@@ -157,31 +168,38 @@ contains
    end subroutine solve_level
 
    !> Interpolates the pressure of level k cubically from level k - 1, and computes its film.
-   !>
-   !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the
-   !> fine grid, where the slip factor would start at exp(100): the pressure of a shear-thinning
-   !> fluid is smoothed until no wall stress exceeds `largest_sigma`.
    subroutine refine(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
-      integer :: pass
 
       associate (level => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
          level%state%rigid_displacement = coarse%state%rigid_displacement
          call prolong_cubic(coarse%state%pressure, level%state%pressure)
          call place_exit(coarse, level)
-         do pass = 0, max_smoothings
-            call set_film(level)
-            if (.not. thins(level%fluid)) exit
-            if (wall_stress(level%fluid, &
-               maxval(abs(level%state%film(1:level%n - 1)*(level%state%pressure(2:) &
-               - level%state%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
-            level%state%pressure(1:level%n - 1) = 0.25_wp*(level%state%pressure(:level%n - 2) &
-               + 2*level%state%pressure(1:level%n - 1) + level%state%pressure(2:))
-         end do
+         call set_smooth_film(level)
       end associate
       call count_work(hierarchy, k, 1)
    end subroutine refine
+
+   !> Computes the film of an interpolated pressure.
+   !>
+   !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the
+   !> fine grid, where the slip factor would start at exp(100): the pressure of a shear-thinning
+   !> fluid is smoothed until no wall stress exceeds `largest_sigma`.
+   subroutine set_smooth_film(level)
+      type(line_level_t), intent(inout) :: level
+      integer :: pass
+
+      do pass = 0, max_smoothings
+         call set_film(level)
+         if (.not. thins(level%fluid)) exit
+         if (wall_stress(level%fluid, maxval(abs(level%state%film(1:level%n - 1) &
+            *(level%state%pressure(2:) - level%state%pressure(:level%n - 2)))))/(2*level%dx) &
+            < largest_sigma) exit
+         level%state%pressure(1:level%n - 1) = 0.25_wp*(level%state%pressure(:level%n - 2) &
+            + 2*level%state%pressure(1:level%n - 1) + level%state%pressure(2:))
+      end do
+   end subroutine set_smooth_film
 
    !> Interpolates the pressure near the exit: its square root is nearly linear there (module
    !> quantities), and Newton's method moves the exit by only one node a step, so that it must start

@@ -21,8 +21,6 @@ module solver_choice
    !> A contact without shear thinning is heavy above one of these (sum velocity): full steps of any
    !> smoother then overshoot at the spike or in the inlet.
    real(wp), parameter :: heavy_m = 4.0_wp, heavy_l = 12.0_wp
-   !> Factor from which the Eyring stress is lowered if nothing else works.
-   real(wp), parameter :: high_stress = 16.0_wp
    !> Slide-to-roll ratio from which an Eyring contact is not heavy. (Case 1, Gauss-Seidel and line
    !> on 1024 intervals: full steps fail up to 0.1; from 0.3 on full and relaxed steps both
    !> converge.)
@@ -50,57 +48,50 @@ contains
       type(solver_settings_t), intent(in) :: settings
       type(relaxation_t), allocatable :: attempts(:)
       type(relaxation_t) :: cycles
-      real(wp) :: films(2)
+      real(wp) :: film
       logical :: is_heavy
 
-      ! films of the first start over the Moes film, the better one first: a thin film of constant
-      ! viscosity starts from twice the fit, shear thinning with a steep rise of viscosity from the
-      ! fit (docs/decisions.md)
-      films = [2.0_wp, 1.0_wp]
-      if (thins(contact%fluid) .and. contact%moes_l_sum > thinning_l) films = [1.0_wp, 2.0_wp]
+      ! film of the first start over the Moes film: a thin film of constant viscosity starts from
+      ! twice the fit, shear thinning with a steep rise of viscosity from the fit
+      ! (docs/decisions.md)
+      film = merge(1.0_wp, 2.0_wp, thins(contact%fluid) .and. contact%moes_l_sum > thinning_l)
       ! an Eyring oil without sliding is as stiff as a Newtonian one
       is_heavy = contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l
       if (is_heavy .and. thins(contact%fluid)) is_heavy = &
          slide_to_roll(contact%fluid, contact%lambda) < thinning_slide
       if (is_automatic(settings)) then
-         attempts = newton_starts(contact, films)
+         attempts = newton_starts(film)
          if (contact%domain%intervals >= intervals_for_film(contact) &
             .and. settings%space_scheme /= 'kappa') then
             ! it is independent of Newton's method above the coarsest level
             cycles = cycle_with(merge(smoother_gauss_seidel, smoother_line, is_heavy), is_heavy)
-            cycles%start_film = films(1)
+            cycles%start_film = film
             attempts = [attempts, cycles]
          end if
       else if (settings%method == 'newton_krylov') then
-         attempts = newton_starts(contact, films)
+         attempts = newton_starts(film)
       else
          attempts = [stated_way(settings, is_heavy)]
          if (attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp &
             .and. settings%max_cycles <= 0) attempts = [attempts, &
             with_sweeps(stated_way(settings, is_heavy=.true.), 0.2_wp, 10, 3.0_wp)]
-         attempts%start_film = films(1)
+         attempts%start_film = film
       end if
       if (settings%space_scheme == 'kappa') then
          attempts = [attempts(1), attempts]
          attempts(2:)%thesis_first = .true.
       end if
-      ! a given limit of cycles excludes time stepping to a start, which takes many
-      if (settings%max_cycles > 0) attempts = pack(attempts, .not. attempts%follows_time)
       call override(settings, steady_tolerance, attempts)
    end function steady_attempts
 
-   !> Newton-Krylov relaxations that lead to a first solution: from both films, from a higher Eyring
-   !> stress, in pseudo-time.
-   pure function newton_starts(contact, films) result(attempts)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: films(2)
-      type(relaxation_t), allocatable :: attempts(:)
+   !> Newton-Krylov relaxations that lead to a first solution: from a `film`, from a graded grid.
+   pure function newton_starts(film) result(attempts)
+      real(wp), intent(in) :: film
+      type(relaxation_t) :: attempts(2)
 
-      allocate (attempts(merge(4, 3, thins(contact%fluid))), source=one_level(method_newton_krylov))
-      attempts%start_film = films(1)
-      attempts(2)%start_film = films(2)
-      if (thins(contact%fluid)) attempts(3)%first_stress = high_stress
-      attempts(size(attempts))%follows_time = .true.
+      attempts = one_level(method_newton_krylov)
+      attempts%start_film = film
+      attempts(2)%starts_graded = .true.
    end function newton_starts
 
    !> Relaxations to try in turn for a time step; no line smoother, which diverges with the squeeze
