@@ -10,6 +10,7 @@ module graded_solver
       ieee_usual
    use constants, only: pi
    use expected_film, only: newtonian_film
+   use features, only: rough_surface_t
    use graded_errors, only: error_bound, estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
@@ -309,32 +310,57 @@ contains
       if (.not. is_sound) line%error = huge(1.0_wp)
    end subroutine solve_from
 
-   !> Solves the first grid with the safe scheme; the line is not allocated if that fails. A
-   !> thinning oil goes by way of higher stresses, on grids that follow its film.
+   !> Solves the first grid with the safe scheme, that of rough surfaces from the solution with
+   !> smooth ones; the line is not allocated if that fails.
    subroutine solve_first(contact, ends, rounds, solution)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: ends(2)
       type(rounds_t), intent(inout) :: rounds
       type(graded_solution_t), intent(inout) :: solution
       type(graded_line_t), allocatable :: line
-      real(wp), allocatable :: x(:)
-      real(wp) :: ease, film, ratio, widest
-      integer :: i
+      type(line_contact_t) :: smooth
+      real(wp) :: film, widest
 
       film = newtonian_film(contact)
       widest = finest_wave(contact)/min_in_wave
       if (size(first_nodes(film, 1.0_wp, ends, widest)) > max_nodes) return
       rounds%is_safe = .true.
+      smooth = contact
+      smooth%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
+      smooth%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
+      call solve_smooth(smooth, ends, rounds, film, solution)
+      if (allocated(solution%line) .and. widest < huge(1.0_wp)) then
+         call solve_from(contact, contact%fluid, first_nodes(film, 1.0_wp, ends, widest), &
+            start_of(solution%line), rounds, line)
+         deallocate (solution%line)
+         if (line%error < way_tolerance) call move_alloc(line, solution%line)
+      end if
+      rounds%is_safe = .false.
+   end subroutine solve_first
+
+   !> Solves a smooth contact on a first grid for a `film`, which follows that of a thinning oil: it
+   !> goes by way of higher stresses.
+   subroutine solve_smooth(contact, ends, rounds, film, solution)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: ends(2)
+      type(rounds_t), intent(inout) :: rounds
+      real(wp), intent(inout) :: film
+      type(graded_solution_t), intent(inout) :: solution
+      type(graded_line_t), allocatable :: line
+      real(wp), allocatable :: x(:)
+      real(wp) :: ease, ratio
+      integer :: i
+
       do i = 1, merge(1, size(first_factors), thins(contact%fluid))
-         x = first_nodes(film, first_factors(i), ends, widest)
+         x = first_nodes(film, first_factors(i), ends, huge(1.0_wp))
          call solve_from(contact, contact%fluid, x, bump(contact, x, film), rounds, line)
          if (line%error < way_tolerance) exit
       end do
       if (line%error < way_tolerance) call move_alloc(line, solution%line)
       ease = merge(first_ease, 0.5_wp, thins(contact%fluid) .and. .not. allocated(solution%line))
       ratio = ease_ratio
-      x = first_nodes(film, 1.0_wp, ends, widest)
       do while (ease >= 1.0_wp)
+         x = first_nodes(film, 1.0_wp, ends, huge(1.0_wp))
          if (allocated(solution%line)) then
             call solve_from(contact, eased_fluid(contact%fluid, ease), x, &
                start_of(solution%line), rounds, line)
@@ -345,11 +371,8 @@ contains
          if (line%error < way_tolerance) then
             call move_alloc(line, solution%line)
             if (ease <= 1.0_wp) exit
-            associate (solved => solution%line)
-               if (solved%state%film(minloc(abs(solved%x), 1) - 1) < fallen_film*film) then
-                  film = solved%state%film(minloc(abs(solved%x), 1) - 1)
-                  x = first_nodes(film, 1.0_wp, ends, widest)
-               end if
+            associate (central => solution%line%state%film(minloc(abs(solution%line%x), 1) - 1))
+               if (central < fallen_film*film) film = central
             end associate
          else
             if (.not. allocated(solution%line) .or. ratio < least_ratio) then
@@ -361,8 +384,7 @@ contains
          end if
          ease = max(ease/ratio, 1.0_wp)
       end do
-      rounds%is_safe = .false.
-   end subroutine solve_first
+   end subroutine solve_smooth
 
    !> Hertz's pressure, wider for a thick film, with a film of about twice `film` at X = 0.
    function bump(contact, x, film) result(start)
