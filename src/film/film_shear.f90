@@ -9,28 +9,20 @@
 !> of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use flow_law, only: block_size => slip_block, largest_exponent, slip_t
+   use flow_law, only: block_size => slip_block
    use friction_sums, only: friction_t, stressed_share
+   use inlet_friction, only: oil_in_front
    use kinds, only: wp
    use line_level, only: line_level_t
    use missing_value, only: not_known
    use quantities, only: bend_of, exit_between_nodes, node_spacings
    use reynolds_line, only: mass_flux
-   use rheology, only: evaluate_stress, thins
+   use rheology, only: evaluate_stress
    use shear_stresses, only: evaluate_drive
    implicit none (type, external)
    private
 
    public :: evaluate_friction, friction_of
-
-   !> Points of the midpoint rule in X_a/X for the oil in front of the domain, where the integrands
-   !> change little (a test compares with a longer domain).
-   integer, parameter :: points = 8
-   !> X_a/X of these points, and functions of it.
-   real(wp), parameter :: share(points) = [1, 3, 5, 7, 9, 11, 13, 15]/16.0_wp, &
-      inverse_square(points) = 1/share**2, ln_share(points) = log(share)
-   !> Bound of alpha_bar Q in front of the domain: no solution comes near it.
-   real(wp), parameter :: largest_reduced = 0.9_wp
 
 contains
 
@@ -51,7 +43,8 @@ contains
       logical :: has_speeds
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
-         friction = oil_in_front(level, h(maxloc(p, 1) - 1))
+         friction = oil_in_front(level%fluid, level%lambda, level%lambda*level%slide_to_roll/12, &
+            level%elastic%elasticity, [level%x(0), h(0)], h(maxloc(p, 1) - 1))
          flux = mass_flux(level)
          gap(1:level%n) = node_spacings(level%x)
          gap([0, level%n + 1]) = 0.0_wp
@@ -141,46 +134,5 @@ contains
          position = x(i) + (x(i + 1) - x(i))*part
       end do
    end function exit_by_flux
-
-   !> Contribution of the oil in front of the domain; `flow` is about the mass flux.
-   !>
-   !> The gap is that of the bodies with the far field of the load, the
-   !> pressure low: H S dP/dX = lambda mu (H - flow)/H^2, mu = 1/(1 - alpha_bar Q) with the reduced
-   !> pressure Q. It falls only as 1/X_a: forces need a longer inlet than films (N. Biboulet and L.
-   !> Houpert, Proc. IMechE J 224, 2010, 765).
-   pure function oil_in_front(level, flow) result(friction)
-      type(line_level_t), intent(in) :: level
-      real(wp), intent(in) :: flow
-      type(friction_t) :: friction
-      real(wp), dimension(points) :: weights, h, flow_drive, drive, stress, fluidity, ln_mu
-      type(slip_t) :: slip
-      real(wp) :: reduced
-      integer :: i, pass
-
-      weights = abs(level%x(0))/points*inverse_square
-      h = level%state%film(0) + 0.5_wp*level%x(0)**2*(inverse_square - 1) &
-         + 0.5_wp*level%elastic%elasticity*ln_share
-      flow_drive = level%lambda*max(h - flow, 0.0_wp)/h**2
-      reduced = 0.0_wp
-      do i = 1, points
-         reduced = reduced + level%fluid%alpha_bar*weights(i)*flow_drive(i)/h(i)
-         fluidity(i) = 1 - min(reduced, largest_reduced)
-      end do
-      ln_mu = -log(fluidity)
-      flow_drive = flow_drive/fluidity
-      drive = flow_drive
-      if (thins(level%fluid)) then
-         do pass = 1, 2   ! S of a drive that S has not made less is too large
-            call level%fluid%rheology%evaluate_slip(drive, 1/h, ln_mu, .false., slip)
-            drive = flow_drive/(slip%factor(:points)*exp(min(slip%growth(:points), &
-               largest_exponent)))
-         end do
-      end if
-      call evaluate_stress(level%fluid, level%lambda*level%slide_to_roll/12, drive, 1/h, ln_mu, &
-         stress)
-      friction%sliding = sum(weights*stress)
-      friction%rolling = 0.5_wp*sum(weights*drive)
-      friction%rolling_power = 0.5_wp/level%lambda*sum(weights*h*drive*flow_drive*fluidity)
-   end function oil_in_front
 
 end module film_shear

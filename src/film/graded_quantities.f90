@@ -1,7 +1,9 @@
 !> Quantities of a line contact on a graded grid, with their derivatives by P and H of the nodes and
 !> what the sums over elements miss.
 module graded_quantities
+   use friction_sums, only: friction_t
    use graded_line, only: graded_line_t
+   use inlet_friction, only: oil_in_front
    use kinds, only: wp
    use lubricant, only: fluid_viscosity
    use missing_value, only: exceeds
@@ -36,6 +38,7 @@ contains
       type(graded_line_t), intent(in) :: line
       real(wp), intent(in) :: slide_to_roll
       type(functional_t), intent(out) :: list(functional_count)
+      type(friction_t) :: ahead
       integer :: i, middle
 
       do i = 1, functional_count
@@ -55,8 +58,13 @@ contains
       end associate
       call find_spike(line, list(spike))
       call add_rolling(line, list(rolling), list(rolling_power))
-      if (exceeds(abs(slide_to_roll), 0.0_wp)) call add_sliding(line, &
-         line%lambda*abs(slide_to_roll)/12, list(sliding))
+      ahead = oil_in_front(line%fluid, line%lambda, line%lambda*abs(slide_to_roll)/12, &
+         line%elasticity, [line%x(0), line%state%film(0)], line%flux(1))
+      list([rolling, rolling_power])%value = list([rolling, rolling_power])%value &
+         + [ahead%rolling, ahead%rolling_power]
+      if (.not. exceeds(abs(slide_to_roll), 0.0_wp)) return
+      call add_sliding(line, line%lambda*abs(slide_to_roll)/12, list(sliding))
+      list(sliding)%value = list(sliding)%value + ahead%sliding
    end subroutine evaluate_quantities
 
    !> Vertex of the parabola through node `i` and its neighbours, no farther than they are, and its
@@ -105,8 +113,7 @@ contains
       end associate
    end subroutine find_spike
 
-   !> Force and power of rolling, with the oil in front of the nodes, where H = X^2/2 and H^2 dP/dX
-   !> = lambda.
+   !> Force and power of rolling.
    pure subroutine add_rolling(line, force, power)
       type(graded_line_t), intent(in) :: line
       type(functional_t), intent(inout) :: force, power
@@ -116,7 +123,7 @@ contains
       associate (p => line%state%pressure, h => line%state%film, e => line%oil%face_mobility, &
          rho => line%oil%density, slopes => line%slopes, n => line%n)
          rise = p(1:) - p(:n - 1)
-         force%value = 0.25_wp*sum((h(1:) + h(:n - 1))*rise) + line%lambda/abs(line%x(0))
+         force%value = 0.25_wp*sum((h(1:) + h(:n - 1))*rise)
          force%by_film(1:) = 0.25_wp*rise
          force%by_film(:n - 1) = force%by_film(:n - 1) + 0.25_wp*rise
          force%by_pressure(1:) = 0.25_wp*(h(1:) + h(:n - 1))
@@ -127,7 +134,7 @@ contains
             - rise*(bend_h(1:) + bend_h(:n - 1)))
          ! rho changes little: left out of the derivatives
          c = rise/(line%lambda*line%spacing*(rho(1:) + rho(:n - 1)))
-         power%value = sum(c*rise*e) + line%lambda/abs(line%x(0))
+         power%value = sum(c*rise*e)
          power%by_pressure(1:) = c*(2*e + rise*slopes%by_p_right)
          power%by_pressure(:n - 1) = power%by_pressure(:n - 1) - c*(2*e - rise*slopes%by_p_left)
          power%by_film(1:) = c*rise*slopes%by_h_right
@@ -136,14 +143,13 @@ contains
    end subroutine add_rolling
 
    !> Force of sliding without its sign, `couette` = lambda/6 |u2 - u1|/(u1 + u2): in every element
-   !> the logarithmic mean of the stress at both ends with the element's slope of P, up to the exit,
-   !> and that of the oil in front of the nodes.
+   !> the logarithmic mean of the stress at both ends with the element's slope of P, up to the exit.
    pure subroutine add_sliding(line, couette, force)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(in) :: couette
       type(functional_t), intent(inout) :: force
       real(wp), dimension(line%n) :: slope, lengths, step, by_slope
-      real(wp) :: by_part, part, tail(1), ln_stress(0:line%n), bend(0:line%n), ln_mu(0:line%n)
+      real(wp) :: by_part, part, ln_stress(0:line%n), bend(0:line%n), ln_mu(0:line%n)
       integer :: j, last
 
       associate (p => line%state%pressure, h => line%state%film, n => line%n, x => line%x)
@@ -152,9 +158,7 @@ contains
          lengths = line%spacing
          lengths(j) = part*line%spacing(j)
          lengths(j + 1:) = 0.0_wp
-         call evaluate_stress(line%fluid, couette, [0.0_wp], [1/h(0)], [0.0_wp], tail)
-         force%value = sum(lengths*mean_stress(p(:n - 1), p(1:), h(:n - 1), h(1:), slope)) &
-            + 2*tail(1)*h(0)/abs(x(0))
+         force%value = sum(lengths*mean_stress(p(:n - 1), p(1:), h(:n - 1), h(1:), slope))
          step = difference*max(abs(slope), 1.0_wp)
          by_slope = lengths*(mean_stress(p(:n - 1), p(1:), h(:n - 1), h(1:), slope + step) &
             - mean_stress(p(:n - 1), p(1:), h(:n - 1), h(1:), slope - step))/(2*step*line%spacing)
