@@ -13,10 +13,9 @@ module grid_comparison
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
-   use features, only: rough_surface_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, without_surfaces
    use line_state, only: line_state_t
    use listener, only: listener_t
    use run_observer, only: run_observer_t
@@ -109,10 +108,8 @@ contains
       bars = listener%writer%bars
       if (case%solver%wants_coarse_runs) then
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
-         if (case%time%is_transient) then   ! roughness passes, the inlet stays
-            at_rest%contact%surface_1 = rough_surface_t(speed=case%contact%surface_1%speed)
-            at_rest%contact%surface_2 = rough_surface_t(speed=case%contact%surface_2%speed)
-         end if
+         ! roughness passes, the inlet stays
+         if (case%time%is_transient) at_rest%contact = without_surfaces(case%contact)
          call run_farther(bars, at_rest, listener, error)
          if (allocated(error)) return
          if (.not. case%time%is_transient) call run_other_scheme(bars, at_rest, listener, error)

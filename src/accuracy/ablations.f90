@@ -3,7 +3,7 @@
 module ablations
    use features, only: rough_surface_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, smoothen, without_surfaces
    use lubricant, only: density_constant, viscosity_barus, viscosity_constant, &
       viscosity_roelands
    use rheology, only: eased_fluid, thins
@@ -11,8 +11,7 @@ module ablations
    implicit none (type, external)
    private
 
-   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_surfaces, &
-      without_surfaces
+   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_surfaces
 
    !> Kinds of ingredients.
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
@@ -143,25 +142,6 @@ contains
          end select
       end associate
    end function contact_without
-
-   !> The contact with smooth surfaces.
-   pure function without_surfaces(contact) result(smooth)
-      type(line_contact_t), intent(in) :: contact
-      type(line_contact_t) :: smooth
-
-      smooth = contact
-      call smoothen(smooth%surface_1)
-      call smoothen(smooth%surface_2)
-   end function without_surfaces
-
-   !> Removes features and profile from a surface.
-   pure subroutine smoothen(surface)
-      type(rough_surface_t), intent(inout) :: surface
-
-      if (allocated(surface%profile)) deallocate (surface%profile)
-      if (allocated(surface%features)) deallocate (surface%features)
-      allocate (surface%features(0))
-   end subroutine smoothen
 
    !> Removes one feature from a surface.
    pure subroutine leave_out(surface, feature)

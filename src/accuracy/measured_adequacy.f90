@@ -13,8 +13,7 @@
 !> intervals, with twice the step of that of the error bars, shows the effect of a larger step.
 module measured_adequacy
    use ablation_runs, only: change_between, largest_change, measure_at_rest
-   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
-      without_surfaces
+   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze
    use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t
@@ -22,7 +21,7 @@ module measured_adequacy
    use experiment, only: experiment_t, outcome_t, run_experiment
    use graded_contact, only: even_state
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, without_surfaces
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t

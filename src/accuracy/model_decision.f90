@@ -1,10 +1,9 @@
 !> Decisions on the ingredients of the model before a run, their reasons, and their consequences for
 !> the contact and for the errors of its result.
 module model_decision
-   use ablations, only: without_surfaces
    use adequacy, only: influence_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, without_surfaces
    use quantities, only: quantity_count
    use solver_settings, only: time_settings_t
    implicit none (type, external)

@@ -2,15 +2,14 @@
 module passage_pair
    use ablation_runs, only: change_between, doubt_between, lean_level_t, place_film, pose, &
       pressure_on, set_change, solve_level_of
-   use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze, &
-      without_surfaces
+   use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze
    use adequacy, only: influence_t
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
    use film_state, only: film_state_t
    use kinds, only: wp
    use state_output, only: level_summary
-   use line_contact, only: finest_wave, line_contact_t, move_profiles
+   use line_contact, only: finest_wave, line_contact_t, move_profiles, without_surfaces
    use line_hierarchy, only: coarsest_for_film, roughness_at
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t

@@ -45,11 +45,10 @@ module bordered_system
       procedure :: multiply => multiply_bordered
       procedure :: precondition => precondition_bordered
       procedure(deflect_interface), deferred :: deflect
-      procedure :: deflect_transposed
    end type bordered_system_t
 
    abstract interface
-      !> h = K p, (0:n) both.
+      !> h = K p, or K^T p of a transposed system, (0:n) both.
       subroutine deflect_interface(self, p, h)
          import :: bordered_system_t, wp
          implicit none (type, external)
@@ -60,15 +59,6 @@ module bordered_system
    end interface
 
 contains
-
-   !> p = K^T h, (0:n) both: K of even grids is symmetric.
-   subroutine deflect_transposed(self, h, p)
-      class(bordered_system_t), intent(inout) :: self
-      real(wp), intent(in), contiguous :: h(0:)
-      real(wp), intent(out), contiguous :: p(0:)
-
-      call self%deflect(h, p)
-   end subroutine deflect_transposed
 
    !> Factors the approximate matrix of the present bands; `is_sound`: no pivot is 0.
    subroutine factor_bordered(system, is_sound)
@@ -202,7 +192,7 @@ contains
             y(i + o) = y(i + o) + self%by_pressure(o + 3, i)*x(i)
          end do
       end do
-      call self%deflect_transposed(self%h, self%p)
+      call self%deflect(self%h, self%p)
       y(1:n - 1) = y(1:n - 1) - self%p(1:n - 1) + self%weights*x(n)
       y(n) = sum(self%h)
    end subroutine multiply_transposed

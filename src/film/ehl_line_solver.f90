@@ -4,12 +4,11 @@ module ehl_line_solver
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
-   use features, only: rough_surface_t
    use film_breakdown, only: check_breakdown
    use graded_contact, only: solve_graded_contact
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, move_profiles
+   use line_contact, only: line_contact_t, move_profiles, without_surfaces
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost
    use line_state, only: line_state_t
    use listener, only: listener_t
@@ -134,10 +133,7 @@ contains
       type(line_contact_t) :: posed
 
       posed = contact
-      if (time%is_transient) then
-         posed%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
-         posed%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
-      end if
+      if (time%is_transient) posed = without_surfaces(contact)
       hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, posed, settings, listener, report)

@@ -53,8 +53,8 @@ contains
       end if
       call find_sources(line, flux_error, lost_load, power_error)
       do j = 1, functional_count
+         if (.not. abs(values(j)) > 0.0_wp) cycle   ! there is none
          by_film = list(j)%by_film
-         if (.not. (any(abs(by_film) > 0.0_wp) .or. any(abs(list(j)%by_pressure) > 0.0_wp))) cycle
          call factors%system%kernel%multiply_transposed(by_film, at_nodes)
          z = [list(j)%by_pressure(1:n - 1) - at_nodes(1:n - 1), sum(by_film)]
          call solve_system(factors, adjoint_tolerance, z, is_transposed=.true.)

@@ -130,78 +130,68 @@ contains
       end do
    end subroutine element_exponentials
 
-   !> Computes `d` = K `p`, (0:n) both.
+   !> Computes `d` = K `p`, (0:n) both: one sweep carries what lies to the left of a node, the other
+   !> what lies to its right.
    pure subroutine multiply(self, p, d)
       class(graded_kernel_t), intent(in) :: self
       real(wp), intent(in), contiguous :: p(0:)
       real(wp), intent(out), contiguous :: d(0:)
       real(wp) :: state(size(self%decay, 1)), total
-      integer :: e, l, n
+      integer :: e, from, k, l, n, side, to
 
       n = ubound(p, 1)
       d = self%constant*dot_product(self%weights, p)
       d(1:) = d(1:) + self%own*p(1:) + self%other*p(:n - 1)
       d(:n - 1) = d(:n - 1) + self%own*p(:n - 1) + self%other*p(1:)
-      state = 0.0_wp
-      do e = 1, n   ! to the right: what lies in front of element e, then with it
-         total = 0.0_wp
-         !$omp simd reduction(+:total)
-         do l = 1, size(state)
-            state(l) = self%decay(l, e)*state(l)
-            total = total + state(l)
-            state(l) = state(l) + self%far(l, e)*p(e - 1) + self%near(l, e)*p(e)
+      do side = 0, 1
+         state = 0.0_wp
+         do k = 1, n
+            e = merge(k, n + 1 - k, side == 0)
+            from = e - 1 + side
+            to = e - side
+            total = 0.0_wp
+            !$omp simd reduction(+:total)
+            do l = 1, size(state)
+               state(l) = self%decay(l, e)*state(l)
+               total = total + state(l)
+               state(l) = state(l) + self%far(l, e)*p(from) + self%near(l, e)*p(to)
+            end do
+            d(to) = d(to) - total
          end do
-         d(e) = d(e) - total
-      end do
-      state = 0.0_wp
-      do e = n, 1, -1
-         total = 0.0_wp
-         !$omp simd reduction(+:total)
-         do l = 1, size(state)
-            state(l) = self%decay(l, e)*state(l)
-            total = total + state(l)
-            state(l) = state(l) + self%far(l, e)*p(e) + self%near(l, e)*p(e - 1)
-         end do
-         d(e - 1) = d(e - 1) - total
       end do
       d = self%factor*d
    end subroutine multiply
 
-   !> Computes `p` = K^T `d`, (0:n) both.
+   !> Computes `p` = K^T `d`, (0:n) both: one sweep carries the nodes to the right of an element,
+   !> the other those to its left.
    pure subroutine multiply_transposed(self, d, p)
       class(graded_kernel_t), intent(in) :: self
       real(wp), intent(in), contiguous :: d(0:)
       real(wp), intent(out), contiguous :: p(0:)
       real(wp) :: state(size(self%decay, 1)), by_far, by_near
-      integer :: e, l, n
+      integer :: e, from, k, l, n, side, to
 
       n = ubound(d, 1)
       p = self%constant*sum(d)*self%weights
       p(1:) = p(1:) + self%own*d(1:) + self%other*d(:n - 1)
       p(:n - 1) = p(:n - 1) + self%own*d(:n - 1) + self%other*d(1:)
-      state = 0.0_wp
-      do e = n, 1, -1   ! nodes behind element e
-         by_far = 0.0_wp
-         by_near = 0.0_wp
-         !$omp simd reduction(+:by_far, by_near)
-         do l = 1, size(state)
-            by_far = by_far + self%far(l, e)*state(l)
-            by_near = by_near + self%near(l, e)*state(l)
-            state(l) = self%decay(l, e)*(state(l) + d(e))
+      do side = 0, 1
+         state = 0.0_wp
+         do k = 1, n
+            e = merge(n + 1 - k, k, side == 0)
+            from = e - 1 + side
+            to = e - side
+            by_far = 0.0_wp
+            by_near = 0.0_wp
+            !$omp simd reduction(+:by_far, by_near)
+            do l = 1, size(state)
+               by_far = by_far + self%far(l, e)*state(l)
+               by_near = by_near + self%near(l, e)*state(l)
+               state(l) = self%decay(l, e)*(state(l) + d(to))
+            end do
+            p(from) = p(from) - by_far
+            p(to) = p(to) - by_near
          end do
-         p(e - 1:e) = p(e - 1:e) - [by_far, by_near]
-      end do
-      state = 0.0_wp
-      do e = 1, n
-         by_far = 0.0_wp
-         by_near = 0.0_wp
-         !$omp simd reduction(+:by_far, by_near)
-         do l = 1, size(state)
-            by_far = by_far + self%far(l, e)*state(l)
-            by_near = by_near + self%near(l, e)*state(l)
-            state(l) = self%decay(l, e)*(state(l) + d(e - 1))
-         end do
-         p(e - 1:e) = p(e - 1:e) - [by_near, by_far]
       end do
       p = self%factor*p
    end subroutine multiply_transposed

@@ -10,7 +10,6 @@ module graded_solver
       ieee_usual
    use constants, only: pi
    use expected_film, only: newtonian_film
-   use features, only: rough_surface_t
    use graded_errors, only: error_bound, estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
@@ -19,7 +18,7 @@ module graded_solver
    use graded_system, only: graded_factors_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: finest_wave, line_contact_t, min_in_wave
+   use line_contact, only: finest_wave, line_contact_t, min_in_wave, without_surfaces
    use listener, only: is_stopped, listener_t
    use lubricant, only: fluid_t
    use missing_value, only: not_known
@@ -318,18 +317,14 @@ contains
       type(rounds_t), intent(inout) :: rounds
       type(graded_solution_t), intent(inout) :: solution
       type(graded_line_t), allocatable :: line
-      type(line_contact_t) :: smooth
       real(wp) :: film, widest
 
       film = newtonian_film(contact)
       widest = finest_wave(contact)/min_in_wave
       if (size(first_nodes(film, 1.0_wp, ends, widest)) > max_nodes) return
       rounds%is_safe = .true.
-      smooth = contact
-      smooth%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
-      smooth%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
-      call solve_smooth(smooth, ends, rounds, film, solution)
-      if (allocated(solution%line) .and. widest < huge(1.0_wp)) then
+      call solve_smooth(without_surfaces(contact), ends, rounds, film, solution)
+      if (allocated(solution%line) .and. finest_wave(contact) < huge(1.0_wp)) then
          call solve_from(contact, contact%fluid, first_nodes(film, 1.0_wp, ends, widest), &
             start_of(solution%line), rounds, line)
          deallocate (solution%line)

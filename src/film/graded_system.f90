@@ -24,7 +24,7 @@ module graded_system
    type, extends(bordered_system_t) :: graded_system_t
       type(graded_kernel_t) :: kernel
    contains
-      procedure :: deflect, deflect_transposed
+      procedure :: deflect
    end type graded_system_t
 
    !> Factors, and what they need. `is_sound`: they exist.
@@ -171,22 +171,17 @@ contains
 
    end subroutine fill_row
 
-   !> h = K p.
+   !> h = K p, or K^T p of a transposed system.
    subroutine deflect(self, p, h)
       class(graded_system_t), intent(inout) :: self
       real(wp), intent(in), contiguous :: p(0:)
       real(wp), intent(out), contiguous :: h(0:)
 
-      call self%kernel%multiply(p, h)
+      if (self%is_transposed) then
+         call self%kernel%multiply_transposed(p, h)
+      else
+         call self%kernel%multiply(p, h)
+      end if
    end subroutine deflect
-
-   !> p = K^T h.
-   subroutine deflect_transposed(self, h, p)
-      class(graded_system_t), intent(inout) :: self
-      real(wp), intent(in), contiguous :: h(0:)
-      real(wp), intent(out), contiguous :: p(0:)
-
-      call self%kernel%multiply_transposed(h, p)
-   end subroutine deflect_transposed
 
 end module graded_system

@@ -11,7 +11,7 @@ module line_contact
    private
 
    public :: closing_slope, finest_wave, intervals_for_waves, line_contact_t, &
-      move_profiles, shortest_passage
+      move_profiles, shortest_passage, smoothen, without_surfaces
 
    !> Fewest intervals in the finest wave (feature, sinusoid, profile): with fewer, coarse runs on
    !> n/4 may miss it.
@@ -109,6 +109,25 @@ contains
       if (allocated(surface%features)) wave = minval([wave, surface%features%wavelength])
       if (allocated(surface%profile)) wave = min(wave, surface%profile%finest_wave)
    end function wave_of
+
+   !> The contact with smooth surfaces.
+   pure function without_surfaces(contact) result(smooth)
+      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t) :: smooth
+
+      smooth = contact
+      call smoothen(smooth%surface_1)
+      call smoothen(smooth%surface_2)
+   end function without_surfaces
+
+   !> Removes features and profile from a surface.
+   pure subroutine smoothen(surface)
+      type(rough_surface_t), intent(inout) :: surface
+
+      if (allocated(surface%profile)) deallocate (surface%profile)
+      if (allocated(surface%features)) deallocate (surface%features)
+      allocate (surface%features(0))
+   end subroutine smoothen
 
    !> Loads the part of both profiles that covers a complete domain at `time`. Error: a file cannot
    !> be read.

@@ -111,7 +111,7 @@ contains
       end associate
    end subroutine prepare_kernel
 
-   !> h = K p by FFT.
+   !> h = K p by FFT; K is symmetric.
    subroutine deflect_even(self, p, h)
       class(even_system_t), intent(inout) :: self
       real(wp), intent(in), contiguous :: p(0:)
