@@ -57,6 +57,9 @@ WORDS = {
 }
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
+# Half-widths around the contact from which figures take their prefixes.
+NEAR = 4.0
+
 
 def prefix_of(largest: float) -> tuple[float, str]:
     """Size and letter of the prefix that suits the largest of some values."""
@@ -118,6 +121,7 @@ class Quantity:
     values: np.ndarray
     si_units: str
     si_scale: float
+    largest: float | None = None  # the largest value that figures show, if not all are
 
     @property
     def has_si(self) -> bool:
@@ -133,7 +137,8 @@ class Quantity:
         words, symbol, si_symbol = SYMBOLS.get(self.name, (self.name, self.name, self.name))
         if not si or self.si_units == "1":
             return Axis(1.0, None, words, symbol.split("=")[0].strip(), symbol, "")
-        largest = float(np.nanmax(np.abs(self.values), initial=0.0)) * self.si_scale
+        largest = self.largest if self.largest is not None else np.nanmax(np.abs(self.values), initial=0.0)
+        largest = float(largest) * self.si_scale
         size, prefix = prefix_of(largest)
         unit = prefix + self.si_units
         return Axis(self.si_scale / size, size, words, si_symbol, si_symbol, unit)
@@ -316,6 +321,11 @@ def _quantities(path: Path, file: h5py.File, group: str, names: tuple[str, ...])
             raise ResultError(f"{path}: /{group}/{name} is empty")
         scale = float(np.asarray(dataset.attrs.get("si_scale", 1.0)).item())
         found[name] = Quantity(name, values, text_of(dataset.attrs.get("si_units", "1")), scale)
+    if "x" in found:  # the inlet of a graded grid is far, and wide open
+        near = np.abs(found["x"].values) <= NEAR
+        for name, quantity in found.items():
+            if quantity.values.shape == near.shape and near.any():
+                found[name] = replace(quantity, largest=np.nanmax(np.abs(quantity.values[near]), initial=0.0))
     return found
 
 

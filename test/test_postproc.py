@@ -87,6 +87,14 @@ def test_profile_draws_png_and_pdf(steady: Path, tmp_path: Path, si: tuple[str, 
     assert said.split() == [str(tmp_path / "out" / f"smooth_profile.{ending}") for ending in ("png", "pdf")]
 
 
+def test_far_inlet_leaves_the_units(asperity: Callable, tmp_path: Path) -> None:
+    (tmp_path / "smooth.nml").write_text((ROOT / "input" / "minimal.nml").read_text())
+    asperity("smooth.nml", "--quiet")
+    read = load_module("result_file").read_result(tmp_path / "smooth.h5", si=True)
+    assert abs(read.x[0]) > 100  # half-widths of 0.1 mm, with a film of millimetres
+    assert [read.solution[name].axis(True).unit for name in ("x", "film_thickness", "pressure")] == ["µm", "µm", "MPa"]
+
+
 def test_profile_of_a_time(moving: Path, tmp_path: Path) -> None:
     target = tmp_path / "deep" / "middle.png"
     drawn("profile", moving, "--time", 1.4, "--output", target)
