@@ -6,6 +6,7 @@ module line_model
    use domain_choice, only: choose_anew
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
+   use inlet_tail, only: find_tail
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -23,13 +24,15 @@ module line_model
 
 contains
 
-   !> Makes contact and times of a case with model = 'auto' those of the leanest model that is
-   !> adequate. Resumed runs stay transient, and so do those with film statistics over time.
+   !> Finds what lies in front of a passage. Makes contact and times of a case with model = 'auto'
+   !> those of the leanest model that is adequate. Resumed runs stay transient, and so do those with
+   !> film statistics over time.
    subroutine choose_lean_model(case, listener, error)
       type(case_t), intent(inout) :: case
       type(run_observer_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
 
+      call find_tail(case%contact, case%solver%target, listener)
       if (case%model /= 'auto') return
       associate (choice => listener%writer%choice)
          call choose_model(experiment_t(case%contact, case%solver, case%time), &
@@ -37,6 +40,7 @@ contains
             .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
          call apply_model(choice, case%contact, case%time)
+         case%contact%domain%has_tail = .false.
          case%contact%domain%grid = merge('even  ', 'graded', case%domain%grid == 'even')
          call choose_anew(case%contact, case%solver%target)
          call listener%log%say(case%file//': solves '//solved_text(choice))

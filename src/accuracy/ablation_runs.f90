@@ -12,6 +12,7 @@ module ablation_runs
    use errors, only: error_t
    use film_equation, only: set_film
    use film_state, only: film_state_t
+   use inlet_tail, only: set_tail
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, roughness_at
@@ -317,6 +318,7 @@ contains
          call new_level(level, contact%lambda, contact%fluid, [contact%domain%x_inlet, &
             contact%domain%x_outlet], intervals, error, contact%elasticity)
          if (allocated(error)) return
+         call set_tail(level, contact)
          call set_plain_problem(level, roughness_at(contact, level, time))
          level%slide_to_roll = contact%slide_to_roll
       end associate

@@ -241,7 +241,7 @@ contains
                distance/lean%level%dx, lean%level%state%pressure)
          end associate
          last = now
-         lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
+         lean%level%rhs_film = lean%level%gap - roughness_at(own, lean%level, now)
          call place_film(lean%level, minval(lean%level%state%film))
          call solve_level_of(lean, huge(1.0_wp), listener)
          outcome%is_known = lean%is_solved

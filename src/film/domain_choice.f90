@@ -34,6 +34,8 @@ module domain_choice
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
    !> Largest share by which a chosen inlet starves the film.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp
+   !> Least share of the errors by the inlet that is left with a tail (module inlet_tail).
+   real(wp), parameter :: tail_share = 0.1_wp
    !> Viscosity at which sliding thins the oil where the pressure builds up [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp
    !> Margin of an outlet behind waves, and its largest distance from the end of the contact
@@ -115,6 +117,7 @@ contains
       end if
       associate (domain => contact%domain)
          if (domain%has_inlet) return
+         if (domain%has_tail) tolerance = tolerance/tail_share
          reach = inlet_reach(contact, tolerance)
          if (domain%grid == 'graded') reach = far_reach
          domain%x_inlet = -(1 + sqrt(2*newtonian_film(contact))*reach)
@@ -150,10 +153,27 @@ contains
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
 
-   !> Relative loss of film against an inlet far away: the inverse of the rule above, by bisection
-   !> between 1e-6 and 100. The rule holds for small losses: above 1/20 it is a bound (heavy
-   !> contacts) or an estimate (light ones).
-   pure function inlet_error(contact) result(error)
+   !> Relative loss of film against an inlet far away; with a tail its `share_left`.
+   pure real(wp) function inlet_error(contact) result(error)
+      type(line_contact_t), intent(in) :: contact
+
+      error = film_loss(contact)*share_left(contact)
+   end function inlet_error
+
+   !> Share of the errors by the inlet that is left with a tail in front of it, 1 without: of second
+   !> order in them. (48 passages of waves, fitted on 24: films err by less than a tenth of the
+   !> bound, the largest pressure by a fifth, the rolling force by more in two.)
+   pure real(wp) function share_left(contact) result(share)
+      type(line_contact_t), intent(in) :: contact
+
+      share = 1.0_wp
+      if (contact%domain%has_tail) share = min(1.0_wp, max(tail_share, film_loss(contact)))
+   end function share_left
+
+   !> Relative loss of film without a tail: the inverse of the rule above, by bisection between 1e-6
+   !> and 100. The rule holds for small losses: above 1/20 it is a bound (heavy contacts) or an
+   !> estimate (light ones).
+   pure function film_loss(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, reach, lower, upper
       integer :: i
@@ -169,7 +189,7 @@ contains
             upper = log(error)
          end if
       end do
-   end function inlet_error
+   end function film_loss
 
    !> Bound on the relative error of the largest pressure by the position of the inlet.
    !>
@@ -188,6 +208,7 @@ contains
       associate (x => contact%domain%x_inlet)
          missing = 4*contact%lambda/(pi*max(x**2 - 1, tiny(1.0_wp)))
          error = (1 + 2*rigid_film(contact%moes_m_sum)/film)*min(missing, 1.0_wp)
+         error = error*share_left(contact)
       end associate
    end function inlet_pressure_error
 

@@ -6,6 +6,7 @@ module ehl_line_solver
    use errors, only: error_t
    use film_breakdown, only: check_breakdown
    use graded_contact, only: solve_graded_contact
+   use inlet_tail, only: find_tail
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles, without_surfaces
@@ -76,6 +77,7 @@ contains
       if (is_resumed) report = time%resume_from%report
       whole_steps = time
       call choose_domain(contact, settings%target)
+      call find_tail(contact, settings%target, listener)
       call choose_time_step(contact, whole_steps)
       report%fit%inlet_error = inlet_error(contact)
       report%fit%inlet_pressure_error = inlet_pressure_error(contact)

@@ -89,7 +89,7 @@ contains
             call evaluate_coefficients(level)
             call fill_state(contact, level, history%step*plan%length, state)
          else
-            level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
+            level%rhs_film = level%gap - roughness_at(contact, level, 0.0_wp)
             call set_film(level)
             call check_breakdown(level%x, level%state%film, settings, 0, 0.0_wp, report)
             if (any(level%state%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the ' &
@@ -262,7 +262,7 @@ contains
             level%inverse_time_step = weights(1)
             level%rhs_reynolds = level%lambda*(weights(2)*history%mass(:, 1) &
                + weights(3)*history%mass(:, 2))
-            level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
+            level%rhs_film = level%gap - roughness_at(contact, level, new_time)
             call solve_step(hierarchy, plan%attempts, length, history, report)
             if (.not. report%converged) return
             call remember(history, level, length)

@@ -43,9 +43,9 @@ contains
       logical :: has_speeds
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
-         friction = oil_in_front(level%fluid, level%lambda, level%lambda*level%slide_to_roll/12, &
-            level%elastic%elasticity, [level%x(0), h(0)], h(maxloc(p, 1) - 1))
          flux = mass_flux(level)
+         friction = oil_in_front(level%fluid, level%lambda, level%lambda*level%slide_to_roll/12, &
+            level%elastic%elasticity, [level%x(0), h(0)], max(flux(1), 0.0_wp))
          gap(1:level%n) = node_spacings(level%x)
          gap([0, level%n + 1]) = 0.0_wp
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1

@@ -21,8 +21,8 @@ module inlet_friction
 
 contains
 
-   !> Contribution of the oil in front of the first node, `place` = [X, H]; `flow` is about the mass
-   !> flux, `couette` = lambda/6 (u2 - u1)/(u1 + u2).
+   !> Contribution of the oil in front of the first node, `place` = [X, H]; `flow` is the mass flux,
+   !> `couette` = lambda/6 (u2 - u1)/(u1 + u2).
    !>
    !> The gap is that of the bodies with the far field of the load, the
    !> pressure low: H S dP/dX = lambda mu (H - flow)/H^2, mu = 1/(1 - alpha_bar Q) with the reduced

@@ -10,7 +10,7 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: closing_slope, finest_wave, intervals_for_waves, line_contact_t, &
+   public :: closing_slope, finest_wave, inlet_tail_t, intervals_for_waves, line_contact_t, &
       move_profiles, shortest_passage, smoothen, without_surfaces
 
    !> Fewest intervals in the finest wave (feature, sinusoid, profile): with fewer, coarse runs on
@@ -18,6 +18,11 @@ module line_contact
    integer, parameter, public :: min_in_wave = 16
    !> A surface with |dX/dT| below this is at rest; one without waves has this wavelength [b].
    real(wp), parameter :: slow = 1.0e-6_wp, longest = 1.0e9_wp
+
+   !> Pressure in front of the domain, at rising nodes that end in it (module inlet_tail).
+   type :: inlet_tail_t
+      real(wp), allocatable :: x(:), pressure(:)
+   end type inlet_tail_t
 
    !> Data of one dimensionless contact.
    type :: line_contact_t
@@ -36,6 +41,8 @@ module line_contact
       type(rough_surface_t) :: surface_1, surface_2
       !> Domain in half-widths; complete after `choose_domain`.
       type(domain_t) :: domain
+      !> What lies in front of it, if the domain has a tail and it is known.
+      type(inlet_tail_t), allocatable :: tail
       !> Fraction of the deformation of the bodies: 1, all of it; 0, rigid bodies; between, bodies
       !> stiffer by its inverse.
       real(wp) :: elasticity = 1.0_wp

@@ -4,6 +4,7 @@ module line_hierarchy
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use features, only: surface_height
+   use inlet_tail, only: set_tail
    use iteration_report, only: report_t
    use kinds, only: wp
    use expected_film, only: film_estimate
@@ -169,7 +170,9 @@ contains
       hierarchy%coarsest = hierarchy%top
       call new_level(hierarchy%levels(hierarchy%top), contact%lambda, contact%fluid, &
          [contact%domain%x_inlet, contact%domain%x_outlet], first*2**(hierarchy%top - 1), &
-         error, contact%elasticity)   ! error: the caller looks
+         error, contact%elasticity)
+      if (allocated(error)) return
+      call set_tail(hierarchy%levels(hierarchy%top), contact)
       hierarchy%levels(hierarchy%top)%slide_to_roll = contact%slide_to_roll
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
    end subroutine new_grid

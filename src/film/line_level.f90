@@ -62,6 +62,10 @@ module line_level
       !> Spacing dX [b], and nodes X.
       real(wp) :: dx = 0.0_wp
       real(wp), allocatable :: x(:)
+      !> Film of smooth rigid bodies with H0 = 0, X^2/2 less the deflection by a tail, and the load
+      !> of the nodes (module inlet_tail).
+      real(wp), allocatable :: gap(:)
+      real(wp) :: load = contact_load
       !> Speed parameter lambda and scaled laws of the oil, as in the contact.
       real(wp) :: lambda = 0.0_wp
       type(fluid_t) :: fluid
@@ -108,8 +112,9 @@ contains
       level%dx = (ends(2) - ends(1))/n
       level%lambda = lambda
       level%fluid = fluid
-      allocate (level%x(0:n), level%elastic%kernel(0:n))
+      allocate (level%x(0:n), level%gap(0:n), level%elastic%kernel(0:n))
       level%x = [(ends(1) + i*level%dx, i=0, n - 1), ends(2)]
+      level%gap = 0.5_wp*level%x**2
       allocate (level%state%pressure(0:n), level%state%film(0:n), level%rhs_reynolds(0:n), &
          level%rhs_film(0:n), level%operator(0:n), source=0.0_wp)
       associate (elastic => level%elastic, oil => level%oil, posed => level%posed, &
@@ -142,8 +147,8 @@ contains
       real(wp), intent(in) :: roughness(0:)
 
       level%rhs_reynolds = 0.0_wp
-      level%rhs_film = 0.5_wp*level%x**2 - roughness
-      level%rhs_load = contact_load
+      level%rhs_film = level%gap - roughness
+      level%rhs_load = level%load
       level%inverse_time_step = 0.0_wp
       level%posed%exit_node = 0
       level%posed%exit_conductance = 0.0_wp

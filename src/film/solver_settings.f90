@@ -38,6 +38,8 @@ module solver_settings
       !> Kind of its nodes, 'even', 'graded' (module graded_solver; steady only) or, until
       !> `choose_domain`, 'auto'. The intervals of a graded grid are known when it is solved.
       character(len=word_length) :: grid = 'even'
+      !> Whether the smooth steady pressure lies in front of the inlet (module inlet_tail); in time.
+      logical :: has_tail = .false.
       !> Whether the outlet is the program's, which moves it out if it cuts off the film.
       logical :: may_lengthen = .false.
       !> Whether the program chose the inlet and the number of intervals.

@@ -139,6 +139,9 @@ contains
          domain%x_outlet = values%real_value('domain', 'x_outlet')
          domain%intervals = values%integer_value('domain', 'intervals')
          domain%grid = values%word_value('domain', 'grid')
+         domain%has_tail = values%logical_value('time', 'transient') .and. domain%grid /= 'even' &
+            .and. values%word_value('case', 'equations') /= 'stokes' .and. (domain%grid == &
+            'graded' .or. .not. domain%has_inlet)
          if (even_reason(values) /= '') domain%grid = 'even'
          if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
             .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'

@@ -125,7 +125,7 @@ contains
       end if
       reason = even_reason(values)
       if (values%logical_value('time', 'transient')) then
-         reason = 'transient = .true.'
+         if (values%word_value('case', 'equations') /= 'stokes') reason = ''
       else if (values%is_given('accuracy', 'target') .and. reason /= 'intervals') then
          if (values%word_value('domain', 'grid') == 'even') reason = "grid = 'even'"
          if (reason /= '') call values%refuse('accuracy', 'target', 'found with '//reason &

@@ -324,8 +324,8 @@ module input_keys
       key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, 'end of the domain', &
          range='> 1, <= 1000', example='! 1.5'), &
       key_row_t('domain', 'grid', word_kind, '', "'auto'", &
-         'graded: follows the film, steady only; even: as in the thesis; auto: graded for ' &
-         //'smooth surfaces, no method given', words='auto even graded'), &
+         'graded: follows the film, in time its inlet; even: as in the thesis; auto: graded if ' &
+         //'nothing speaks against it', words='auto even graded'), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
          'grid intervals, 2^k or 3, 5, 7 times that', &
          range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target, &

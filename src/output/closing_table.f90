@@ -149,7 +149,7 @@ contains
       case (inlet_heating)
          words = 'heat of the inlet, not in the model, would thin the film by '//percent
       case (starvation)
-         words = 'starves the film by '//percent//' (x_inlet further out cures it)'
+         words = 'starves the film by '//percent//' (leaving out x_inlet cures it)'
       case (side_flow)
          words = 'flow to the sides takes '//percent//' of the film: the contact is short'
       case (stokes_number)

@@ -7,7 +7,7 @@ module half_space
    implicit none (type, external)
    private
 
-   public :: element_deflections, line_kernel, line_deflection_coefficients
+   public :: deflection_by_elements, element_deflections, line_kernel, line_deflection_coefficients
 
    !> From this cell distance on the series is used: its terms up to j^-12 leave an error of 1e-18
    !> there, while the closed form loses digits by cancellation in proportion to j.
@@ -94,6 +94,30 @@ contains
          end do
       end do
    end subroutine element_deflections
+
+   !> K p at `points` outside the rising nodes `x` (0:n) by the pressure `p` (0:n), linear between
+   !> them [half-widths].
+   pure function deflection_by_elements(x, p, points) result(deflection)
+      real(wp), intent(in) :: x(0:), p(0:), points(:)
+      real(wp) :: deflection(size(points))
+      real(wp) :: a0, a1, half, middle
+      integer :: e, i
+
+      deflection = 0.0_wp
+      do e = 1, ubound(x, 1)
+         half = 0.5_wp*(x(e) - x(e - 1))
+         middle = 0.5_wp*(x(e) + x(e - 1))
+         do i = 1, size(points)
+            if (abs(points(i) - middle) > far*half) then
+               call far_moments(points(i) - middle, half, a0, a1)
+            else
+               call near_moments((points(i) - middle)/half, half, a0, a1)
+            end if
+            deflection(i) = deflection(i) + 0.5_wp*half/pi*((p(e - 1) + p(e))*a0 + (p(e) - p(e &
+               - 1))*a1)
+         end do
+      end do
+   end function deflection_by_elements
 
    !> A0 and A1 at `distance` > `far` half from the middle of an element by their series.
    pure subroutine far_moments(distance, half, a0, a1)
