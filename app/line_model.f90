@@ -6,7 +6,7 @@ module line_model
    use domain_choice, only: choose_anew
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
-   use inlet_tail, only: find_tail
+   use graded_contact, only: find_tail
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: wp
    use line_state, only: line_state_t

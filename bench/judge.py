@@ -148,6 +148,7 @@ def finer_passage(
     def finer(found: Resolution) -> Groups:
         domain = {"x_inlet": min(FARTHER * found.x_inlet, ends[0]), "x_outlet": max(found.x_outlet, ends[1])}
         length = domain["x_outlet"] - domain["x_inlet"]
+        domain |= GRADED  # with a tail
         domain["intervals"] = rounded_up(max(FINER * length / found.spacing, fewest(length) if callable(fewest) else fewest))
         step = min(found.step / FINER, longest)
         return groups | {"domain": domain, "accuracy": NO_BARS, "time": groups["time"] | {"time_step": step} | time}

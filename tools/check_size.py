@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below: they fall,
-and rise for a capability alone (the graded grid: sources by 1400, tests by 450)."""
+and rise for a capability alone (the graded grid: sources by 1400, tests by 450; the tail of passages: 160 and 70)."""
 
 import pathlib
 import re
@@ -16,11 +16,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 43_115,
-    "how sure": 6_660,
-    "tests": 34_193,
-    "bench": 5_594,
-    "words of pages": 45_300,
+    "sources": 43_274,
+    "how sure": 6_630,
+    "tests": 34_262,
+    "bench": 5_565,
+    "words of pages": 45_000,
     "imports of a file": 22,
     "components of a type": 16,
     "procedures of more than 7 arguments": 1,

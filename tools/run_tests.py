@@ -47,25 +47,23 @@ def python_tests_that_exist():
 
 
 def run_unit_tests(command):
-    """Run the unit tests; returns (passed, failed) and prints what failed."""
+    """Run the unit tests; returns (passed, failed, what failed)."""
     result = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     (LOG / "unit.log").write_text(result.stdout, encoding="utf-8")
     counts = re.search(r"^(\d+) passed, (\d+) failed$", result.stdout, re.M)
     if not counts:
-        print(result.stdout[-3000:])
-        print("unit tests: ended without a count (crash or build error)")
-        return 0, max(1, len(unit_tests_that_exist()))
+        words = f"{result.stdout[-3000:]}\nunit tests: ended without a count (crash or build error)"
+        return 0, max(1, len(unit_tests_that_exist())), words
     passed, failed = int(counts[1]), int(counts[2])
-    if failed:
-        print(result.stdout[result.stdout.find("\nFailure in ") :])
+    words = result.stdout[result.stdout.find("\nFailure in ") :] if failed else ""
     ran = {line.split("[")[0].strip().lower() for line in result.stdout.splitlines()}
     missing = sorted(unit_tests_that_exist() - ran)
     for name in missing:
-        print(f"unit test did not run: {name}")
+        words += f"unit test did not run: {name}\n"
     if result.returncode != 0 and failed == 0:
-        print(f"unit tests: exit status {result.returncode}")
+        words += f"unit tests: exit status {result.returncode}\n"
         failed = 1
-    return passed, failed + len(missing)
+    return passed, failed + len(missing), words
 
 
 def run_python_tests(program, paths_only):
@@ -113,6 +111,7 @@ def main():
         waiting = pool.submit(run_unit_tests, unit_command)
         python = run_python_tests(pathlib.Path(program), paths_only)
         unit = waiting.result()
+    print(unit[2])  # last, where it is seen
     print(f"unit tests: {unit[0]} passed, {unit[1]} failed")
     print(f"end-to-end tests: {python[0]} passed, {python[1]} failed, all tests in {time.monotonic() - start:.0f} s")
     passed, failed = unit[0] + python[0], unit[1] + python[1]

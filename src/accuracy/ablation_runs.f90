@@ -12,11 +12,10 @@ module ablation_runs
    use errors, only: error_t
    use film_equation, only: set_film
    use film_state, only: film_state_t
-   use inlet_tail, only: set_tail
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: coarsest_for_film, roughness_at
-   use line_level, only: line_level_t, new_level, set_plain_problem
+   use line_hierarchy, only: coarsest_for_film, new_level_of, roughness_at
+   use line_level, only: line_level_t, set_plain_problem
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, value_between
    use listener, only: listener_t
@@ -315,12 +314,9 @@ contains
 
       allocate (semiseparable_jacobian_t :: self%newton%linear)
       associate (level => self%level)
-         call new_level(level, contact%lambda, contact%fluid, [contact%domain%x_inlet, &
-            contact%domain%x_outlet], intervals, error, contact%elasticity)
+         call new_level_of(contact, intervals, level, error)
          if (allocated(error)) return
-         call set_tail(level, contact)
          call set_plain_problem(level, roughness_at(contact, level, time))
-         level%slide_to_roll = contact%slide_to_roll
       end associate
    end subroutine pose
 

@@ -5,8 +5,7 @@ module ehl_line_solver
    use ehl_line_transient, only: march
    use errors, only: error_t
    use film_breakdown, only: check_breakdown
-   use graded_contact, only: solve_graded_contact
-   use inlet_tail, only: find_tail
+   use graded_contact, only: find_tail, solve_graded_contact
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles, without_surfaces

@@ -1,7 +1,7 @@
 !> A steady line contact on a graded grid, from its data to its fields and the bounds of the errors
-!> of its quantities.
+!> of its quantities; and what of it lies in front of a passage (module inlet_tail).
 module graded_contact
-   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error
+   use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
    use friction_sums, only: friction_t, stressed_share
@@ -13,21 +13,23 @@ module graded_contact
    use iteration_report, only: cycle_numbers_t, phase_steady, report_t
    use kinds, only: wp
    use limit_search, only: film_limits
-   use line_contact, only: line_contact_t, move_profiles
+   use line_contact, only: inlet_tail_t, line_contact_t, move_profiles, without_surfaces
    use line_state, only: line_state_t
-   use listener, only: listener_t
+   use listener, only: listener_t, relay_t
    use missing_value, only: exceeds, not_known
    use quantities, only: quantity_count, quantity_values
-   use solver_settings, only: solver_settings_t
+   use solver_settings, only: domain_t, solver_settings_t
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: even_state, solve_graded_contact
+   public :: even_state, find_tail, solve_graded_contact
 
    !> Accuracy of all quantities if no target is given.
    real(wp), parameter :: default_target = 0.01_wp
+   !> Accuracy of the contact in front of a passage.
+   real(wp), parameter :: tail_accuracy = 0.1_wp
 
 contains
 
@@ -75,6 +77,32 @@ contains
       report%cost%phase_seconds(phase_steady) = wall_seconds() - start
       report%cost%wall_seconds = wall_seconds() - start
    end subroutine solve_graded_contact
+
+   !> Solves the smooth steady contact for the tail that the domain wants, unless it is there. If
+   !> there is no solution, the contact goes without, on a domain chosen anew.
+   subroutine find_tail(contact, target, listener)
+      type(line_contact_t), intent(inout) :: contact
+      real(wp), intent(in) :: target
+      class(listener_t), intent(inout), target :: listener
+      type(line_contact_t) :: smooth
+      type(graded_solution_t) :: solution
+      type(relay_t) :: relay
+      type(report_t) :: report
+
+      if (.not. contact%domain%has_tail .or. allocated(contact%tail)) return
+      relay%parent => listener
+      smooth = without_surfaces(contact)
+      smooth%domain = domain_t(grid='graded')
+      call choose_domain(smooth)
+      call solve_graded(smooth, [smooth%domain%x_inlet, smooth%domain%x_outlet], tail_accuracy, &
+         relay, solution, report)
+      contact%domain%has_tail = allocated(solution%line)
+      if (allocated(solution%line)) then
+         contact%tail = inlet_tail_t(solution%line%x(:), solution%line%state%pressure(:))
+      else
+         call choose_anew(contact, target)
+      end if
+   end subroutine find_tail
 
    !> Fields of a solution.
    pure subroutine fill_state(contact, solution, state)

@@ -16,7 +16,7 @@ module line_hierarchy
    implicit none (type, external)
    private
 
-   public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
+   public :: line_hierarchy_t, relaxation_t, new_hierarchy, new_level_of, pose_coarser_levels, &
       pose_steady_problem, roughness_at
    public :: coarsest_for_film, count_work, is_newton, report_cost
 
@@ -168,14 +168,24 @@ contains
       hierarchy%top = hierarchy%top + 1
       hierarchy%finest = hierarchy%top
       hierarchy%coarsest = hierarchy%top
-      call new_level(hierarchy%levels(hierarchy%top), contact%lambda, contact%fluid, &
-         [contact%domain%x_inlet, contact%domain%x_outlet], first*2**(hierarchy%top - 1), &
-         error, contact%elasticity)
-      if (allocated(error)) return
-      call set_tail(hierarchy%levels(hierarchy%top), contact)
-      hierarchy%levels(hierarchy%top)%slide_to_roll = contact%slide_to_roll
+      call new_level_of(contact, first*2**(hierarchy%top - 1), hierarchy%levels(hierarchy%top), &
+         error)   ! error: the caller looks
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
    end subroutine new_grid
+
+   !> Allocates a level of `n` intervals on the domain of a contact, with what lies in front of it.
+   subroutine new_level_of(contact, n, level, error)
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: n
+      type(line_level_t), intent(inout) :: level
+      type(error_t), allocatable, intent(out) :: error
+
+      call new_level(level, contact%lambda, contact%fluid, [contact%domain%x_inlet, &
+         contact%domain%x_outlet], n, error, contact%elasticity)
+      if (allocated(error)) return
+      call set_tail(level, contact)
+      level%slide_to_roll = contact%slide_to_roll
+   end subroutine new_level_of
 
    !> Intervals of the coarsest grid of the cycles if the nested start begins with `first`.
    pure integer function cycle_coarsest(first, n) result(coarsest)

@@ -6,7 +6,8 @@ module momentum_setup
    use film_equation, only: carried_load, set_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: line_level_t, new_level, set_plain_problem
+   use line_hierarchy, only: new_level_of
+   use line_level, only: line_level_t, set_plain_problem
    use line_state, only: line_state_t
    use lubricant, only: fluid_t
    use momentum_problem, only: momentum_problem_t
@@ -32,8 +33,7 @@ contains
       type(line_level_t), intent(inout) :: level
       type(error_t), allocatable, intent(out) :: error
 
-      call new_level(level, contact%lambda, contact%fluid, [contact%domain%x_inlet, &
-         contact%domain%x_outlet], size(state%x) - 1, error, contact%elasticity)
+      call new_level_of(contact, size(state%x) - 1, level, error)
       if (allocated(error)) return
       call set_plain_problem(level, state%roughness_1 + state%roughness_2)
       level%is_kappa = .true.
