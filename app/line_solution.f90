@@ -174,7 +174,8 @@ contains
       type(passage_times_t), intent(in) :: times
 
       associate (domain => case%contact%domain)
-         call set_effective(case, 'domain', 'grid', text=trim(domain%grid))
+         call set_effective(case, 'domain', 'grid', text=trim(merge('graded', domain%grid(:6), &
+            domain%has_tail)))
          call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
          call set_effective(case, 'domain', 'intervals', integer=domain%intervals)

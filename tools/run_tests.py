@@ -111,7 +111,8 @@ def main():
         waiting = pool.submit(run_unit_tests, unit_command)
         python = run_python_tests(pathlib.Path(program), paths_only)
         unit = waiting.result()
-    print(unit[2])  # last, where it is seen
+    if unit[2]:
+        print(unit[2])  # last, where it is seen
     print(f"unit tests: {unit[0]} passed, {unit[1]} failed")
     print(f"end-to-end tests: {python[0]} passed, {python[1]} failed, all tests in {time.monotonic() - start:.0f} s")
     passed, failed = unit[0] + python[0], unit[1] + python[1]

@@ -157,7 +157,7 @@ contains
    pure real(wp) function inlet_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
 
-      error = film_loss(contact)*share_left(contact)
+      error = loss_without_tail(contact)*share_left(contact)
    end function inlet_error
 
    !> Share of the errors by the inlet that is left with a tail in front of it, 1 without: of second
@@ -167,13 +167,13 @@ contains
       type(line_contact_t), intent(in) :: contact
 
       share = 1.0_wp
-      if (contact%domain%has_tail) share = min(1.0_wp, max(tail_share, film_loss(contact)))
+      if (contact%domain%has_tail) share = min(1.0_wp, max(tail_share, loss_without_tail(contact)))
    end function share_left
 
    !> Relative loss of film without a tail: the inverse of the rule above, by bisection between 1e-6
    !> and 100. The rule holds for small losses: above 1/20 it is a bound (heavy contacts) or an
    !> estimate (light ones).
-   pure function film_loss(contact) result(error)
+   pure function loss_without_tail(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, reach, lower, upper
       integer :: i
@@ -189,7 +189,7 @@ contains
             upper = log(error)
          end if
       end do
-   end function film_loss
+   end function loss_without_tail
 
    !> Bound on the relative error of the largest pressure by the position of the inlet.
    !>

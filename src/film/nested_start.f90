@@ -110,7 +110,6 @@ contains
       type(graded_solution_t) :: solution
       type(relay_t) :: relay
       type(report_t) :: report
-      real(wp) :: first
 
       relay%parent => listener
       associate (level => hierarchy%levels(hierarchy%finest))
@@ -118,10 +117,8 @@ contains
             solution, report)
          is_sound = allocated(solution%line)
          if (.not. is_sound) return
-         first = level%state%pressure(0)   ! of a tail
-         level%state%pressure = monotone_cubic(solution%line%x, solution%line%state%pressure, &
-            level%x)
-         level%state%pressure(0) = first
+         level%state%pressure(1:level%n - 1) = monotone_cubic(solution%line%x, &
+            solution%line%state%pressure, level%x(1:level%n - 1))
          level%state%pressure(level%n) = 0.0_wp
          level%state%rigid_displacement = solution%line%state%rigid_displacement
          call set_smooth_film(level)
@@ -232,25 +229,23 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
-      real(wp) :: film, first, width
+      real(wp) :: film, width
       integer :: centre
 
       film = film_estimate(contact)
       width = sqrt(2*film)
       associate (level => hierarchy%levels(k))
-         first = level%state%pressure(0)
-         if (film > thick_film) then
-            level%state%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, &
-               level%x < width)
-         else
-            level%state%pressure = line_pressure(level%x)
-         end if
-         level%state%pressure(level%n) = 0.0_wp
-         centre = minloc(abs(level%x(1:level%n - 1)), 1)
-         if (.not. any(level%state%pressure > 0.0_wp)) level%state%pressure(centre) = 1.0_wp
-         level%state%pressure(0) = 0.0_wp
-         level%state%pressure = level%state%pressure*contact_load/carried_load(level)
-         level%state%pressure(0) = first
+         associate (n => level%n, x => level%x(1:), p => level%state%pressure(1:))
+            if (film > thick_film) then
+               p = merge(1/(1 + ((x + 0.5_wp*width)/width)**2)**2, 0.0_wp, x < width)
+            else
+               p = line_pressure(x)
+            end if
+            p(n) = 0.0_wp
+            centre = minloc(abs(x(:n - 1)), 1)
+            if (.not. any(p > 0.0_wp)) p(centre) = 1.0_wp
+            p = p*contact_load/carried_load(level)
+         end associate
          level%state%rigid_displacement = 0.0_wp
          call set_film(level)
          level%state%rigid_displacement = hierarchy%relaxation%start_film*film &

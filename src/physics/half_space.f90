@@ -84,10 +84,8 @@ contains
             if (i == e - 1 .or. i == e) then
                a0 = 2*log(2*half) - 2
                a1 = 2*(e - i) - 1
-            else if (abs(x(i) - middle) > far*half) then
-               call far_moments(x(i) - middle, half, a0, a1)
             else
-               call near_moments((x(i) - middle)/half, half, a0, a1)
+               call evaluate_moments(x(i) - middle, half, a0, a1)
             end if
             if (i - e < width) k(i - e + 1, e - 1) = k(i - e + 1, e - 1) + 0.5_wp*half/pi*(a0 - a1)
             if (i - e >= -width) k(i - e, e) = k(i - e, e) + 0.5_wp*half/pi*(a0 + a1)
@@ -108,16 +106,24 @@ contains
          half = 0.5_wp*(x(e) - x(e - 1))
          middle = 0.5_wp*(x(e) + x(e - 1))
          do i = 1, size(points)
-            if (abs(points(i) - middle) > far*half) then
-               call far_moments(points(i) - middle, half, a0, a1)
-            else
-               call near_moments((points(i) - middle)/half, half, a0, a1)
-            end if
+            call evaluate_moments(points(i) - middle, half, a0, a1)
             deflection(i) = deflection(i) + 0.5_wp*half/pi*((p(e - 1) + p(e))*a0 + (p(e) - p(e &
                - 1))*a1)
          end do
       end do
    end function deflection_by_elements
+
+   !> A0 and A1 at `distance` from the middle of an element, not at its ends.
+   pure subroutine evaluate_moments(distance, half, a0, a1)
+      real(wp), intent(in) :: distance, half
+      real(wp), intent(out) :: a0, a1
+
+      if (abs(distance) > far*half) then
+         call far_moments(distance, half, a0, a1)
+      else
+         call near_moments(distance/half, half, a0, a1)
+      end if
+   end subroutine evaluate_moments
 
    !> A0 and A1 at `distance` > `far` half from the middle of an element by their series.
    pure subroutine far_moments(distance, half, a0, a1)
