@@ -37,7 +37,7 @@ DEMO := results/demo
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
 
-build: prepare ## the programs build/bin/asperity and asperity-heights (NATIVE=1: for this processor only)
+build: prepare ## the programs build/bin/asperity, asperity-heights and asperity-duty (NATIVE=1: for this processor only)
 	@tools/fpm_build.sh --flag "$(RELEASE)"
 	@fpm install --flag "$(RELEASE)" --prefix build > build/install.log
 
@@ -92,7 +92,7 @@ lint: ## style of Fortran, Python and shell, types of the Python package, order 
 	ruff check --quiet .
 	ruff format --quiet --check .
 	$(PYTHON) -m mypy --no-error-summary python/asperity
-	shellcheck bootstrap .ci/run .ci/nightly tools/asperity-heights tools/gfortran $(wildcard tools/*.sh python/packaging/*.sh batch/*.sh batch/*.sbatch)
+	shellcheck bootstrap .ci/run .ci/nightly tools/python-command tools/gfortran $(wildcard tools/*.sh python/packaging/*.sh batch/*.sh batch/*.sbatch)
 	@echo "lint: no findings"
 
 demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/
@@ -203,4 +203,5 @@ generate:
 
 prepare:
 	@sh tools/prepare.sh
-	@install -D tools/asperity-heights build/bin/asperity-heights
+	@install -D tools/python-command build/bin/asperity-heights
+	@install -D tools/python-command build/bin/asperity-duty

@@ -48,7 +48,8 @@ def checkout(program, tmp_path):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "build" / "bin").mkdir(parents=True)
     (tmp_path / "build" / "bin" / "asperity").symlink_to(program.resolve())
-    (tmp_path / "build" / "bin" / "asperity-heights").symlink_to(ROOT / "build" / "bin" / "asperity-heights")
+    for command in ("asperity-heights", "asperity-duty"):
+        (tmp_path / "build" / "bin" / command).symlink_to(ROOT / "build" / "bin" / command)
     python = tmp_path / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n', encoding="utf-8")

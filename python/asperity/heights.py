@@ -266,7 +266,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """As for every other input."""
-        self.exit(1, f"{PROGRAM}: {message} ({PROGRAM} --help)\n")
+        self.exit(1, f"{self.prog}: {message} ({self.prog} --help)\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
