@@ -10,7 +10,7 @@ import os
 import re
 import tempfile
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ def namelist_of(case: Case, folder: Path | None = None) -> Iterator[list[str]]:
             raise InputError([Finding(0, "", "", f"found a path that cannot be one: {error}")]) from error
         yield [path]
         return
-    text, entries = (_written(case), []) if isinstance(case, Mapping) else (_as_lines(str(case)), _paths_in(str(case)))
+    text, entries = (written(case), []) if isinstance(case, Mapping) else (_as_lines(str(case)), _paths_in(str(case)))
     try:
         content = text.encode("utf-8", "surrogateescape")
     except UnicodeEncodeError as error:
@@ -129,8 +129,8 @@ class _Writer(f90nml.Namelist):  # type: ignore[misc]
         return _quoted(value)
 
 
-def _written(case: Mapping[str, Mapping[str, Any]]) -> str:
-    """The namelist of a mapping group -> key -> value. Raises InputError with all that cannot be written."""
+def written(case: Mapping[str, Mapping[str, Any]], whole: Callable[[str], str] = _whole) -> str:
+    """The namelist of a mapping group -> key -> value, paths of files by `whole`. Raises InputError with all findings."""
     findings: list[Finding] = []
     groups: OrderedDict[str, OrderedDict[str, Any]] = OrderedDict()  # f90nml sorts the keys of a plain dict
     for group, keys in case.items():
@@ -150,7 +150,7 @@ def _written(case: Mapping[str, Mapping[str, Any]]) -> str:
                 findings.append(Finding(0, name, own, str(error)))
                 continue
             if own == "file" and plain and isinstance(plain, str):
-                values[own] = _whole(plain)
+                values[own] = whole(plain)
         if isinstance(keys, f90nml.Namelist) and keys.start_index:
             values[_START_INDEX] = keys.start_index
         groups[name] = values

@@ -14,7 +14,11 @@ HERE = Path(__file__).resolve().parent
 
 
 def asperity() -> None:
-    """The program, in place of this process."""
+    """The program, in place of this process; `asperity gear` and `asperity cam`: what writes its input."""
+    if sys.argv[1:2] in (["gear"], ["cam"]):
+        from . import duty  # noqa: PLC0415 -- the program alone starts without numpy
+
+        sys.exit(duty.main(sys.argv[1:], "asperity"))
     path = _program()
     try:
         os.execv(path, ["asperity", *sys.argv[1:]])
