@@ -53,7 +53,8 @@ contains
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
 
-      if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
+      if (case%time%is_transient .and. case%output_settings%adequacy == 'full' .and. .not. &
+         allocated(case%duty)) call &
          listener%log%say(case%file//": adequacy = 'full' takes up to " &
          //to_text(full_cost(case%contact), 2)//' times what the passage takes')
    end subroutine print_full_cost
@@ -67,7 +68,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
-      if (case%output_settings%adequacy == '.false.' .or. .not. report%converged) return
+      if (case%output_settings%adequacy == '.false.' .or. .not. report%converged &
+         .or. allocated(case%duty)) return
       start = wall_seconds()
       associate (writer => listener%writer)
          writer%adequacy%is_full = case%output_settings%adequacy == 'full'

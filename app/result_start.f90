@@ -17,7 +17,7 @@ module result_start
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
-   use transient_store, only: breakdown_name, sliding_names
+   use transient_store, only: breakdown_name, duty_names, sliding_names
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -80,6 +80,7 @@ contains
          breakdown_name]
       if (ieee_is_finite(scaling%slide_to_roll)) names = [character(len=field_name_length) :: &
          names, sliding_names]
+      if (allocated(case%duty)) names = [character(len=field_name_length) :: names, duty_names]
    end function stored_fields
 
    !> Goes on at the checkpoint of `path`.
@@ -151,7 +152,7 @@ contains
       is_same = .true.
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (index(entry%key, 'heights_') /= 1) cycle
+            if (index(entry%key, 'heights_') /= 1 .and. entry%key /= 'table_checksum') cycle
             path = '/input/effective/'//trim(entry%group)
             is_same = is_same .and. reader%has(path)
             if (.not. is_same) return

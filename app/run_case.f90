@@ -91,6 +91,7 @@ contains
       listener%threads = threads
       rough = case%contact
       listener%film_floor = case%solver%film_floor
+      listener%log%in_seconds = allocated(case%duty)
       call listener%log%start_case(case%file, case%scaling)
       call prepare_momentum(case, listener)
       call start_result(case, path, is_resume, listener, error)

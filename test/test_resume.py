@@ -92,6 +92,7 @@ METHODS = {
     "fas": "&solver method = 'fas_block_jacobi' /\n",
     "gauss_seidel": "&solver smoother = 'gauss_seidel' /\n",
     "newton_dense": "&solver method = 'newton_dense' /\n",
+    "inlet": "&domain intervals = 128 /\n",  # what lies in front of it carries load
     "statistics": "&output film_thresholds = 3e-7, 4e-7, checkpoint_interval = 0.05 /\n",
     "breakdown": "&solver film_floor = 390e-9, on_film_breakdown = 'continue' /\n",
     "stride": "&output profile_stride = 7, fields = 'pressure', 'shear_stress_1', checkpoint_interval = 0.05 /\n",

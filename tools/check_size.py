@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below: they fall,
-and rise for a capability alone (the graded grid: sources by 1400, tests by 450; the tail of passages: 160 and 70)."""
+and rise for a capability alone (the graded grid: sources by 1400, tests by 450; the tail of passages: 160 and 70;
+loads, radii and speeds over time: 1110 and 600)."""
 
 import pathlib
 import re
@@ -16,9 +17,9 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 43_274,
+    "sources": 44_384,
     "how sure": 6_630,
-    "tests": 34_262,
+    "tests": 34_862,
     "bench": 5_565,
     "words of pages": 45_000,
     "imports of a file": 22,

@@ -87,6 +87,7 @@ contains
          intervals = intervals/factor
          if (intervals < min_intervals) intervals = 0
          time%time_step = factor*time%time_step
+         time%tolerance = factor**3*time%tolerance
       end associate
    end function coarser
 

@@ -15,11 +15,13 @@
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 module domain_choice
    use constants, only: pi
+   use contact_moment, only: own_contact, sample_count, width_of
    use kinds, only: wp
    use expected_film, only: film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film
    use rheology, only: sliding_number
+   use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
    private
@@ -49,16 +51,19 @@ module domain_choice
    integer, parameter :: min_intervals = 256, max_intervals = 2**20
    !> Most intervals that waves alone can require: a transient on this grid takes minutes.
    integer, parameter :: max_for_waves = 2**16
+   !> Most intervals that a thin film of a moment can require.
+   integer, parameter :: max_for_duty = 2**13
 
 contains
 
    !> Chooses what `contact%domain` leaves open: what lies in front of the inlet, inlet, outlet,
    !> intervals. With a relative target error `target` > 0 of the film, the inlet takes at most an
    !> eighth of it.
-   pure subroutine choose_domain(contact, target)
+   pure recursive subroutine choose_domain(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
 
+      if (allocated(contact%duty)) call choose_for_duty(contact, target)
       associate (domain => contact%domain)
          if (domain%grid == 'auto') domain%grid = merge('graded', 'even  ', &
             finest_wave(contact) >= huge(1.0_wp))
@@ -73,6 +78,43 @@ contains
          domain%intervals_are_chosen = .true.
       end associate
    end subroutine choose_domain
+
+   !> The same for all moments of a duty: ends beyond those of each, and the finest spacing.
+   pure recursive subroutine choose_for_duty(contact, target)
+      type(line_contact_t), intent(inout) :: contact
+      real(wp), intent(in), optional :: target
+      type(line_contact_t) :: own
+      real(wp) :: ends(2), far(2), spacing, width
+      integer :: i
+
+      far = 0.0_wp
+      spacing = huge(spacing)
+      associate (domain => contact%domain, times => contact%duty%samples(sample_count))
+         do i = 1, size(times)
+            own = own_contact(contact, times(i), is_moving=.true.)
+            own%domain = domain_t(intervals=min_intervals)
+            call choose_domain(own, target)
+            associate (moment => contact%duty%at(times(i)))
+               width = width_of(moment)
+               ends = width*[own%domain%x_inlet, own%domain%x_outlet]
+               if (sum(moment%speeds) < 0.0_wp) ends = -ends([2, 1])
+            end associate
+            far = [min(far(1), ends(1)), max(far(2), ends(2))]
+            spacing = min(spacing, width*accurate_spacing*sqrt(film_estimate(own)))
+         end do
+         if (.not. domain%has_inlet) domain%x_inlet = far(1)
+         if (.not. domain%has_inlet) domain%inlet_is_chosen = .true.
+         if (.not. domain%has_outlet) domain%x_outlet = far(2)
+         domain%has_inlet = .true.
+         domain%has_outlet = .true.
+         if (domain%intervals > 0) return
+         domain%intervals_are_chosen = .true.
+         domain%intervals = intervals_at_least(min(max((domain%x_outlet - domain%x_inlet)/spacing, &
+            real(min_intervals, wp)), real(max_for_duty, wp)))
+         domain%intervals = max(domain%intervals, min(intervals_at_least(wanted_nodes &
+            /nodes_in_wave(contact)*domain%intervals), max_for_waves))
+      end associate
+   end subroutine choose_for_duty
 
    !> Chooses a domain anew except for what the user gave; the outlet is `x_outlet`, if present.
    pure subroutine choose_anew(contact, target, x_outlet)
@@ -154,10 +196,21 @@ contains
    end function inlet_reach
 
    !> Relative loss of film against an inlet far away; with a tail its `share_left`.
-   pure real(wp) function inlet_error(contact) result(error)
+   pure recursive real(wp) function inlet_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
 
-      error = loss_without_tail(contact)*share_left(contact)
+      integer :: i
+
+      error = 0.0_wp
+      if (allocated(contact%duty)) then
+         associate (times => contact%duty%samples(sample_count))
+            do i = 1, size(times)
+               error = max(error, inlet_error(own_contact(contact, times(i), is_moving=.true.)))
+            end do
+         end associate
+      else
+         error = loss_without_tail(contact)*share_left(contact)
+      end if
    end function inlet_error
 
    !> Share of the errors by the inlet that is left with a tail in front of it, 1 without: of second
@@ -200,10 +253,21 @@ contains
    !> for the narrower gap next to the contact, the error was 0.2 to 0.8 of twice w (1/2 + r) in 40
    !> of 42 contacts without a spike, at most 1.1 (M 0.1-1000, L 0-40, c 2-30, a third with Eyring's
    !> law).
-   pure function inlet_pressure_error(contact) result(error)
+   pure recursive function inlet_pressure_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, film, missing
+      integer :: i
 
+      error = 0.0_wp
+      if (allocated(contact%duty)) then
+         associate (times => contact%duty%samples(sample_count))
+            do i = 1, size(times)
+               error = max(error, inlet_pressure_error(own_contact(contact, times(i), &
+                  is_moving=.true.)))
+            end do
+         end associate
+         return
+      end if
       film = newtonian_film(contact)
       associate (x => contact%domain%x_inlet)
          missing = 4*contact%lambda/(pi*max(x**2 - 1, tiny(1.0_wp)))

@@ -1,5 +1,6 @@
 !> The lubricated line contact, from its data to its fields; read it with chapter 2 of the thesis.
 module ehl_line_solver
+   use contact_moment, only: at_moment
    use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
@@ -9,7 +10,8 @@ module ehl_line_solver
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles, without_surfaces
-   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost, &
+      set_moment
    use line_state, only: line_state_t
    use listener, only: listener_t
    use solver_settings, only: solver_settings_t, time_settings_t
@@ -90,6 +92,7 @@ contains
       hierarchy%setup_seconds = wall_seconds() - start
       call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
+      call set_moment(hierarchy, contact, begin)
       if (.not. is_resumed) call solve_start(hierarchy, contact, settings, time, listener, report)
       associate (seconds => report%cost%phase_seconds, level => hierarchy%levels(hierarchy%finest))
          seconds(phase_setup) = seconds(phase_setup) + hierarchy%setup_seconds
@@ -116,7 +119,8 @@ contains
             call check_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
          end if
       end associate
-      if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
+      if (all(state%film_thickness > 0.0_wp)) call fill_properties(at_moment(contact, &
+         state%time), state)
       report%numbers%levels = hierarchy%finest - hierarchy%coarsest + 1
       call report_cost(hierarchy, report)
       report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start

@@ -2,6 +2,7 @@
 module ehl_line_steady
    use cycle_control, only: iterate
    use domain_choice, only: intervals_for_film
+   use duty, only: is_reference
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -48,6 +49,9 @@ contains
       integer :: i
 
       allocate (attempts, source=steady_attempts(contact, settings))
+      ! fits do not know the first moment of a duty
+      if (.not. is_reference(hierarchy%levels(hierarchy%finest)%moment)) attempts%starts_graded = &
+         .true.
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
          call note_choice(report, attempts(i))

@@ -6,6 +6,10 @@
 !> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler
 !> and reaches its full step over several parts (module time_scheme).
 !>
+!> Load, radius and speeds may change in time (module duty): steps are divided where they have a
+!> kink, and by an error estimate, and the film is kept in the direction of the flow, so that the
+!> wedge is taken from upstream. `quasi_steady` leaves the squeeze term out.
+!>
 !> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film
 !> without a new solve. Later steps start from a prediction by the last solutions.
 module ehl_line_transient
@@ -18,8 +22,9 @@ module ehl_line_transient
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles
-   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, roughness_at
-   use line_level, only: line_level_t
+   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, &
+      roughness_at, set_moment
+   use line_level, only: line_level_t, turn
    use line_state, only: line_state_t
    use listener, only: listener_t
    use lubricant, only: fluid_density
@@ -29,7 +34,7 @@ module ehl_line_transient
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: to_text
-   use time_scheme, only: derivative_weights, parabola_weights, part_ends
+   use time_scheme, only: derivative_weights, error_share, parabola_weights, part_ends
    implicit none (type, external)
    private
 
@@ -39,12 +44,14 @@ module ehl_line_transient
    type :: step_plan_t
       !> Relaxations to try, in this order.
       type(relaxation_t), allocatable :: attempts(:)
-      !> Number of the step, its length, the scheme, and the ends of its parts as shares of the
-      !> length.
+      !> Number of the step, its length, the scheme, the begin of its first part and the ends of its
+      !> parts as shares of the length.
       integer :: step = 0
-      real(wp) :: length = 0.0_wp
+      real(wp) :: length = 0.0_wp, first = 0.0_wp
       character(len=word_length) :: scheme = ''
       real(wp), allocatable :: ends(:)
+      !> Bound on the error of a part; 0: parts are given.
+      real(wp) :: tolerance = 0.0_wp
       !> Its parts once solved, if a follower needs them.
       logical :: keeps_parts = .false.
       type(time_part_t), allocatable :: parts(:)
@@ -53,6 +60,10 @@ module ehl_line_transient
    !> The history predicts a step if the line through two solutions missed the next one by at most
    !> this share of its change.
    real(wp), parameter :: largest_miss = 0.5_wp
+   !> First part of a march with an error estimate, and shortest part [T]; most growth and fall of
+   !> parts from one to the next; share of the bound that the next one aims at.
+   real(wp), parameter :: first_part = 1.0e-3_wp, shortest_part = 1.0e-9_wp, growth = 2.0_wp, &
+      fall = 0.2_wp, aim = 0.8_wp
 
 contains
 
@@ -77,21 +88,25 @@ contains
       call note_choice(report, plan%attempts(1))
       plan%length = time%time_step
       plan%scheme = time%scheme
+      plan%tolerance = time%tolerance
       plan%keeps_parts = allocated(listener%follower)
       steps = nint(time%end_time/time%time_step)
       associate (level => hierarchy%levels(hierarchy%finest))
          call listener%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from
+            if (abs(history%direction - level%direction) > 1.0_wp) call turn(level)
             level%state%pressure = history%pressure(:, 1)
             level%state%film = history%film
+            if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
             level%state%rigid_displacement = history%rigid_displacement(1)
             call evaluate_coefficients(level)
             call fill_state(contact, level, history%step*plan%length, state)
          else
             level%rhs_film = level%gap - roughness_at(contact, level, 0.0_wp)
             call set_film(level)
-            call check_breakdown(level%x, level%state%film, settings, 0, 0.0_wp, report)
+            call check_breakdown(level%direction*level%x, level%state%film, settings, 0, &
+               0.0_wp, report)
             if (any(level%state%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the ' &
                //'surfaces at their start are higher than the smooth film; '//report%reason
             if (.not. report%converged) return
@@ -108,15 +123,20 @@ contains
                return
             end if
             plan%step = step
-            plan%ends = part_ends(plan%scheme, step, plan%length)
-            call march_step(hierarchy, contact, plan, history, report)
+            if (plan%tolerance > 0.0_wp) then
+               call march_by_error(hierarchy, contact, plan, history, report)
+            else
+               plan%ends = part_ends(plan%scheme, step, plan%length)
+               call cut_at_kinks(contact, plan)
+               call march_step(hierarchy, contact, plan, history, report)
+            end if
             if (report%converged) call advance_follower(listener, plan, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*plan%length)//'): '//report%reason//hints(contact, state))
                return
             end if
-            call check_breakdown(level%x, level%state%film, settings, step, &
+            call check_breakdown(level%direction*level%x, level%state%film, settings, step, &
                step*plan%length, report)
             if (.not. report%converged) return
             report%fit%outlet_pressure = max(report%fit%outlet_pressure, &
@@ -230,6 +250,74 @@ contains
       report%fit%uncut_steps = report%fit%uncut_steps + 1
    end subroutine march_step
 
+   !> Ends parts of a step also where the duty of the contact has kinks.
+   pure subroutine cut_at_kinks(contact, plan)
+      type(line_contact_t), intent(in) :: contact
+      type(step_plan_t), intent(inout) :: plan
+      integer :: i
+
+      if (.not. allocated(contact%duty)) return
+      associate (begin => (plan%step - 1)*plan%length)
+         associate (cuts => (contact%duty%kinks(begin, begin + plan%length) - begin)/plan%length)
+            do i = 1, size(cuts)
+               if (any(abs(plan%ends - cuts(i)) < shortest_part)) cycle
+               plan%ends = [pack(plan%ends, plan%ends < cuts(i)), cuts(i), pack(plan%ends, &
+                  plan%ends > cuts(i))]
+            end do
+         end associate
+      end associate
+   end subroutine cut_at_kinks
+
+   !> Makes one step in parts whose error stays within the tolerance of the plan, none of them over
+   !> a kink of the duty.
+   subroutine march_by_error(hierarchy, contact, plan, history, report)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(inout) :: contact
+      type(step_plan_t), intent(inout) :: plan
+      type(march_state_t), intent(inout) :: history
+      type(report_t), intent(inout) :: report
+      type(march_state_t) :: start
+      type(step_plan_t) :: part
+      type(film_state_t) :: state
+      real(wp) :: error, length, share
+      integer :: i
+
+      part = plan
+      plan%ends = [1.0_wp]
+      call cut_at_kinks(contact, plan)
+      if (.not. history%next_length > 0.0_wp) history%next_length = first_part
+      associate (level => hierarchy%levels(hierarchy%finest))
+         do i = 1, size(plan%ends)
+            parts: do while (part%first < plan%ends(i))
+               start = history
+               state = level%state
+               length = (plan%ends(i) - part%first)*plan%length
+               part%ends = [plan%ends(i)]
+               if (length > history%next_length) then   ! no short rest
+                  length = min(history%next_length, 0.5_wp*length)
+                  part%ends = [part%first + length/plan%length]
+               end if
+               call solve_parts(hierarchy, contact, part, history, report)
+               error = huge(error)
+               if (report%converged) error = step_error(history, level%state%pressure)
+               share = min(max((aim*plan%tolerance/max(error, tiny(error)))**(1.0_wp/3), fall), &
+                  growth)
+               if (error <= plan%tolerance .or. (report%converged &
+                  .and. length < shortest_part)) then
+                  part%first = part%ends(1)
+                  history%next_length = max(share*length, &
+                     merge(history%next_length, 0.0_wp, share >= 1.0_wp))
+                  cycle parts
+               end if
+               if (length < shortest_part) return
+               history = start
+               history%next_length = share*length
+               level%state = state
+            end do parts
+         end do
+      end associate
+   end subroutine march_by_error
+
    !> Solves the parts of a step, each with the right sides of its end.
    subroutine solve_parts(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
@@ -250,15 +338,19 @@ contains
          do part = 1, size(plan%ends)
             length = plan%ends(part)*plan%length
             if (part > 1) length = length - plan%ends(part - 1)*plan%length
+            if (part == 1) length = length - plan%first*plan%length
             new_time = (plan%step - 1 + plan%ends(part))*plan%length
             call move_profiles(contact, new_time, error)
             if (allocated(error)) then
                call refuse(report, error%message)
                return
             end if
+            call set_moment(hierarchy, contact, new_time)
+            if (history%direction*level%direction < 0.0_wp) call turn_history(history)
             has_older = plan%scheme == 'bdf2' .and. history%size > 1
             weights = derivative_weights(length/merge(history%lengths(1), length, has_older), &
                has_older)/length
+            if (plan%scheme == 'quasi_steady') weights = 0.0_wp
             level%inverse_time_step = weights(1)
             level%rhs_reynolds = level%lambda*(weights(2)*history%mass(:, 1) &
                + weights(3)*history%mass(:, 2))
@@ -291,8 +383,8 @@ contains
          old_minimum = minval(state%film)
          first = min(history%way, size(attempts))
          count = predictors(history)
-         do attempt = merge(first - 1, first - 2, count == history%size), size(attempts)
-            if (attempt == first - 1) count = history%size
+         do attempt = merge(first - 1, first - 2, count == min(history%size, 3)), size(attempts)
+            if (attempt == first - 1) count = min(history%size, 3)
             call adopt(hierarchy, attempts(max(attempt, first)))
             if (attempt < first) then
                call extrapolate(history, count, length, state)
@@ -328,7 +420,7 @@ contains
       type(march_state_t), intent(in) :: history
       real(wp) :: weights(3)
 
-      count = history%size
+      count = min(history%size, 3)
       if (count < 3) return
       weights = parabola_weights(2, history%lengths(1)/history%lengths(2), 1.0_wp)
       associate (p => history%pressure)
@@ -354,6 +446,35 @@ contains
       end associate
    end subroutine extrapolate
 
+   !> Error of BDF2 in the last part relative to the film, largest where `pressure` (0:n) is above
+   !> 0: from the film that the parabola through the three before has predicted; without three by
+   !> the line through two, which overrates it; 0 after the first part.
+   pure real(wp) function step_error(history, pressure) result(error)
+      type(march_state_t), intent(in) :: history
+      real(wp), intent(in) :: pressure(0:)
+      real(wp) :: weights(3)
+
+      error = 0.0_wp
+      if (history%size < 3) return
+      associate (h => history%lengths, mass => history%mass)
+         weights = parabola_weights(history%size - 1, h(1)/h(2), h(3)/h(2))
+         error = maxval(abs(mass(:, 1) - weights(1)*mass(:, 2) - weights(2)*mass(:, 3) &
+            - weights(3)*mass(:, 4))/mass(:, 1), pressure > 0.0_wp)
+         if (history%size > 3) error = error*error_share(h)
+      end associate
+   end function step_error
+
+   !> Turns the last solutions to the other direction of the flow.
+   pure subroutine turn_history(history)
+      type(march_state_t), intent(inout) :: history
+      integer :: n
+
+      n = ubound(history%pressure, 1)
+      history%pressure(:, :) = history%pressure(n:0:-1, :)
+      history%mass(:, :) = history%mass(n:0:-1, :)
+      history%direction = -history%direction
+   end subroutine turn_history
+
    !> Adds the present solution, at the end of a step of `length`, to the history.
    pure subroutine remember(history, level, length)
       type(march_state_t), intent(inout) :: history
@@ -361,16 +482,17 @@ contains
       real(wp), intent(in) :: length
 
       if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), &
-         history%mass(0:level%n, 2), source=0.0_wp)
+         history%mass(0:level%n, 4), source=0.0_wp)
       history%pressure(:, 3) = history%pressure(:, 2)
       history%pressure(:, 2) = history%pressure(:, 1)
       history%pressure(:, 1) = level%state%pressure
-      history%lengths = [length, history%lengths(1)]
+      history%lengths = [length, history%lengths(1:2)]
       history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
       call fluid_density(level%fluid, level%state%pressure, level%oil%density)
-      history%mass(:, 2) = history%mass(:, 1)
+      history%mass(:, 2:) = history%mass(:, :3)
       history%mass(:, 1) = level%oil%density*level%state%film
-      history%size = min(history%size + 1, 3)
+      history%size = min(history%size + 1, 4)
+      history%direction = level%direction
    end subroutine remember
 
 end module ehl_line_transient

@@ -37,15 +37,24 @@ contains
       type(line_level_t), intent(in) :: level
       type(friction_t), intent(out) :: friction
       real(wp), intent(out), contiguous :: stress(0:), drive(0:)
-      real(wp) :: rise, flux(level%n), gap(0:level%n + 1), stressed
+      type(friction_t) :: ahead
+      real(wp) :: rise, flux(level%n), gap(0:level%n + 1), speed, stressed
       real(wp), dimension(0:level%n) :: weights, inverse_film
       integer :: i, first, last, exit_node
       logical :: has_speeds
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
          flux = mass_flux(level)
-         friction = oil_in_front(level%fluid, level%lambda, level%lambda*level%slide_to_roll/12, &
-            level%elastic%elasticity, [level%x(0), h(0)], max(flux(1), 0.0_wp))
+         speed = level%entrainment
+         friction%load = level%moment%load
+         if (speed > 0.0_wp) then   ! else the gap in front is at rest
+            ahead = oil_in_front(level%fluid, level%lambda*speed, level%lambda*level%slide_to_roll &
+               /12, level%elastic%elasticity*friction%load, [level%x(0), h(0), &
+               1/level%moment%radius], max(flux(1), 0.0_wp)/speed)
+            friction%sliding = ahead%sliding
+            friction%rolling = ahead%rolling
+            friction%rolling_power = speed*ahead%rolling_power
+         end if
          gap(1:level%n) = node_spacings(level%x)
          gap([0, level%n + 1]) = 0.0_wp
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
@@ -64,7 +73,7 @@ contains
                stress(first:last))
             stress(first:last) = merge(stress(first:last), 0.0_wp, weights(first:last) > 0.0_wp)
             if (last == exit_node) weights(last) = 0.5_wp*gap(max(last, 1)) &
-               + weight_behind(level, last, flux(max(last, 1)))
+               + weight_behind(level, last, flux(max(last, 1))/max(speed, tiny(speed)))
             friction%sliding = friction%sliding + sum(weights(first:last)*stress(first:last))
             do i = first, merge(last, -1, has_speeds)
                if (p(i) > stressed) friction%stress_share = max(friction%stress_share, &
@@ -74,8 +83,8 @@ contains
          do i = 1, min(exit_node + 1, level%n)
             rise = p(i) - p(i - 1)
             friction%rolling = friction%rolling + 0.25_wp*(h(i - 1) + h(i))*rise
-            friction%rolling_power = friction%rolling_power + 0.5_wp*rise*(0.5_wp*(h(i - 1) &
-               + h(i)) - 2*flux(i)/(rho(i - 1) + rho(i)))
+            friction%rolling_power = friction%rolling_power + 0.5_wp*rise*(0.5_wp*speed &
+               *(h(i - 1) + h(i)) - 2*flux(i)/(rho(i - 1) + rho(i)))
          end do
       end associate
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
@@ -92,7 +101,8 @@ contains
    end function friction_of
 
    !> Weight of the last node with P > 0 for the distance to the exit behind it, over which the
-   !> stress falls as the film grows. `flux`: mass flux in front of it.
+   !> stress falls as the film grows. `flux`: mass flux in front of it over
+   !> (u1 + u2)/u_ref.
    pure function weight_behind(level, node, flux) result(weight)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: node

@@ -19,6 +19,8 @@ module friction_sums
       real(wp) :: rolling_power = 0.0_wp
       !> Largest |T_m|/P of the nodes whose pressure is above `stressed_share` of the largest.
       real(wp) :: stress_share = 0.0_wp
+      !> w/w_ref.
+      real(wp) :: load = 1.0_wp
    end type friction_t
 
 end module friction_sums

@@ -1,6 +1,7 @@
 !> Nodes of a graded grid: the first ones by the expected film, and halved elements.
 module graded_nodes
    use kinds, only: wp
+   use time_table, only: monotone_slopes
    implicit none (type, external)
    private
 
@@ -139,9 +140,8 @@ contains
       end do
    end subroutine balance
 
-   !> Pressure at `new` nodes by monotone cubics through its values `p` at rising nodes `x`, 0 where
-   !> the straight line is. Slopes: weighted harmonic means (F. N. Fritsch and J. Butland, SIAM J.
-   !> Sci. Stat. Comput. 5, 1984, 300), 0 at both ends.
+   !> Pressure at `new` nodes by monotone cubics (module time_table) through its values `p` at
+   !> rising nodes `x`, 0 where the straight line is.
    pure function monotone_cubic(x, p, new) result(values)
       real(wp), intent(in) :: x(0:), p(0:), new(0:)
       real(wp) :: values(0:ubound(new, 1)), slope(0:ubound(x, 1)), h, t
@@ -151,11 +151,7 @@ contains
       n = ubound(x, 1)
       w = x(1:) - x(:n - 1)
       rise = (p(1:) - p(:n - 1))/w
-      slope = 0.0_wp
-      do i = 1, n - 1
-         if (rise(i)*rise(i + 1) > 0.0_wp) slope(i) = 3*(w(i) + w(i + 1))/((2*w(i + 1) + w(i)) &
-            /rise(i) + (w(i + 1) + 2*w(i))/rise(i + 1))
-      end do
+      slope = monotone_slopes(w, rise)
       e = 1
       do i = 0, ubound(new, 1)
          do while (x(e) < new(i) .and. e < n)

@@ -59,7 +59,7 @@ contains
       call find_spike(line, list(spike))
       call add_rolling(line, list(rolling), list(rolling_power))
       ahead = oil_in_front(line%fluid, line%lambda, line%lambda*abs(slide_to_roll)/12, &
-         line%elasticity, [line%x(0), line%state%film(0)], line%flux(1))
+         line%elasticity, [line%x(0), line%state%film(0), 1.0_wp], line%flux(1))
       list([rolling, rolling_power])%value = list([rolling, rolling_power])%value &
          + [ahead%rolling, ahead%rolling_power]
       if (.not. exceeds(abs(slide_to_roll), 0.0_wp)) return

@@ -21,8 +21,9 @@ module inlet_friction
 
 contains
 
-   !> Contribution of the oil in front of the first node, `place` = [X, H]; `flow` is the mass flux,
-   !> `couette` = lambda/6 (u2 - u1)/(u1 + u2).
+   !> Contribution of the oil in front of the first node, `place` = [X, H, R_ref/R]; `flow` is the
+   !> mass flux, `couette` = lambda/6 (u2 - u1)/(u1 + u2), `elasticity` that of the bodies times the
+   !> load over that of reference. Flow, lambda and rolling power by the present u1 + u2.
    !>
    !> The gap is that of the bodies with the far field of the load, the
    !> pressure low: H S dP/dX = lambda mu (H - flow)/H^2, mu = 1/(1 - alpha_bar Q) with the reduced
@@ -30,7 +31,7 @@ contains
    !> Houpert, Proc. IMechE J 224, 2010, 765).
    pure function oil_in_front(fluid, lambda, couette, elasticity, place, flow) result(friction)
       type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: lambda, couette, elasticity, place(2), flow
+      real(wp), intent(in) :: lambda, couette, elasticity, place(3), flow
       type(friction_t) :: friction
       real(wp), dimension(points) :: weights, h, flow_drive, drive, stress, fluidity, ln_mu
       type(slip_t) :: slip
@@ -38,7 +39,7 @@ contains
       integer :: i, pass
 
       weights = abs(place(1))/points*inverse_square
-      h = place(2) + 0.5_wp*place(1)**2*(inverse_square - 1) &
+      h = place(2) + 0.5_wp*place(3)*place(1)**2*(inverse_square - 1) &
          + 0.5_wp*elasticity*ln_share
       flow_drive = lambda*max(h - flow, 0.0_wp)/h**2
       reduced = 0.0_wp

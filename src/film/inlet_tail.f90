@@ -36,6 +36,7 @@ contains
          pressure(:m + 1), level%x)
       level%load = level%load - dot_product(0.5_wp*(x(2:m + 1) - x(:m)), pressure(2:m + 1) &
          + pressure(:m))
+      level%rhs_load = level%load   ! for a passage that resumes
    end subroutine set_tail
 
 end module inlet_tail

@@ -1,10 +1,11 @@
 !> The lubricated line contact in dimensionless form: all data of (2.57)-(2.64) of the thesis.
 module line_contact
    use constants, only: pi
+   use duty, only: duty_t
    use kinds, only: wp
    use lubricant, only: fluid_t
    use errors, only: error_t
-   use features, only: rough_surface_t
+   use features, only: displacement, rough_surface_t
    use profile, only: load_window
    use solver_settings, only: domain_t
    implicit none (type, external)
@@ -39,6 +40,9 @@ module line_contact
       type(fluid_t) :: fluid
       !> Scaled surfaces: heights in b^2/R, lengths in b, speeds dX/dT.
       type(rough_surface_t) :: surface_1, surface_2
+      !> Load, radius and speeds over time; lambda, the fluid, M and L are then those of the
+      !> reference state. Not allocated: constant.
+      type(duty_t), allocatable :: duty
       !> Domain in half-widths; complete after `choose_domain`.
       type(domain_t) :: domain
       !> What lies in front of it, if the domain has a tail and it is known.
@@ -145,11 +149,11 @@ contains
 
       associate (ends => [contact%domain%x_inlet, contact%domain%x_outlet], &
          one => contact%surface_1, two => contact%surface_2)
-         if (allocated(one%profile)) call load_window(one%profile, ends(1) - one%speed*time, &
-            ends(2) - one%speed*time, error)
+         if (allocated(one%profile)) call load_window(one%profile, ends(1) - displacement(one, &
+            time), ends(2) - displacement(one, time), error)
          if (allocated(error)) return
-         if (allocated(two%profile)) call load_window(two%profile, ends(1) - two%speed*time, &
-            ends(2) - two%speed*time, error)   ! error: the caller looks
+         if (allocated(two%profile)) call load_window(two%profile, ends(1) - displacement(two, &
+            time), ends(2) - displacement(two, time), error)   ! error: the caller looks
       end associate
    end subroutine move_profiles
 

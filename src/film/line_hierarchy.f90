@@ -2,6 +2,7 @@
 !> resolved settings.
 module line_hierarchy
    use, intrinsic :: iso_fortran_env, only: int64
+   use contact_moment, only: set_sliding
    use errors, only: error_t
    use features, only: surface_height
    use inlet_tail, only: set_tail
@@ -9,7 +10,7 @@ module line_hierarchy
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
-   use line_level, only: line_level_t, new_level, set_plain_problem
+   use line_level, only: contact_load, line_level_t, new_level, set_plain_problem, turn
    use newton_work, only: newton_t
    use transfer, only: inject
    use wall_clock, only: wall_seconds
@@ -17,7 +18,7 @@ module line_hierarchy
    private
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, new_level_of, pose_coarser_levels, &
-      pose_steady_problem, roughness_at
+      pose_steady_problem, roughness_at, set_moment
    public :: coarsest_for_film, count_work, is_newton, report_cost
 
    !> The smoothers.
@@ -211,6 +212,31 @@ contains
       times = nint(log(real(fine, wp)/coarse)/log(2.0_wp))
    end function doublings
 
+   !> Sets load, gap and speeds of all levels to those of a contact at `time`, if they change in
+   !> time. The state of a level turns with the flow.
+   pure subroutine set_moment(hierarchy, contact, time)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: time
+      integer :: k
+
+      if (.not. allocated(contact%duty)) return
+      do k = 1, hierarchy%top
+         associate (level => hierarchy%levels(k))
+            level%moment = contact%duty%at(time)
+            associate (now => level%moment)
+               level%entrainment = abs(sum(now%speeds))
+               if (level%direction*sum(now%speeds) < 0.0_wp) call turn(level)
+               level%slide_to_roll = 2*level%direction*(now%speeds(2) - now%speeds(1))
+               level%load = contact_load*now%load
+               level%rhs_load = level%load
+               level%gap(:) = 0.5_wp*level%x**2/now%radius
+               call set_sliding(level%fluid, contact%lambda, now)
+            end associate
+         end associate
+      end do
+   end subroutine set_moment
+
    !> Height Psi_1 + Psi_2 of both surfaces on a level at time T (0:n).
    pure function roughness_at(contact, level, time) result(roughness)
       type(line_contact_t), intent(in) :: contact
@@ -218,8 +244,8 @@ contains
       real(wp), intent(in) :: time
       real(wp) :: roughness(0:level%n)
 
-      roughness = surface_height(contact%surface_1, level%x, &
-         time) + surface_height(contact%surface_2, level%x, time)
+      roughness = surface_height(contact%surface_1, level%direction*level%x, &
+         time) + surface_height(contact%surface_2, level%direction*level%x, time)
    end function roughness_at
 
    !> Poses the steady problem on every level, with surfaces at time 0 (`with_roughness`) or smooth.

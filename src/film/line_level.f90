@@ -2,6 +2,7 @@
 !> allocated once.
 module line_level
    use constants, only: pi
+   use duty, only: moment_t
    use errors, only: error_t
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
@@ -12,7 +13,7 @@ module line_level
    implicit none (type, external)
    private
 
-   public :: line_level_t, new_level, set_plain_problem, has_close_exit
+   public :: has_close_exit, line_level_t, new_level, set_plain_problem, turn
 
    !> Smallest film after a sweep [b^2/R]: a film that is halved a thousand times must not reach 0,
    !> by which the slip factor divides; the cube of this is still above 0.
@@ -66,10 +67,15 @@ module line_level
       !> of the nodes (module inlet_tail).
       real(wp), allocatable :: gap(:)
       real(wp) :: load = contact_load
+      !> Load, radius and speeds at the present time, and |u1 + u2|/u_ref.
+      type(moment_t) :: moment
+      real(wp) :: entrainment = 1.0_wp
+      !> The oil flows towards +X; -1: that is towards -x (module contact_moment).
+      real(wp) :: direction = 1.0_wp
       !> Speed parameter lambda and scaled laws of the oil, as in the contact.
       real(wp) :: lambda = 0.0_wp
       type(fluid_t) :: fluid
-      !> Slide-to-roll ratio of the contact.
+      !> 2 (u2 - u1)/u_ref along X, which is the slide-to-roll ratio of a contact in steady motion.
       real(wp) :: slide_to_roll = 0.0_wp
       !> Space scheme: kappa, else upwind2 (module reynolds_line).
       logical :: is_kappa = .false.
@@ -153,6 +159,18 @@ contains
       level%posed%exit_node = 0
       level%posed%exit_conductance = 0.0_wp
    end subroutine set_plain_problem
+
+   !> Turns X and the state of a level.
+   pure subroutine turn(level)
+      type(line_level_t), intent(inout) :: level
+
+      level%direction = -level%direction
+      level%x(:) = -level%x(level%n:0:-1)
+      associate (state => level%state, n => level%n)
+         state%pressure(:) = state%pressure(n:0:-1)
+         state%film(:) = state%film(n:0:-1)
+      end associate
+   end subroutine turn
 
    !> Whether the finest grid has P = 0 before the next node of this one, where P is still 0.
    pure logical function has_close_exit(level) result(is_close)

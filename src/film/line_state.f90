@@ -1,13 +1,14 @@
 !> Fields of a lubricated line contact at one time, as the solver returns them.
 module line_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use duty, only: moment_t
    use friction_sums, only: friction_t
    use kinds, only: wp
    use reynolds_limits, only: reynolds_limits_t
    implicit none (type, external)
    private
 
-   public :: all_finite, line_state_t
+   public :: all_finite, line_state_t, turned
 
    !> Dimensionless fields on the nodes of the finest grid, each (nx).
    type :: line_state_t
@@ -38,9 +39,36 @@ module line_state
       real(wp) :: rigid_displacement = 0.0_wp
       !> T = t u_s/(2 b).
       real(wp) :: time = 0.0_wp
+      !> Load, radius and speeds then.
+      type(moment_t) :: moment
    end type line_state_t
 
 contains
+
+   !> A state seen from the other side: fields in reverse order, stresses with the other sign.
+   pure function turned(state)
+      type(line_state_t), intent(in) :: state
+      type(line_state_t) :: turned
+
+      turned = state
+      turned%moment%speeds = -state%moment%speeds
+      associate (last => size(state%x))
+         turned%x(:) = -state%x(last:1:-1)
+         turned%pressure(:) = state%pressure(last:1:-1)
+         turned%film_thickness(:) = state%film_thickness(last:1:-1)
+         turned%roughness_1(:) = state%roughness_1(last:1:-1)
+         turned%roughness_2(:) = state%roughness_2(last:1:-1)
+         if (allocated(state%shear_stress_mean)) turned%shear_stress_mean(:) = &
+            -state%shear_stress_mean(last:1:-1)
+         if (allocated(state%shear_stress_1)) then
+            turned%shear_stress_1(:) = -state%shear_stress_1(last:1:-1)
+            turned%shear_stress_2(:) = -state%shear_stress_2(last:1:-1)
+         end if
+      end associate
+      if (.not. allocated(state%friction)) return
+      turned%friction%sliding = -state%friction%sliding
+      turned%friction%sliding_speed = -state%friction%sliding_speed
+   end function turned
 
    !> Whether pressure, film and rigid displacement are present and finite.
    pure logical function all_finite(state)

@@ -6,7 +6,7 @@ module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use friction_sums, only: friction_t
    use kinds, only: wp
-   use line_state, only: line_state_t
+   use line_state, only: line_state_t, turned
    use missing_value, only: larger, not_known
    use quantities, only: parabola_extreme, quantity_count, quantity_rows, quantity_values, &
       rule_between, rule_crest, rule_node, rule_value
@@ -73,10 +73,14 @@ module line_summary
 contains
 
    !> Quantities of one state.
-   pure function summary_of(state) result(summary)
+   pure recursive function summary_of(state) result(summary)
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
 
+      if (sum(state%moment%speeds) < 0.0_wp) then   ! the exit is where the oil flows to
+         summary = summary_of(turned(state))
+         return
+      end if
       summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time, &
          state%friction)
       if (allocated(state%limits)) summary%limits = state%limits

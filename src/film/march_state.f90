@@ -14,15 +14,19 @@ module march_state
    type :: march_state_t
       !> Time steps done; 0 = the start.
       integer :: step = 0
-      !> Solutions kept, up to 3; 1 is the newest.
+      !> Solutions kept, up to 3, and of rho H up to 4; 1 is the newest.
       integer :: size = 0
       !> P of these solutions (0:n, 3).
       real(wp), allocatable :: pressure(:, :)
       !> H0 of these solutions.
       real(wp) :: rigid_displacement(3) = 0.0_wp
       !> Time from each of these solutions back to the next older one: dT, or a part of it.
-      real(wp) :: lengths(2) = 0.0_wp
-      !> rho H of the last two times (0:n, 2), for the squeeze term.
+      real(wp) :: lengths(3) = 0.0_wp
+      !> Length that the error estimate proposes for the next part; 0: none.
+      real(wp) :: next_length = 0.0_wp
+      !> Direction of the flow in which they are kept (module line_level).
+      real(wp) :: direction = 1.0_wp
+      !> rho H of the last four times (0:n, 4), for the squeeze term and its error.
       real(wp), allocatable :: mass(:, :)
       !> Number of the relaxation that found it; the next step begins with it if all are relaxations
       !> of one method.

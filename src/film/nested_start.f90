@@ -2,6 +2,7 @@
 !> solution on a graded grid.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use contact_moment, only: own_contact, put_into_reference_units, width_of
    use fas_cycle, only: cycle_from
    use film_equation, only: carried_load, set_film
    use film_state, only: film_state_t
@@ -108,19 +109,25 @@ contains
       logical, intent(out) :: is_sound
       class(listener_t), intent(inout), target :: listener
       type(graded_solution_t) :: solution
+      type(line_contact_t) :: posed
       type(relay_t) :: relay
       type(report_t) :: report
+      real(wp) :: scale
 
       relay%parent => listener
       associate (level => hierarchy%levels(hierarchy%finest))
-         call solve_graded(contact, [level%x(0), level%x(level%n)], graded_target, relay, &
+         posed = contact
+         if (allocated(contact%duty)) posed = own_contact(contact, 0.0_wp, is_moving=.false.)
+         scale = width_of(level%moment)
+         call solve_graded(posed, [level%x(0), level%x(level%n)]/scale, graded_target, relay, &
             solution, report)
          is_sound = allocated(solution%line)
          if (.not. is_sound) return
          level%state%pressure(1:level%n - 1) = monotone_cubic(solution%line%x, &
-            solution%line%state%pressure, level%x(1:level%n - 1))
+            solution%line%state%pressure, level%x(1:level%n - 1)/scale)
          level%state%pressure(level%n) = 0.0_wp
          level%state%rigid_displacement = solution%line%state%rigid_displacement
+         call put_into_reference_units(level%moment, level%state)
          call set_smooth_film(level)
       end associate
    end subroutine graded_start

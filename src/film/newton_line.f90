@@ -4,6 +4,7 @@
 !> an active set: a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the
 !> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
+   use duty, only: is_reference
    use film_equation, only: load_defect, set_film
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -25,6 +26,11 @@ module newton_line
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> Most halvings of a step before the method gives up.
    integer, parameter :: max_halvings = 20
+   !> The ends of the pressure creep if the number of nodes with pressure changes by no more than
+   !> the first number in as many steps in a row as the second; rows are tridiagonal where the film
+   !> has less than this share in the diagonal; most repetitions.
+   integer, parameter :: largest_creep = 4, first_creep = 2, most_sweeps = 5000
+   real(wp), parameter :: thin_share = 1.0e-2_wp
    !> A step within a tolerance of the pressure must change every film, relatively, by less than
    !> this many times that: 0.01 p_h is all of a film of 1e-4 b^2/R.
    real(wp), parameter :: film_share = 10.0_wp
@@ -129,7 +135,78 @@ contains
          end do
       end associate
       newton%step(level%n) = load_defect(level)
+      call settle_thick_film(newton, level)
    end subroutine prepare_system
+
+   !> Finds which nodes of thick film cavitate, if the ends of the pressure creep: the conditions
+   !> above move them by one node a step, but in a squeezed film they run over the gap by hundreds.
+   !> Where the film hardly changes with the pressure, the rows are tridiagonal: the conditions are
+   !> repeated on these alone, with the other nodes at rest.
+   pure subroutine settle_thick_film(newton, level)
+      type(newton_t), intent(inout) :: newton
+      type(line_level_t), intent(in) :: level
+      integer :: active, first, last
+
+      if (is_reference(level%moment)) return
+      active = count(.not. newton%is_cavitated)
+      newton%creeping = merge(newton%creeping + 1, 0, active /= newton%active &
+         .and. abs(active - newton%active) <= largest_creep)
+      newton%active = active
+      if (newton%creeping < first_creep) return
+      newton%creeping = 0
+      associate (thick => abs(newton%jacobian%by_pressure(0, 1:level%n - 1) - 1) < thin_share)
+         first = findloc(thick, .true., 1)
+         do while (first > 0)
+            last = first - 1 + findloc([thick(first:), .false.], .false., 1) - 1
+            if (last > first) call settle_run(newton, level, first, last)
+            first = last + findloc(thick(last + 1:), .true., 1)
+            if (first == last) exit
+         end do
+      end associate
+   end subroutine settle_thick_film
+
+   !> The same on the nodes from `first` to `last`.
+   pure subroutine settle_run(newton, level, first, last)
+      type(newton_t), intent(inout) :: newton
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: first, last
+      real(wp), dimension(first:last) :: pull, upper
+      real(wp) :: change(first - 1:last + 1), pivot
+      logical :: is_cavitated(first:last)
+      integer :: i, sweep
+
+      pull = (level%rhs_reynolds(first:last) - level%operator(first:last)) &
+         /newton%jacobian%diagonal(first:last)
+      change([first - 1, last + 1]) = 0.0_wp
+      associate (p => level%state%pressure, j => newton%jacobian%by_pressure)
+         is_cavitated = newton%is_cavitated(first:last)
+         do sweep = 1, most_sweeps
+            upper(first) = 0.0_wp
+            do i = first, last
+               if (is_cavitated(i)) then
+                  change(i) = -p(i)
+                  upper(i) = 0.0_wp
+               else if (i == first) then
+                  upper(i) = j(1, i)/j(0, i)
+                  change(i) = pull(i)/j(0, i)
+               else
+                  pivot = j(0, i) - j(-1, i)*upper(i - 1)
+                  upper(i) = j(1, i)/pivot
+                  change(i) = (pull(i) - j(-1, i)*change(i - 1))/pivot
+               end if
+            end do
+            do i = last - 1, first, -1
+               change(i) = change(i) - upper(i)*change(i + 1)
+            end do
+            is_cavitated = p(first:last) + change(first:last) + pull - j(-1, first:last) &
+               *change(first - 1:last - 1) - j(0, first:last)*change(first:last) &
+               - j(1, first:last)*change(first + 1:) <= 0.0_wp
+            if (all(is_cavitated .eqv. newton%is_cavitated(first:last))) exit
+            newton%is_cavitated(first:last) = is_cavitated
+         end do
+         newton%step(first:last) = merge(-p(first:last), pull, newton%is_cavitated(first:last))
+      end associate
+   end subroutine settle_run
 
    !> Bends the step of nodes whose mobility e would change by much.
    pure subroutine bend_step(newton, level)

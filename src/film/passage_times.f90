@@ -13,6 +13,7 @@
 module passage_times
    use entry_zone, only: arrival_of, half_ridge, first_passage, front_arrival, &
       has_something_inside, has_waves, is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
+   use duty, only: span_of
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -117,6 +118,10 @@ contains
 
       times%end_time = time%end_time
       if (.not. time%is_transient) return
+      if (allocated(contact%duty)) then
+         call settle_duty(contact, time, times)
+         return
+      end if
       zone = zone_of(contact)
       call settle_surface(contact%surface_1, zone, times)
       call settle_surface(contact%surface_2, zone, times)
@@ -144,12 +149,55 @@ contains
       end if
    end function new_passage_times
 
+   !> Times of a contact with a duty: all of one that does not repeat, else the last cycle, which
+   !> the one before shows to be periodic or not.
+   pure subroutine settle_duty(contact, time, times)
+      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(in) :: time
+      type(passage_times_t), intent(inout) :: times
+
+      times%is_given = time%statistics_from >= 0.0_wp
+      times%counts_from = max(time%statistics_from, 0.0_wp)
+      if (times%is_given .or. .not. contact%duty%load%is_periodic) return
+      times%period = span_of(contact%duty)
+      times%settled_from = settled_duty(contact)
+      times%counts_from = max(time%end_time - times%period, 0.0_wp)
+      times%earlier_from = max(time%end_time - 2*times%period, 0.0_wp)
+      times%needed_end = sufficient_end(contact)
+   end subroutine settle_duty
+
+   !> Time after which a duty that repeats has forgotten its start: oil that was drawn in then has
+   !> left the contact.
+   pure real(wp) function settled_duty(contact) result(time)
+      type(line_contact_t), intent(in) :: contact
+      type(zone_t) :: zone
+      real(wp) :: way, step
+      integer, parameter :: steps_in_cycle = 200, most_cycles = 100
+
+      zone = zone_of(contact)
+      step = span_of(contact%duty)/steps_in_cycle
+      time = 0.0_wp
+      way = 0.0_wp
+      do while (way < settling*zone%transit .and. time < most_cycles*span_of(contact%duty))
+         associate (moment => contact%duty%at(time + 0.5_wp*step))
+            way = way + step*abs(sum(moment%speeds))
+         end associate
+         time = time + step
+      end do
+   end function settled_duty
+
    !> End time T at which the quantities of a contact are complete: the start is forgotten, features
    !> and profiles have passed, waves have become periodic; 0: nothing rough moves.
-   pure real(wp) function sufficient_end(contact) result(end_time)
+   pure recursive real(wp) function sufficient_end(contact) result(end_time)
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t) :: times
 
+      if (allocated(contact%duty)) then
+         end_time = span_of(contact%duty)
+         if (contact%duty%load%is_periodic) end_time = end_time*(2 + ceiling(settled_duty(contact) &
+            /end_time - rounding))
+         return
+      end if
       times = new_passage_times(contact, time_settings_t(is_transient=.true., &
          end_time=huge(1.0_wp)))
       end_time = max(times%needed_end, passage_end(contact%surface_1, times%settled_from), &
@@ -293,7 +341,7 @@ contains
       real(wp) :: left
 
       note = ''
-      if (.not. times%settled_from > 0.0_wp) then
+      if (.not. times%settled_from > 0.0_wp .or. allocated(contact%duty)) then
          continue
       else if (times%is_given) then
          if (times%is_artificial .and. times%counts_from < times%settled_from*(1 &

@@ -113,9 +113,9 @@ contains
       case (x_cavitation)
          values = [exit_position(x, p), exit_between_nodes(x, p)]
       case (friction_coefficient)
-         values = abs(friction%sliding)*2/pi
+         values = abs(friction%sliding)*2/pi/friction%load
       case (rolling_coefficient)
-         values = friction%rolling*2/pi
+         values = friction%rolling*2/pi/friction%load
       case (sliding_power)
          values = friction%sliding_speed*friction%sliding
       case (rolling_power)

@@ -40,7 +40,7 @@ contains
                right_p(0) - left_p(1), right_p(1)]
             jh(:, i) = [-left_h(-2), right_h(-2) - left_h(-1), right_h(-1) - left_h(0), right_h(0)]
             ! rH(i-2) ... rH(i) in the wedge and the squeeze term, the same from the second row on
-            if (i <= 2) weights = wedge_weights(i)*level%lambda/level%dx &
+            if (i <= 2) weights = wedge_weights(i)*level%lambda*level%entrainment/level%dx &
                + [0.0_wp, 0.0_wp, level%lambda*level%inverse_time_step]
             do o = max(-2, -i), 0
                jp(o, i) = jp(o, i) - weights(o)*jacobian%slopes%rho_p(i + o)*level%state%film(i + o)
@@ -117,7 +117,7 @@ contains
 
       associate (p => level%state%pressure(i - 2:i), h => level%state%film(i - 2:i), &
          rho => level%oil%density(i - 2:i), alpha => level%fluid%alpha_bar)
-         factor = level%lambda/(3*level%dx)
+         factor = level%lambda*level%entrainment/(3*level%dx)
          curvature = alpha*dot_product(second, p)
          share = third_order_share(curvature)
          flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(curvature) &

@@ -4,7 +4,8 @@
 !>                - lambda/(2 dX) [ 3 rH(i) - 4 rH(i-1) + rH(i-2) ] - lambda/dT rH(i)
 !>
 !> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at
-!> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT.
+!> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT. Where speeds
+!> change in time the wedge is times (u1 + u2)/u_ref.
 !>
 !> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and includes one
 !> node downstream in the mass flux rH at a face,
@@ -86,7 +87,7 @@ contains
    !> Computes L_R with the present coefficients.
    pure subroutine apply_reynolds(level)
       type(line_level_t), intent(inout) :: level
-      real(wp) :: diffusion, squeeze, w(-2:0)
+      real(wp) :: diffusion, squeeze, w(-2:0), wedge
       integer :: i, n
 
       n = level%n
@@ -96,10 +97,11 @@ contains
          rho => level%oil%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
-         w = level%lambda/level%dx*wedge_weights(1)
+         wedge = level%lambda*level%entrainment/level%dx
+         w = wedge*wedge_weights(1)
          flow(1) = diffusion*(e(2)*(p(2) - p(1)) - e(1)*(p(1) - p(0))) &
             - (w(0)*rho(1)*h(1) + w(-1)*rho(0)*h(0)) - squeeze*rho(1)*h(1)
-         w = level%lambda/level%dx*wedge_weights(2)
+         w = wedge*wedge_weights(2)
          do concurrent (i=2:n - 1)
             flow(i) = diffusion*(e(i + 1)*(p(i + 1) - p(i)) - e(i)*(p(i) - p(i - 1))) &
                - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2)) &
@@ -127,7 +129,7 @@ contains
             more(i) = third_order_flux(level, i)
          end do
          level%operator(1:n - 1) = level%operator(1:n - 1) &
-            - level%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
+            - level%lambda*level%entrainment/level%dx*(more(1:n - 1) - more(:n - 2))
       end associate
    end subroutine add_third_order
 
@@ -142,8 +144,8 @@ contains
       end associate
    end function third_order_flux
 
-   !> Mass flux rho H - e/lambda dP/dX at the faces (1:n), face i left of node i, by the space
-   !> scheme with the present coefficients.
+   !> Mass flux U rho H - e/lambda dP/dX at the faces (1:n), face i left of node i, by the space
+   !> scheme with the present coefficients; U = (u1 + u2)/u_ref.
    pure function mass_flux(level) result(flux)
       type(line_level_t), intent(in) :: level
       real(wp) :: flux(level%n), conductance
@@ -151,17 +153,17 @@ contains
 
       conductance = 1/(level%lambda*level%dx)
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density, &
-         e => level%oil%face_mobility)
-         flux(1) = 0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) - conductance*e(1)*(p(1) - p(0))
+         e => level%oil%face_mobility, speed => level%entrainment)
+         flux(1) = 0.5_wp*speed*(rho(0)*h(0) + rho(1)*h(1)) - conductance*e(1)*(p(1) - p(0))
          do concurrent (i=2:level%n)
-            flux(i) = 1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2) &
+            flux(i) = speed*(1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2)) &
                - conductance*e(i)*(p(i) - p(i - 1))
          end do
+         if (.not. level%is_kappa) return
+         do concurrent (i=2:level%n)
+            flux(i) = flux(i) + speed*third_order_flux(level, i - 1)
+         end do
       end associate
-      if (.not. level%is_kappa) return
-      do concurrent (i=2:level%n)
-         flux(i) = flux(i) + third_order_flux(level, i - 1)
-      end do
    end function mass_flux
 
    !> Adds the slopes of the compensation of P to L_R. (P(i) - P(i-1) is exact, being the difference
@@ -190,14 +192,15 @@ contains
       integer :: i
 
       diffusion = 0.5_wp/level%dx**2
-      convection = level%lambda*(1.5_wp/level%dx + level%inverse_time_step)
+      convection = level%lambda*(1.5_wp*level%entrainment/level%dx + level%inverse_time_step)
       associate (e => level%oil%mobility, b => level%work%film_diagonal, &
          diagonal => level%work%diagonal)
          do concurrent (i=1:level%n - 1)
             b(i) = -convection*level%oil%density(i)
             diagonal(i) = -diffusion*(e(i - 1) + 2*e(i) + e(i + 1)) - b(i)*kernel_diagonal
          end do
-         b(1) = -level%lambda*level%oil%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
+         b(1) = -level%lambda*level%oil%density(1)*(level%entrainment/level%dx &
+            + level%inverse_time_step)
          diagonal(1) = -diffusion*(e(0) + 2*e(1) + e(2)) - b(1)*kernel_diagonal
          if (has_close_exit(level)) diagonal(level%posed%exit_node) = &
             diagonal(level%posed%exit_node) - level%posed%exit_conductance

@@ -54,11 +54,14 @@ module solver_settings
       real(wp) :: end_time = 0.0_wp
       !> Time step [-]; zero: dX of the grid.
       real(wp) :: time_step = 0.0_wp
-      !> 'bdf2' (second order) or 'backward_euler' (first order, as in the thesis).
+      !> 'bdf2' (second order), 'backward_euler' (first order, as in the thesis) or 'quasi_steady'
+      !> (no squeeze term: the steady contact of each moment).
       character(len=word_length) :: scheme = 'bdf2'
       !> T from which the quantities and the statistics of the film count; below 0: chosen by the
       !> program.
       real(wp) :: statistics_from = -1.0_wp
+      !> Largest error of a part of a step, relative to the film; zero: parts are given.
+      real(wp) :: tolerance = 0.0_wp
       !> State from which an interrupted transient resumes; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from
    end type time_settings_t

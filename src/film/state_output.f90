@@ -7,7 +7,7 @@ module state_output
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t
    use line_level, only: line_level_t
-   use line_state, only: line_state_t
+   use line_state, only: line_state_t, turned
    use line_summary, only: line_summary_t, summary_of_fields
    use lubricant, only: fluid_density, fluid_viscosity
    use limit_search, only: film_limits
@@ -42,8 +42,10 @@ contains
       state%x = level%x(:)
       state%pressure = level%state%pressure(:)
       state%film_thickness = level%state%film(:)
-      state%roughness_1 = surface_height(contact%surface_1, level%x, time)
-      state%roughness_2 = surface_height(contact%surface_2, level%x, time)
+      state%roughness_1 = surface_height(contact%surface_1, level%direction*level%x, time)
+      state%roughness_2 = surface_height(contact%surface_2, level%direction*level%x, time)
+      state%moment = level%moment
+      state%moment%speeds = level%direction*state%moment%speeds
       state%rigid_displacement = level%state%rigid_displacement
       state%time = time
       if (allocated(state%friction)) deallocate (state%friction)
@@ -64,6 +66,7 @@ contains
          end if
          if (.not. ieee_is_finite(level%slide_to_roll)) deallocate (state%shear_stress_mean)
       end if
+      if (level%direction < 0.0_wp) state = turned(state)
    end subroutine fill_state
 
    !> Sets viscosity mu/mu_0, density rho/rho_0, slip factor S and shear stresses from the state's

@@ -10,7 +10,7 @@ module time_scheme
    implicit none (type, external)
    private
 
-   public :: derivative_weights, parabola_weights, part_ends
+   public :: derivative_weights, error_share, parabola_weights, part_ends
 
    !> Time T from which undivided steps suffice; exponent of the grading; shortest part, T
    !> (round-off).
@@ -49,6 +49,18 @@ contains
             -ahead*(1.0_wp + ahead + back)/back, ahead*(1.0_wp + ahead)/(back*(1.0_wp + back))]
       end select
    end function parabola_weights
+
+   !> Error of BDF2 over the difference of its value from that of the parabola through the three
+   !> before, for small steps: `lengths` of the last step and of the two before it.
+   pure real(wp) function error_share(lengths) result(share)
+      real(wp), intent(in) :: lengths(3)
+      real(wp) :: ratio, scheme, parabola
+
+      ratio = lengths(1)/lengths(2)
+      scheme = lengths(1)**3*(1 + ratio)**2/(ratio*(1 + 2*ratio))
+      parabola = lengths(1)*(lengths(1) + lengths(2))*sum(lengths)
+      share = scheme/(scheme + parabola)
+   end function error_share
 
    !> Ends of the parts of a step, as shares of its length `time_step`, the last one 1: one part
    !> with backward Euler and after the start, else parts that follow the grading.

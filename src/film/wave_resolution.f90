@@ -5,6 +5,7 @@
 !> show the loss (theory page, section on domain and grid; docs/decisions.md).
 module wave_resolution
    use, intrinsic :: iso_fortran_env, only: int64
+   use duty, only: span_of
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
    use solver_settings, only: time_settings_t
@@ -32,6 +33,10 @@ module wave_resolution
    integer, parameter :: families(4) = [4, 5, 6, 7]
    !> Share of a step that is rounding: a step given to a few digits is not shortened for it.
    real(wp), parameter :: rounding = 1.0e-3_wp
+   !> Steps in a table of a duty, and largest error of the parts that they are divided into,
+   !> relative to the film.
+   integer, parameter :: steps_in_duty = 400
+   real(wp), parameter :: part_tolerance = 1.0e-4_wp
 
 contains
 
@@ -147,7 +152,8 @@ contains
       spacing = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
    end function node_spacing
 
-   !> Sets the time step of a transient on a complete domain: the given one, or dX, but at least
+   !> Sets the time step of a transient on a complete domain: the given one, or dX (with a duty a
+   !> share of its table, and parts by an error estimate), but at least
    !> `wanted_steps` in the passage of the finest wave; shortened so that an integer number of steps
    !> ends at `time%end_time`. A steady case and a step already chosen do not change.
    pure subroutine choose_time_step(contact, time)
@@ -157,8 +163,14 @@ contains
 
       if (.not. (time%is_transient .and. time%end_time > 0.0_wp)) return
       wanted = time%time_step
-      if (.not. wanted > 0.0_wp) wanted = min(node_spacing(contact), &
-         shortest_passage(contact)/wanted_steps)
+      if (.not. wanted > 0.0_wp) then
+         wanted = min(node_spacing(contact), shortest_passage(contact)/wanted_steps)
+         if (allocated(contact%duty)) then
+            wanted = min(span_of(contact%duty)/steps_in_duty, &
+               shortest_passage(contact)/wanted_steps)
+            if (time%scheme == 'bdf2') time%tolerance = part_tolerance
+         end if
+      end if
       time%time_step = time%end_time/max(1_int64, ceiling(time%end_time/wanted - rounding, int64))
    end subroutine choose_time_step
 

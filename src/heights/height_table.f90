@@ -18,7 +18,7 @@ module height_table
    implicit none (type, external)
    private
 
-   public :: conversion, height_table_t, open_table
+   public :: conversion, height_table_t, is_row, open_table, split
 
    character(*), parameter :: tab = achar(9), blanks = ' '//tab
    !> Rows from one noted place to the next; the shortest row [bytes].

@@ -2,9 +2,10 @@
 module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
-   use case_record, only: case_t, path_from_namelist
+   use case_record, only: case_t, path_from_namelist, set_effective
    use case_validation, only: even_reason, validate
    use dry_input, only: fill_dry_case
+   use duty_input, only: complete_duty, read_duty
    use file_heights, only: check_files
    use findings, only: findings_t
    use input_keys, only: find_key, key_rows
@@ -55,6 +56,7 @@ contains
             call derive_speeds(values)
             call derive_viscosity(values, oil)
             call complete_alpha(values, is_alone)
+            call read_duty(values, path_from_namelist(case, ''), case%duty)
          end if
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)
@@ -118,9 +120,13 @@ contains
       else
          call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
       end if
+      if (allocated(case%duty)) call complete_duty(case%duty, case%load_per_length, &
+         case%bodies%reduced_radius)
       call check_regime(values, key, case)
       if (values%findings%count > 0) return
       call list_effective(values, case)
+      if (allocated(case%duty)) call set_effective(case, 'history', 'table_checksum', &
+         text=case%duty%digits)
       call make_surface(values, 'surface_1', case)
       call make_surface(values, 'surface_2', case)
       if (values%findings%count == 0) call plan_line_case(values, case)
@@ -140,8 +146,8 @@ contains
          domain%intervals = values%integer_value('domain', 'intervals')
          domain%grid = values%word_value('domain', 'grid')
          domain%has_tail = values%logical_value('time', 'transient') .and. domain%grid /= 'even' &
-            .and. values%word_value('case', 'equations') /= 'stokes' .and. (domain%grid == &
-            'graded' .or. .not. domain%has_inlet)
+            .and. values%word_value('case', 'equations') /= 'stokes' .and. .not. &
+            allocated(case%duty) .and. (domain%grid == 'graded' .or. .not. domain%has_inlet)
          if (even_reason(values) /= '') domain%grid = 'even'
          if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
             .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'

@@ -2,6 +2,7 @@
 module case_record
    use bodies, only: bodies_t
    use dry_case, only: dry_case_t
+   use duty, only: duty_rows_t
    use features, only: rough_surface_t
    use key_rules, only: unusual_t
    use kinds, only: wp
@@ -54,6 +55,8 @@ module case_record
       type(materials_t) :: materials
       !> w [N/m].
       real(wp) :: load_per_length
+      !> What changes in time; bodies, load and scales are then those of the reference state.
+      type(duty_rows_t), allocatable :: duty
       !> The scales that follow from these.
       type(scaling_t) :: scaling
       !> Amplitude and wavelength [m], position [half-widths], speed [m/s].

@@ -40,7 +40,7 @@ contains
       call check_fields(values)
       if (values%problem /= lubricated .and. .not. is_read) return
       call check_bodies(values)
-      if (values%has_group('load')) call check_load(values)
+      if (values%has_group('load') .or. values%is_given('history', 'file')) call check_load(values)
       call check_lubricant(values)
       call check_surface(values, 'surface_1', 'speed_1')
       call check_surface(values, 'surface_2', 'speed_2')
@@ -84,6 +84,8 @@ contains
                if (has_moes .and. row%yields_to_moes) call values%refuse(row%group, '', &
                   'found together with &moes, expected one of the two: &moes is a smooth '// &
                   'contact without SI units')
+            else if (row%group == 'load' .and. values%is_given('history', 'file')) then
+               continue   ! the table has it, or is refused
             else if (row%is_needed .and. .not. (has_moes .and. row%yields_to_moes)) then
                call values%refuse(row%group, '', 'missing, expected &' &
                   //trim(row%group)//' ... / ('//trim(row%meaning)//')')
@@ -117,6 +119,7 @@ contains
       character(:), allocatable :: reason
       integer :: intervals, levels
 
+      if (values%has_value('history', 'file')) call check_history(values)
       if (values%word_value('case', 'equations') == 'stokes') then
          call check_equations(values)
          call check_kappa_scheme(values, "equations = 'stokes'")
@@ -143,6 +146,20 @@ contains
          // ' intervals, expected at least ' // to_text(min_intervals) &
          // ' intervals on the coarsest grid')
    end subroutine check_solver
+
+   !> Finds what a history does not go with; the squeeze term left out without one.
+   subroutine check_history(values)
+      type(input_values_t), intent(inout) :: values
+
+      if (values%word_value('case', 'equations') == 'stokes') call values%refuse('history', &
+         'file', "found with equations = 'stokes', expected 'reynolds'")
+      if (values%word_value('case', 'model') == 'auto') call values%refuse('case', 'model', &
+         "found 'auto' with &history, expected 'full'")
+      if (values%is_given('accuracy', 'target')) call values%refuse('accuracy', 'target', &
+         'found with &history, expected intervals and time_step, or none of them')
+      if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
+         'velocity_layers', 'found with &history, expected 0')
+   end subroutine check_history
 
    !> What of the input needs an even grid; empty: nothing.
    pure function even_reason(values) result(reason)

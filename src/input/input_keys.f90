@@ -38,6 +38,9 @@ module input_keys
       group_row_t('domain', 'the computed stretch of the contact and its grid', every), &
       group_row_t('time', &
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
+      group_row_t('history', &
+         'load, radius and speeds that change in time; dimensionless values refer to the widest ' &
+         //'contact and the largest u1 + u2', yields_to_moes=.true.), &
       group_row_t('solver', 'method and accuracy of the numerical solution', every), &
       group_row_t('film', "the layers of equations = 'stokes'"), &
       group_row_t('output', 'what is measured and stored besides the solution', every), &
@@ -363,11 +366,24 @@ module input_keys
          'time step in T, cut so that whole steps reach end_time; chosen: dX or less', &
          range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", &
-         'time discretisation: second order, or first order (thesis)', &
-         words='backward_euler bdf2', used=in_time, example='!', is_expert=.true.), &
+         'time discretisation: second order, or first order (thesis); quasi_steady: no squeeze', &
+         words='backward_euler bdf2 quasi_steady', used=in_time, example='!', is_expert=.true.), &
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
          'T from which extremes and film statistics count; chosen: when waves have entered ' &
-         //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0')]
+         //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0'), &
+      key_row_t('history', 'file', text_kind, '', is_optional, &
+         'table: time [s] or angle [deg]; any of load_per_length [N/m], reduced_radius [m], ' &
+         //'speed_1, speed_2 [m/s]', used=in_time, &
+         example="! 'mesh.csv'"), &
+      key_row_t('history', 'interpolation', word_kind, '', "'linear'", &
+         'between the rows: straight lines, or monotone cubics', words='linear cubic', &
+         used='file', example='!'), &
+      key_row_t('history', 'periodic', logical_kind, '', '.false.', &
+         'repeats the table until a cycle no longer depends on the start; quantities are those ' &
+         //'of the last', used='file', example='!'), &
+      key_row_t('history', 'speed_rpm', real_kind, '1/min', is_optional, &
+         'speed of rotation, for a table over angles', range='> 0, <= 1e6', used='file', &
+         typical='1 to 1e5', example='! 1500.0')]
 
    type(key_row_t), parameter :: film_rows(*) = [ &
       key_row_t('film', 'layers', integer_kind, '-', '20', 'layers across the film', &

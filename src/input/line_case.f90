@@ -15,7 +15,7 @@ module line_case
    use passage_times, only: place_features, sufficient_end
    use scaling, only: scaled_fluid
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
-   use surface_scaling, only: scaled_surface
+   use surface_scaling, only: scaled_duty, scaled_surface
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
@@ -42,9 +42,12 @@ contains
          'duration')/case%scaling%time
       if (case%time%is_transient .and. .not. case%time%end_time > 0.0_wp) then
          case%time%end_time = sufficient_end(case%contact)
-         if (case%time%end_time > latest_end .or. .not. case%time%end_time > 0.0_wp) call &
+         if ((case%time%end_time > latest_end .and. .not. allocated(case%duty)) .or. .not. &
+            case%time%end_time > 0.0_wp) call &
             values%refuse_missing('time', 'end_time', 'where nothing rough moves, or hardly')
       end if
+      call check_places(values, 'surface_1', case%contact%surface_1)
+      call check_places(values, 'surface_2', case%contact%surface_2)
       given = case%time
       call choose_time_step(case%contact, case%time)
       if (case%time%is_transient) call check_times(values, case%time%end_time, case%time%time_step)
@@ -56,6 +59,17 @@ contains
       end if
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
+
+   !> Finds ridges without a position on a surface whose speed changes: none is the usual one.
+   subroutine check_places(values, group, surface)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      type(rough_surface_t), intent(in) :: surface
+
+      if (allocated(surface%course) .and. size(surface%features) > 0 .and. .not. &
+         values%has_value(group, 'position')) call values%refuse_missing(group, 'position', &
+         'with &history')
+   end subroutine check_places
 
    !> The contact of a case, with the domain that is given or chosen.
    subroutine build_contact(case)
@@ -77,6 +91,11 @@ contains
             allocate (contact%surface_1%features(0), contact%surface_2%features(0))
             contact%surface_1%speed = 1.0_wp
             contact%surface_2%speed = 1.0_wp
+         end if
+         if (allocated(case%duty)) then
+            contact%duty = scaled_duty(case%duty, case%scaling)
+            contact%surface_1%course = contact%duty%speeds(1)
+            contact%surface_2%course = contact%duty%speeds(2)
          end if
          call choose_domain(contact, case%solver%target)
          call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)

@@ -256,11 +256,13 @@ contains
       call file%visit('/march/way', march%way)
       call file%visit('/march/rigid_displacement', march%rigid_displacement)
       call file%visit('/march/lengths', march%lengths)
+      call file%visit('/march/next_length', march%next_length)
+      call file%visit('/march/direction', march%direction)
       if (.not. file%is_read) film = march%film
       call file%visit_vector('/march/film', film)
       n = size(film) - 1
       if (file%is_read) then
-         allocate (march%film(0:n), march%pressure(0:n, 3), march%mass(0:n, 2))
+         allocate (march%film(0:n), march%pressure(0:n, 3), march%mass(0:n, 4))
          march%film(:) = film
       end if
       call file%visit('/march/pressure', march%pressure)

@@ -244,8 +244,11 @@ contains
          else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
             row(bar:) = '+- not known'
          end if
-         if (is_transient .and. ieee_is_finite(quantity%time)) row(bar + 13:) = 'at T ' &
-            //number_text(quantity%time, 4)
+         if (is_transient .and. ieee_is_finite(quantity%time)) then
+            row(bar + 13:) = 'at T '//number_text(quantity%time, 4)
+            if (log%in_seconds) row(bar + 13:) = 'at '//prefixed_text(quantity%time &
+               *log%scaling%time, 's')
+         end if
       end associate
       if (i == p_max .and. .not. log%is_verbose) row(merge(bar + 25, bar + 13, is_transient):) = &
          spike_remark(summary, is_transient)

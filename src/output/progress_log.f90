@@ -42,6 +42,8 @@ module progress_log
       logical :: is_updating = .false.
       !> Summaries go to standard output, not to `unit`.
       logical :: has_summary_apart = .false.
+      !> Closing tables say times in seconds.
+      logical :: in_seconds = .false.
       !> The case: name of its file, and its scales.
       character(:), allocatable :: name
       type(scaling_t) :: scaling

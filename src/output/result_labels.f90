@@ -42,6 +42,10 @@ module result_labels
       row_t('rigid_displacement', 'film', 'rigid displacement', ' H0 of (2.58)'), &
       row_t('friction_coefficient', 'slope', 'force over the load'), &
       row_t('power', 'power', 'power per length'), &
+      row_t('load_per_length', 'load', 'load per length', ', w/w_ref'), &
+      row_t('reduced_radius', 'radius', 'reduced radius', ', R/R_ref'), &
+      row_t('speed_1', 'speed_sum', 'speed of surface 1', ', u_1/u_ref'), &
+      row_t('speed_2', 'speed_sum', 'speed of surface 2', ', u_2/u_ref'), &
       row_t('residual', '1', 'residual reached in the step'), &
       row_t('film_breakdown', '1', '1 where the film is below film_floor, else 0'), &
       row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)')]
@@ -77,8 +81,10 @@ contains
       type(scaling_t), intent(in) :: scaling
       type(label_t) :: label
       character(len=*), parameter :: names(*) = [character(len=14) :: 'half_width', 'film', &
-         'hertz_pressure', 'time', 'viscosity', 'shear_stress', 'slope', 'power'], &
-         si_units(*) = [character(len=4) :: 'm', 'm', 'Pa', 's', 'Pa s', 'Pa', '1', 'W/m']
+         'hertz_pressure', 'time', 'viscosity', 'shear_stress', 'slope', 'power', 'load', &
+         'radius', 'speed_sum'], &
+         si_units(*) = [character(len=4) :: 'm', 'm', 'Pa', 's', 'Pa s', 'Pa', '1', 'W/m', &
+         'N/m', 'm', 'm/s']
       real(wp) :: scales(size(names))
       integer :: i
 
@@ -86,7 +92,8 @@ contains
       i = findloc(names == unit, .true., 1)
       if (i == 0 .or. .not. scaling%is_dimensional) return
       scales = [scaling%half_width, scaling%film, scaling%hertz_pressure, scaling%time, &
-         scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power]
+         scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power, &
+         scaling%load_per_length, scaling%reduced_radius, scaling%speed_sum]
       label = new_label(long_name, trim(si_units(i)), scales(i))
    end function scaled_label
 

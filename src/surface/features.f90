@@ -3,10 +3,11 @@ module features
    use constants, only: pi
    use kinds, only: wp
    use profile, only: profile_height, profile_t, smooth_ramp
+   use time_table, only: time_table_t
    implicit none (type, external)
    private
 
-   public :: surface_height
+   public :: displacement, surface_height
 
    !> The ridge (amplitude > 0) or dent (< 0) of (5.4).
    integer, parameter, public :: feature_ridge = 1
@@ -36,6 +37,8 @@ module features
       type(feature_t), allocatable :: features(:)
       !> Speed at which the features move in x.
       real(wp) :: speed
+      !> Half of the speed over time, if it changes; `speed` is then that at the largest u1 + u2.
+      type(time_table_t), allocatable :: course
       !> Measured or synthetic heights, which move with the features.
       type(profile_t), allocatable :: profile
       !> Smooth entry: everything rises over this length behind a front that moves with the surface
@@ -56,19 +59,30 @@ contains
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x(:), time
       real(wp) :: psi(size(x))
+      real(wp) :: way
       integer :: i
 
       psi = 0.0_wp
+      way = displacement(surface, time)
       if (allocated(surface%features)) then
          do i = 1, size(surface%features)
             call add_feature(surface%features(i), &
-               x - (surface%features(i)%position + surface%speed*time), psi)
+               x - (surface%features(i)%position + way), psi)
          end do
       end if
       if (allocated(surface%profile)) psi = psi + profile_height(surface%profile, &
-         x - surface%speed*time)
+         x - way)
       if (surface%entry_length > 0.0_wp) psi = psi*entered_share(surface, x, time)
    end function surface_height
+
+   !> Distance that a surface has moved by `time`: the integral of its speed.
+   pure real(wp) function displacement(surface, time) result(way)
+      type(rough_surface_t), intent(in) :: surface
+      real(wp), intent(in) :: time
+
+      way = surface%speed*time
+      if (allocated(surface%course)) way = 2*surface%course%integral(time)
+   end function displacement
 
    !> Share to which a surface that enters has risen: 0 before the front, 1 from `entry_length`
    !> behind it on.
@@ -77,9 +91,11 @@ contains
       real(wp), intent(in) :: x, time
 
       if (surface%speed > 0.0_wp) then
-         share = smooth_ramp((surface%entry_position + surface%speed*time - x)/surface%entry_length)
+         share = smooth_ramp((surface%entry_position + displacement(surface, time) &
+            - x)/surface%entry_length)
       else if (surface%speed < 0.0_wp) then
-         share = smooth_ramp((x - surface%entry_position - surface%speed*time)/surface%entry_length)
+         share = smooth_ramp((x - surface%entry_position - displacement(surface, &
+            time))/surface%entry_length)
       else
          share = smooth_ramp(time/surface%entry_length)
       end if

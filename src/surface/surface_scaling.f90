@@ -1,12 +1,14 @@
 !> Converts surfaces from SI to the dimensionless form of the lubricated contact.
 module surface_scaling
+   use duty, only: duty_rows_t, duty_t, of_load, of_radius, of_speeds, of_time
    use features, only: rough_surface_t
    use kinds, only: wp
    use scaling, only: scaling_t
+   use time_table, only: new_time_table, time_table_t
    implicit none (type, external)
    private
 
-   public :: scaled_surface
+   public :: scaled_duty, scaled_surface
 
 contains
 
@@ -34,5 +36,29 @@ contains
       scaled%profile%spacing = surface%profile%spacing/scaling%half_width
       scaled%profile%finest_wave = surface%profile%finest_wave/scaling%half_width
    end function scaled_surface
+
+   !> Converts a table in SI to the values relative to the scaling, over T.
+   pure function scaled_duty(rows, scaling) result(duty)
+      type(duty_rows_t), intent(in) :: rows
+      type(scaling_t), intent(in) :: scaling
+      type(duty_t) :: duty
+
+      duty%load = over_time(of_load, scaling%load_per_length)
+      duty%radius = over_time(of_radius, scaling%reduced_radius)
+      duty%speeds = [over_time(of_speeds(1), scaling%speed_sum), over_time(of_speeds(2), &
+         scaling%speed_sum)]
+
+   contains
+
+      !> A column in a `unit`.
+      pure type(time_table_t) function over_time(column, unit) result(table)
+         integer, intent(in) :: column
+         real(wp), intent(in) :: unit
+
+         table = new_time_table(rows%values(:, of_time)/scaling%time, rows%values(:, column)/unit, &
+            rows%is_linear, rows%is_periodic)
+      end function over_time
+
+   end function scaled_duty
 
 end module surface_scaling

@@ -1,0 +1,220 @@
+!> &history: the table of loads, radii and speeds over time, from its file to the values of a
+!> reference state and to rows in SI.
+module duty_input
+   use duty, only: duty_rows_t, of_angle, of_load, of_radius, of_speeds, of_time
+   use errors, only: error_t, fail, input_error
+   use file_bytes, only: checksum_t
+   use height_table, only: is_row, split
+   use input_values, only: input_values_t
+   use kinds, only: wp
+   use number_text, only: read_real
+   use text, only: counted, joined, to_text
+   use text_file, only: open_lines, text_lines_t
+   implicit none (type, external)
+   private
+
+   public :: complete_duty, read_duty
+
+   !> Columns, their keys in the namelist, and their limits.
+   character(len=24), parameter :: columns(*) = [character(len=24) :: 'time [s]', 'angle [deg]', &
+      'load_per_length [N/m]', 'reduced_radius [m]', 'speed_1 [m/s]', 'speed_2 [m/s]']
+   character(len=15), parameter :: groups(*) = [character(len=15) :: '', '', 'load', 'bodies', &
+      'bodies', 'bodies'], keys(*) = [character(len=15) :: '', '', 'load_per_length', &
+      'reduced_radius', 'speed_1', 'speed_2']
+   real(wp), parameter :: least(*) = [-1.0e9_wp, -1.0e12_wp, 1.0e-6_wp, 1.0e-9_wp, -1.0e4_wp, &
+      -1.0e4_wp], largest(*) = [1.0e9_wp, 1.0e12_wp, 1.0e12_wp, 1.0e9_wp, 1.0e4_wp, 1.0e4_wp]
+   real(wp), parameter :: usual(*) = [0.0_wp, 0.0_wp, 1.0e5_wp, 0.01_wp, 1.0_wp, 1.0_wp]
+   !> Most rows.
+   integer, parameter :: most_rows = 1000000
+   real(wp), parameter :: degrees_of_a_turn = 360.0_wp, seconds_of_a_minute = 60.0_wp
+
+contains
+
+   !> Reads the table of &history, if any, a path relative to `folder` (with its slash), and gives
+   !> the keys of its columns their values in the reference state: the largest load times radius, of
+   !> which the contact is the widest, and the largest u1 + u2. Findings: the table.
+   subroutine read_duty(values, folder, rows)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: folder
+      type(duty_rows_t), allocatable, intent(out) :: rows
+      type(error_t), allocatable :: error
+      character(:), allocatable :: file
+      integer :: i, widest
+
+      if (.not. values%has_value('history', 'file')) return
+      allocate (rows)
+      file = trim(values%text_value('history', 'file'))
+      if (index(file, '/') /= 1) file = folder//file
+      call read_table(file, rows, error)
+      if (.not. allocated(error)) call check_clock(values, rows, file, error)
+      if (allocated(error)) then
+         call values%refuse('history', 'file', error%message)
+         deallocate (rows)
+         do i = of_load, of_speeds(2)   ! what it may have had is not missing
+            if (.not. values%is_given(trim(groups(i)), trim(keys(i)))) call &
+               values%give(trim(groups(i)), trim(keys(i)), trim(keys(i)), usual(i))
+         end do
+         return
+      end if
+      rows%is_linear = values%word_value('history', 'interpolation') == 'linear'
+      rows%is_periodic = values%logical_value('history', 'periodic')
+      associate (of => rows%values, has => rows%has)
+         widest = maxloc(merge(of(:, of_load), 1.0_wp, has(of_load)) &
+            *merge(of(:, of_radius), 1.0_wp, has(of_radius)), 1)
+         do i = of_load, of_radius
+            if (has(i)) call values%give(trim(groups(i)), trim(keys(i)), trim(keys(i)), of(widest, &
+               i))
+         end do
+         do i = 1, 2
+            if (.not. has(of_speeds(i))) of(:, of_speeds(i)) = values%real_value('bodies', &
+               trim(keys(of_speeds(i))))
+         end do
+         widest = maxloc(of(:, of_speeds(1)) + of(:, of_speeds(2)), 1)
+         do i = 1, 2
+            if (has(of_speeds(i))) call values%give('bodies', trim(keys(of_speeds(i))), &
+               trim(keys(of_speeds(i))), of(widest, of_speeds(i)))
+         end do
+         if (.not. abs(of(1, of_speeds(1)) + of(1, of_speeds(2))) > 0.0_wp) call &
+            values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the first '// &
+            'row, expected a history that begins in motion: at rest no film is known')
+      end associate
+   end subroutine read_duty
+
+   !> Fills the columns that the table leaves out with the constants of the namelist.
+   pure subroutine complete_duty(rows, load, radius)
+      type(duty_rows_t), intent(inout) :: rows
+      real(wp), intent(in) :: load, radius
+
+      if (.not. rows%has(of_load)) rows%values(:, of_load) = load
+      if (.not. rows%has(of_radius)) rows%values(:, of_radius) = radius
+   end subroutine complete_duty
+
+   !> Finds an angle without a speed of rotation, a speed without an angle; turns angles into times
+   !> from the first row on.
+   subroutine check_clock(values, rows, file, error)
+      type(input_values_t), intent(in) :: values
+      type(duty_rows_t), intent(inout) :: rows
+      character(*), intent(in) :: file
+      type(error_t), allocatable, intent(out) :: error
+
+      associate (has_speed => values%has_value('history', 'speed_rpm'), of => rows%values)
+         if (rows%has(of_angle) .and. .not. has_speed) then
+            call fail(error, input_error, file//': found angles, expected &history '// &
+               'speed_rpm with them')
+         else if (has_speed .and. .not. rows%has(of_angle)) then
+            call fail(error, input_error, file//': found times with &history '// &
+               'speed_rpm, expected the column '//trim(columns(of_angle)))
+         else if (rows%has(of_angle)) then
+            of(:, of_time) = of(:, of_angle)*seconds_of_a_minute/(degrees_of_a_turn &
+               *values%real_value('history', 'speed_rpm'))
+         end if
+         of(:, of_time) = of(:, of_time) - of(1, of_time)
+      end associate
+   end subroutine check_clock
+
+   !> Reads a table: comments (#), names with units, rows of numbers, separated by commas. Errors
+   !> (input_error), with the line: any other form; times that do not rise; numbers out of range.
+   subroutine read_table(file, rows, error)
+      character(*), intent(in) :: file
+      type(duty_rows_t), intent(inout) :: rows
+      type(error_t), allocatable, intent(out) :: error
+      type(text_lines_t) :: lines
+      type(checksum_t) :: checksum
+      character(:), allocatable :: fault
+      real(wp), allocatable :: numbers(:, :)
+      integer, allocatable :: column(:)
+      logical :: is_there
+      integer :: n
+
+      call open_lines(lines, file, error)
+      if (allocated(error)) return
+      fault = ''
+      n = -1
+      do
+         call lines%next(is_there, error)
+         if (allocated(error) .or. .not. is_there) exit
+         if (.not. is_row(lines)) cycle
+         n = n + 1
+         if (n == 0) then
+            call read_names(lines%line(:lines%length), rows, column, fault)
+            allocate (numbers(size(column), 1024))
+         else
+            call make_room(numbers, n)
+            call read_numbers(lines%line(:lines%length), column, numbers(:, n), fault)
+            if (fault == '' .and. n > 1) then
+               if (numbers(1, n) <= numbers(1, n - 1)) fault = 'found '//to_text(numbers(1, n))// &
+                  ' behind '//to_text(numbers(1, n - 1))//', expected rising '// &
+                  trim(columns(column(1)))
+            end if
+            if (n > most_rows) fault = 'found more than '//to_text(most_rows)//' rows'
+         end if
+         if (fault /= '') exit
+      end do
+      if (fault == '' .and. n < 2) fault = 'found '//counted(max(n, 0), 'row')//', expected '// &
+         'names with units and at least two rows'
+      if (fault /= '' .and. .not. allocated(error)) call fail(error, input_error, &
+         file//':'//to_text(lines%number)//': '//fault)
+      call lines%close()
+      if (allocated(error)) return
+      allocate (rows%values(n, size(columns)), source=0.0_wp)
+      rows%values(:, column) = transpose(numbers(:, :n))
+      call checksum%add(reshape(numbers(:, :n), [size(column)*n]))
+      rows%digits = checksum%digits()
+   end subroutine read_table
+
+   !> Makes room for row number `n`.
+   pure subroutine make_room(numbers, n)
+      real(wp), allocatable, intent(inout) :: numbers(:, :)
+      integer, intent(in) :: n
+      real(wp), allocatable :: more(:, :)
+
+      if (n <= size(numbers, 2)) return
+      allocate (more(size(numbers, 1), 2*n))
+      more(:, :n - 1) = numbers(:, :n - 1)
+      call move_alloc(more, numbers)
+   end subroutine make_room
+
+   !> The column of each field of a row of names.
+   pure subroutine read_names(row, rows, column, fault)
+      character(*), intent(in) :: row
+      type(duty_rows_t), intent(inout) :: rows
+      integer, allocatable, intent(out) :: column(:)
+      character(:), allocatable, intent(inout) :: fault
+      integer :: bounds(2, size(columns) + 1), fields, i
+
+      call split(',', row, bounds, fields)
+      fields = min(fields, size(bounds, 2))
+      column = [(findloc(columns == row(bounds(1, i):bounds(2, i)), .true., 1), i=1, fields)]
+      rows%has = [(any(column == i), i=1, size(columns))]
+      if (count(rows%has) == fields .and. fields > 1 .and. any(column(1) == [of_time, of_angle]) &
+         .and. count(rows%has([of_time, of_angle])) == 1) return
+      fault = "found '"//row//"', expected names with units: "//trim(columns(of_time))//' or '// &
+         trim(columns(of_angle))//', then any of '//joined(columns(of_load:), ', ')
+   end subroutine read_names
+
+   !> The numbers of a row.
+   pure subroutine read_numbers(row, column, numbers, fault)
+      character(*), intent(in) :: row
+      integer, intent(in) :: column(:)
+      real(wp), intent(out) :: numbers(:)
+      character(:), allocatable, intent(inout) :: fault
+      integer :: bounds(2, size(columns) + 1), fields, i
+      logical :: good
+
+      numbers = 0.0_wp
+      call split(',', row, bounds, fields)
+      if (fields /= size(column)) fault = 'found '//counted(fields, 'field')//', expected '// &
+         to_text(size(column))
+      do i = 1, merge(size(column), 0, fault == '')
+         associate (field => row(bounds(1, i):bounds(2, i)), c => column(i))
+            call read_real(field, numbers(i), good)
+            if (good) good = numbers(i) >= least(c) .and. numbers(i) <= largest(c)
+            if (good) cycle
+            fault = "found '"//field//"', expected a number from "//to_text(least(c))//' to '// &
+               to_text(largest(c))//' in '//trim(columns(c))
+         end associate
+         return
+      end do
+   end subroutine read_numbers
+
+end module duty_input
