@@ -69,7 +69,7 @@ contains
       real(wp) :: start
 
       if (case%output_settings%adequacy == '.false.' .or. .not. report%converged &
-         .or. allocated(case%duty)) return
+         .or. case%time%scheme == 'quasi_steady') return
       start = wall_seconds()
       associate (writer => listener%writer)
          writer%adequacy%is_full = case%output_settings%adequacy == 'full'

@@ -4,6 +4,7 @@ module result_end
    use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
       status_not_written
    use case_record, only: case_t
+   use contact_moment, only: at_moment
    use closing_table, only: close_case, closing_words_t, spike_lines
    use errors, only: error_t
    use shear_stresses, only: velocity_profile
@@ -63,7 +64,7 @@ contains
       of%bodies = case%bodies
       of%lubricant = case%lubricant
       of%materials = case%materials
-      of%contact = case%contact
+      of%contact = at_moment(case%contact, state%time)
       of%summary = listener%writer%quantities_at_end(state, report)
       ! the rule gives the change over the film that is starved
       of%film_loss = report%fit%inlet_error/(1 + report%fit%inlet_error)

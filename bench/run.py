@@ -19,10 +19,11 @@ from functools import partial
 from pathlib import Path
 
 import bench_program
+import f90nml
 import h5py
-from bench_program import ASPERITY, Answer, Job, Usage, job, measured, new_parser, output_folder, write_csv
+from bench_program import ASPERITY, ROOT, Answer, Job, Usage, job, measured, new_parser, output_folder, write_csv
 from chart import METHODS, THESIS_SOLVER
-from namelists import BARE, case_1, case_3, moes
+from namelists import BARE, case_1, case_3, moes, namelist
 
 BLOCK_JACOBI, LINE, GAUSS_SEIDEL = (METHODS[f"FAS, {name}"] for name in ("Block-Jacobi", "line", "Gauss-Seidel"))
 KRYLOV, DENSE = METHODS["newton_krylov"], METHODS["newton_dense"]
@@ -244,6 +245,30 @@ def momentum_rows(runs: int) -> list[Row]:
     return [*rows, one_value("full momentum: per interval, 1792 over 448", 1.3, ratio)]
 
 
+def history_rows(runs: int) -> list[Row]:
+    """The mesh of a gear tooth: processor time of a whole process, and its memory over the number of steps."""
+    with tempfile.TemporaryDirectory() as name:
+        measured([ASPERITY.with_name("asperity-duty"), "gear", ROOT / "input/duty/spur_gear.toml", "--output", name])
+        groups = f90nml.read(Path(name) / "spur_gear.nml").todict()
+        groups["history"]["file"] = f"{name}/spur_gear.csv"
+        groups["output"] = {"adequacy": False}
+        end = 48.4028  # of the mesh [T]
+
+        def mesh(steps: int, intervals: int = 512, bars: bool = False, **time: object) -> list[Usage]:
+            """Runs of the mesh."""
+            own = {"transient": True, "time_step": end / steps} | time
+            text = namelist(groups | {"time": own, "domain": {"intervals": intervals}, "accuracy": {"error_bars": bars}})
+            return [process(text)[0] for _ in range(runs)]
+
+        few, many = mesh(900), mesh(9000)
+        rows = [several("gear mesh, 900 steps, 512", 1.0, [used.processor for used in few])]
+        rows.append(several("  with error bars", 2.5, [used.processor for used in mesh(900, bars=True)]))
+        march = mesh(200, 256, scheme="quasi_steady")
+        rows.append(several("quasi-steady march, 200 moments, 256", 0.15, [used.processor for used in march]))
+        ratio = many[0].memory / few[0].memory
+        return [*rows, one_value("memory, 9000 steps over 900", 1.1, ratio, note=f"{few[0].memory:.0f} MB")]
+
+
 def map_row(cells: int) -> list[Row]:
     """`auto` over the M-L plane; intervals and domain chosen by the program."""
     side = round(math.sqrt(cells))
@@ -273,6 +298,7 @@ def main() -> int:
         "In time (chapter 5, Case 3)": partial(transient_rows, 1 if quick else 5),
         "Large grids": partial(size_rows, runs, 2**18 if quick else 2**20),
         "Full momentum equations, whole process (asked for 400 and 1600 intervals)": partial(momentum_rows, 3 if quick else 7),
+        "Histories of load, radius and speeds, whole process": partial(history_rows, 3 if quick else 9),
         "Whole program": partial(process_rows, max(runs // 10, 10), 3 if quick else 9),
         "Map": partial(map_row, 100 if quick else 400),
     }

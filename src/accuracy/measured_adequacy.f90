@@ -12,7 +12,7 @@
 !> step, and a first-order run one by the second-order scheme. Otherwise one more run on n/4
 !> intervals, with twice the step of that of the error bars, shows the effect of a larger step.
 module measured_adequacy
-   use ablation_runs, only: change_between, largest_change, measure_at_rest
+   use ablation_runs, only: change_between, largest_change, measure_at_rest, set_change
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze
    use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use domain_choice, only: choose_domain
@@ -29,6 +29,7 @@ module measured_adequacy
    use missing_value, only: quotient
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
+   use quantities, only: quantity_count
    use solver_settings, only: domain_t
    use split_errors, only: time_errors
    implicit none (type, external)
@@ -92,7 +93,9 @@ contains
       associate (contact => solved%experiment%contact, n => real(size(state%x) - 1, wp), &
          time => solved%experiment%time)
          associate (list => ingredients_of(contact, time%is_transient))
-            if (time%is_transient) then
+            if (allocated(contact%duty)) then
+               call measure_history(solved, adequacy, listener, error)   ! error: the caller looks
+            else if (time%is_transient) then
                budget = march_weight*n*solved%newton_steps
                if (solved%bars%grids > 0) budget = budget*(merge(2, 1, &
                   solved%bars%is_first_order) + coarse_share)
@@ -114,6 +117,34 @@ contains
          end associate
       end associate
    end subroutine measure_adequacy
+
+   !> Measures what squeeze changes in a contact whose load, radius and speeds change: the steady
+   !> contact of each moment, on n/2 and n/4 intervals.
+   subroutine measure_history(solved, adequacy, listener, error)
+      type(solved_t), intent(in) :: solved
+      type(adequacy_t), intent(inout) :: adequacy
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(passage_pair_t) :: pair
+      type(experiment_t) :: steady
+      type(outcome_t) :: outcome
+      real(wp) :: changes(quantity_count, 2)
+      integer :: g
+
+      pair = pair_of(solved, 2)
+      adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
+      adequacy%rows%unknown = no_grids
+      if (.not. pair%is_known) return
+      do g = 1, 2
+         steady = pair%runs(g)
+         steady%time%scheme = 'quasi_steady'
+         steady%time%tolerance = 0.0_wp
+         call run_experiment(steady, listener, outcome, error)
+         if (allocated(error) .or. .not. outcome%is_known) return
+         changes(:, g) = change_between(outcome%summary, pair%full(g))
+      end do
+      call set_change(adequacy%rows(1), changes, 0*changes, pair%widths)
+   end subroutine measure_history
 
    !> Largest cost of a full measurement of a transient, over that of the transient.
    pure real(wp) function full_cost(contact) result(cost)

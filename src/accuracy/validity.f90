@@ -151,7 +151,8 @@ contains
                *scaling%slope
          case (shear_heating)
             if (given%thermal_viscosity > 0.0_wp) then
-               limit%value = larger(summary%limits%film_heating, &
+               limit%value = summary%limits%film_heating
+               if (.not. allocated(of%contact%duty)) limit%value = larger(limit%value, &
                   largest_rise(new_heating(scaling, of%bodies, given%effusivity, &
                   given%conductivity), state%x, mean_stresses(of, state), &
                   state%film_thickness))

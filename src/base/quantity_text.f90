@@ -44,7 +44,8 @@ contains
       exponent = 0
       if (abs(value) > 0.0_wp) exponent = floor(log10(abs(value))/3.0_wp)
       exponent = min(max(exponent, -4), 4)
-      string = to_text(value/10.0_wp**(3*exponent), 4)//' ' &
+      string = '0 '//unit
+      if (abs(value) > 0.0_wp) string = to_text(value/10.0_wp**(3*exponent), 4)//' ' &
          //trim(adjustl(prefixes(exponent + 5:exponent + 5)))//unit
    end function prefixed_text
 

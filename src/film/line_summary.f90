@@ -9,13 +9,13 @@ module line_summary
    use line_state, only: line_state_t, turned
    use missing_value, only: larger, not_known
    use quantities, only: parabola_extreme, quantity_count, quantity_rows, quantity_values, &
-      rule_between, rule_crest, rule_node, rule_value
+      rolling_power, rule_between, rule_crest, rule_node, rule_value, sliding_power
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private
 
-   public :: crests_t, keep_extremes, line_summary_t, new_quantity, quantity_t, summary_of, &
-      summary_of_fields, copy_values, value_between
+   public :: crests_t, keep_extremes, line_summary_t, mean_power, new_quantity, quantity_t, &
+      summary_of, summary_of_fields, copy_values, value_between
 
    !> One quantity, the time at which it was reached, and its errors.
    type :: quantity_t
@@ -68,6 +68,9 @@ module line_summary
       type(crests_t) :: crests
       !> Distance from the limit of Reynolds' equation; over several times the largest.
       type(reynolds_limits_t) :: limits
+      !> Power of sliding and rolling together at the last time, that time, and what it has added up
+      !> to over a span.
+      real(wp) :: power = 0.0_wp, last_time = 0.0_wp, work = 0.0_wp, span = 0.0_wp
    end type line_summary_t
 
 contains
@@ -102,7 +105,17 @@ contains
       end do
       summary%crests = crests_of(x, p, h)
       summary%limits = unknown_limits()
+      summary%power = summary%of(sliding_power)%value + summary%of(rolling_power)%value
+      summary%last_time = time
    end function summary_of_fields
+
+   !> Mean power of sliding and rolling over the times of a summary.
+   pure real(wp) function mean_power(summary) result(power)
+      type(line_summary_t), intent(in) :: summary
+
+      power = summary%power
+      if (summary%span > 0.0_wp) power = summary%work/summary%span
+   end function mean_power
 
    !> Copies the values of `other`, a solution of other equations on the same grid: error estimates
    !> stay, extrapolated values change by as much as the values.
@@ -127,6 +140,12 @@ contains
       do i = 1, quantity_count
          call keep_extreme(i, summary%of(i), other%of(i))
       end do
+      associate (step => other%last_time - summary%last_time)
+         summary%work = summary%work + 0.5_wp*step*(summary%power + other%power)
+         summary%span = summary%span + step
+         summary%power = other%power
+         summary%last_time = other%last_time
+      end associate
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
       summary%crests%other = larger(summary%crests%other, other%crests%other)
       call widen_limits(summary%limits, other%limits)

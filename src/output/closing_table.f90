@@ -4,7 +4,7 @@ module closing_table
    use hdf5_dataset, only: label_t
    use iteration_report, only: breakdown_t, ending_text, has_converged, report_t
    use kinds, only: wp
-   use line_summary, only: line_summary_t
+   use line_summary, only: line_summary_t, mean_power
    use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
@@ -70,6 +70,8 @@ contains
       if (exceeds(summary%of(p_max)%value, 0.0_wp)) head = head//rows_of(summary, ratio, report, &
          log)
       body = ''
+      if (log%in_seconds) call add_words(body, 'power     '//prefixed_text(mean_power(summary) &
+         *log%scaling%power, 'W/m')//' of sliding and rolling on average')
       call add_words(body, words%spike)
       call add_words(body, words%formulas)
       if (present(limits)) body = body//limit_lines(limits, report%is_mixed)

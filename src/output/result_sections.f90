@@ -8,7 +8,7 @@ module result_sections
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: breakdown_t, phase_names, report_t
    use kinds, only: wp
-   use line_summary, only: line_summary_t, quantity_t
+   use line_summary, only: line_summary_t, mean_power, quantity_t
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
@@ -20,7 +20,8 @@ module result_sections
    implicit none (type, external)
    private
 
-   public :: write_breakdown, write_report, write_scaling, write_summary, write_times
+   public :: write_breakdown, write_mean_power, write_report, write_scaling, write_summary, &
+      write_times
 
 contains
 
@@ -89,7 +90,7 @@ contains
                quantity, 8.0_wp*scaling%moes_m/pi, new_label('', '1'))
          end associate
       end do
-      if (ieee_is_finite(lambda_ratio)) call write_value('/summary/lambda_ratio', &
+      if (ieee_is_finite(lambda_ratio)) call write_value(file, '/summary/lambda_ratio', &
          'smallest film over composite rms height of both surfaces', lambda_ratio, &
          new_label('', '1'), lambda_ratio*abs(summary%of(h_min)%error_estimate &
          /summary%of(h_min)%value), missing)
@@ -107,7 +108,7 @@ contains
          if (.not. ieee_is_finite(value)) return
          words = trim(limit_rows(i)%meaning)//' (dimensionless: times R/b)'
          if (is_transient) words = words//', largest over time'
-         call write_value('/summary/'//trim(limit_rows(i)%name), words, value, &
+         call write_value(file, '/summary/'//trim(limit_rows(i)%name), words, value, &
             scaled_label('', 'slope', scaling), not_known(), &
             'it says how far the model holds: /adequacy/validity has its threshold')
       end subroutine write_limit
@@ -122,38 +123,39 @@ contains
 
          path = '/summary/'//name
          associate (error => quantity%error_estimate*factor, unit => scale%si_scale)
-            call write_value(path, long_name, quantity%value*factor, scale, error, missing)
+            call write_value(file, path, long_name, quantity%value*factor, scale, error, missing)
             call write_attribute(file, path, 'error_grid', quantity%error_grid*factor*unit)
             call write_attribute(file, path, 'error_domain', quantity%error_domain*factor*unit)
             call write_attribute(file, path, 'error_iteration', &
                quantity%error_iteration*factor*unit)
             call write_attribute(file, path, 'error_start', quantity%error_start*factor*unit)
             call write_attribute(file, path, 'error_model', quantity%error_model*factor*unit)
-            if (ieee_is_finite(quantity%extrapolated)) call write_value(path//'_extrapolated', &
-               name//' by Richardson extrapolation from n and n/2 intervals', &
+            if (ieee_is_finite(quantity%extrapolated)) call write_value(file, &
+               path//'_extrapolated', name//' by Richardson extrapolation from n and n/2 intervals', &
                quantity%extrapolated*factor, scale, error, missing)
          end associate
          if (.not. is_transient .or. index(name, '_moes') > 0) return
-         call write_value(path//'_time', 'time at which '//name//' was reached', quantity%time, &
-            scaled_label('', 'time', scaling), not_known(), &
+         call write_value(file, path//'_time', 'time at which '//name//' was reached', &
+            quantity%time, scaled_label('', 'time', scaling), not_known(), &
             'one of the time steps; from one to another of nearly equal extremes it jumps, '// &
             'which no grids predict')
       end subroutine write_quantity
 
-      !> A value in the unit of `scale`, with its estimated error, or why there is none.
-      subroutine write_value(path, long_name, value, scale, error, missing)
-         character(*), intent(in) :: path, long_name, missing
-         real(wp), intent(in) :: value, error
-         type(label_t), intent(in) :: scale
-
-         call write_dataset(file, path, value*scale%si_scale, new_label(long_name, scale%si_units))
-         if (scale%si_units == '1') call write_attribute(file, path, 'units', '1')
-         call write_attribute(file, path, 'dimensionless', value)
-         call write_attribute(file, path, 'error_estimate', error*scale%si_scale)
-         if (.not. ieee_is_finite(error)) call write_attribute(file, path, 'no_estimate', missing)
-      end subroutine write_value
-
    end subroutine write_summary
+
+   !> A value in the unit of `scale`, with its estimated error, or why there is none.
+   subroutine write_value(file, path, long_name, value, scale, error, missing)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, long_name, missing
+      real(wp), intent(in) :: value, error
+      type(label_t), intent(in) :: scale
+
+      call write_dataset(file, path, value*scale%si_scale, new_label(long_name, scale%si_units))
+      if (scale%si_units == '1') call write_attribute(file, path, 'units', '1')
+      call write_attribute(file, path, 'dimensionless', value)
+      call write_attribute(file, path, 'error_estimate', error*scale%si_scale)
+      if (.not. ieee_is_finite(error)) call write_attribute(file, path, 'no_estimate', missing)
+   end subroutine write_value
 
    !> Attributes of /summary: which times of a transient count [T].
    subroutine write_times(file, times)
@@ -164,6 +166,22 @@ contains
       call write_attribute(file, '/summary', 'settled_from', times%settled_from)
       if (times%period > 0.0_wp) call write_attribute(file, '/summary', 'period', times%period)
    end subroutine write_times
+
+   !> The mean power of a contact whose load, radius and speeds change, over the times that count;
+   !> its error is the change from `coarser` (0 or 1), with half of the nodes and steps.
+   subroutine write_mean_power(file, summary, coarser, scaling, missing)
+      class(hdf5_file_t), intent(inout) :: file
+      type(line_summary_t), intent(in) :: summary, coarser(:)
+      type(scaling_t), intent(in) :: scaling
+      character(*), intent(in) :: missing
+      real(wp) :: error
+
+      error = not_known()
+      if (size(coarser) > 0) error = abs(mean_power(summary) - mean_power(coarser(1)))
+      call write_value(file, '/summary/mean_power', 'mean power over time that sliding and '// &
+         'rolling turn into heat, per length', mean_power(summary), scaled_label('', 'power', &
+         scaling), error, missing)
+   end subroutine write_mean_power
 
    !> /report: how the solver went; the only place with wall times.
    subroutine write_report(file, report)

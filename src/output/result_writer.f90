@@ -19,7 +19,8 @@ module result_writer
    use field_sections, only: write_film_passage, write_momentum, write_solution, &
       write_statistics, write_velocity
    use result_file, only: result_file_t
-   use result_sections, only: write_breakdown, write_scaling, write_summary, write_times
+   use result_sections, only: write_breakdown, write_mean_power, write_scaling, &
+      write_summary, write_times
    use validity, only: limit_t
    use validity_table, only: mixed_lubrication
    implicit none (type, external)
@@ -65,6 +66,7 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
+      type(heating_t) :: heating
 
       if (allocated(self%run%statistics%thresholds)) then
          if (step == 0) call add_start(self%run%statistics, state)
@@ -73,12 +75,22 @@ contains
       end if
       summary = summary_of(state)
       if (self%heating%is_known .and. allocated(state%shear_stress_mean)) then
-         summary%limits%film_heating = largest_rise(self%heating, state%x, &
+         heating = self%heating
+         if (has_duty(self)) heating%speeds = state%moment%speeds*self%scaling%speed_sum
+         summary%limits%film_heating = largest_rise(heating, state%x, &
             state%shear_stress_mean, state%film_thickness)
       end if
       call self%run%passage%add(summary, state%time, step == steps)
       call self%append_step(state, summary, report)
    end subroutine store_step
+
+   !> Whether load, radius and speeds change in time.
+   pure logical function has_duty(self)
+      class(result_writer_t), intent(in) :: self
+
+      has_duty = .false.
+      if (allocated(self%fields)) has_duty = any(self%fields == 'speed_1')
+   end function has_duty
 
    !> The quantities at the end, of a transient extremes; with error bars if it has converged.
    pure function quantities_at_end(self, state, report) result(summary)
@@ -122,6 +134,8 @@ contains
       if (allocated(self%limits)) lambda_ratio = self%limits(mixed_lubrication)%value
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing, &
          lambda_ratio)
+      if (has_duty(self)) call write_mean_power(self%file, self%run%passage%counted, &
+         self%bars%coarser(:min(self%bars%grids, 1)), self%scaling, missing)
       if (self%is_transient) call write_times(self%file, self%run%passage%times)
       call write_statistics(self%file, self%run%statistics, self%scaling, &
          self%run%passage%times%statistics_from())
