@@ -3,18 +3,18 @@
 module case_notes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
-   use domain_choice, only: inlet_error
+   use domain_choice, only: find_finest_moment, inlet_error
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
-   use quantity_text, only: duration_text
+   use quantity_text, only: duration_text, prefixed_text
    use quantities, only: h_min, quantity_rows
    use run_observer, only: run_observer_t
    use text, only: add_sentence, to_text
-   use wave_resolution, only: coarse_waves, long_steps
+   use wave_resolution, only: coarse_waves, intervals_at_least, long_steps
    implicit none (type, external)
    private
 
@@ -26,6 +26,8 @@ module case_notes
    !> Processor time of one interval in one time step [s]: 0.4e-6 of a smooth wave to 1.2e-6 of
    !> roughness, measured on a server core; and what error bars add to it.
    real(wp), parameter :: step_seconds = 1.0e-6_wp, error_bars_share = 0.5_wp
+   !> Grids with fewer than the inverse of this times the intervals that a moment needs are told.
+   real(wp), parameter :: coarse_duty = 2.0_wp
    !> Runs that take longer are announced by --check, and say before they start what would make them
    !> shorter [s].
    real(wp), parameter, public :: minute = 60.0_wp, hour = 3600.0_wp
@@ -89,19 +91,30 @@ contains
       end do
    end subroutine note_unusual
 
-   !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces. With a
+   !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces, or for
+   !> the thinnest film of a duty. With a
    !> wanted accuracy both are chosen by their effect on h_min.
    subroutine note_coarse_waves(case, listener, note)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
+      real(wp) :: spacing, wanted, when
 
       if (case%solver%target > 0.0_wp) return
       words = coarse_waves(case%contact, case%time)
       if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
          long_steps(case%contact, case%time)
       call add_note(case, listener, words, note)
+      if (.not. allocated(case%duty)) return
+      call find_finest_moment(case%contact, when, spacing)
+      associate (domain => case%contact%domain)
+         wanted = (domain%x_outlet - domain%x_inlet)/spacing
+         if (wanted > coarse_duty*domain%intervals) call add_note(case, listener, 'the film at ' &
+            //prefixed_text(when*case%scaling%time, 's')//' needs ' &
+            //to_text(intervals_at_least(wanted))//' intervals for 1 %, the grid has ' &
+            //to_text(domain%intervals), note)
+      end associate
    end subroutine note_coarse_waves
 
    !> Adds to `note` where the coarser runs of a transient do not predict its wanted accuracy.

@@ -47,7 +47,8 @@ contains
       speed = abs(sum(moment%speeds))
       if (is_moving) speed = max(speed, least_speed)
       own%lambda = contact%lambda*speed*moment%radius/moment%load**2
-      own%slide_to_roll = 2*(moment%speeds(2) - moment%speeds(1))/sum(moment%speeds)
+      own%slide_to_roll = sign(2/speed, sum(moment%speeds))*(moment%speeds(2) &
+         - moment%speeds(1))
       own%slope = contact%slope*pressure
       associate (fluid => own%fluid)
          fluid%alpha_bar = fluid%alpha_bar*pressure

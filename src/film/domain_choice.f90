@@ -26,7 +26,7 @@ module domain_choice
    implicit none (type, external)
    private
 
-   public :: choose_anew, choose_domain, inlet_error, inlet_pressure_error, intervals_for, &
+   public :: choose_anew, choose_domain, find_finest_moment, inlet_error, inlet_pressure_error, intervals_for, &
       intervals_for_film
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
@@ -84,11 +84,10 @@ contains
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
       type(line_contact_t) :: own
-      real(wp) :: ends(2), far(2), spacing, width
+      real(wp) :: ends(2), far(2), spacing, when, width
       integer :: i
 
       far = 0.0_wp
-      spacing = huge(spacing)
       associate (domain => contact%domain, times => contact%duty%samples(sample_count))
          do i = 1, size(times)
             own = own_contact(contact, times(i), is_moving=.true.)
@@ -100,7 +99,6 @@ contains
                if (sum(moment%speeds) < 0.0_wp) ends = -ends([2, 1])
             end associate
             far = [min(far(1), ends(1)), max(far(2), ends(2))]
-            spacing = min(spacing, width*accurate_spacing*sqrt(film_estimate(own)))
          end do
          if (.not. domain%has_inlet) domain%x_inlet = far(1)
          if (.not. domain%has_inlet) domain%inlet_is_chosen = .true.
@@ -109,12 +107,33 @@ contains
          domain%has_outlet = .true.
          if (domain%intervals > 0) return
          domain%intervals_are_chosen = .true.
+         call find_finest_moment(contact, when, spacing)
          domain%intervals = intervals_at_least(min(max((domain%x_outlet - domain%x_inlet)/spacing, &
             real(min_intervals, wp)), real(max_for_duty, wp)))
          domain%intervals = max(domain%intervals, min(intervals_at_least(wanted_nodes &
             /nodes_in_wave(contact)*domain%intervals), max_for_waves))
       end associate
    end subroutine choose_for_duty
+
+   !> The moment of a duty whose film needs the finest grid, and the spacing for 1 % there.
+   pure subroutine find_finest_moment(contact, when, spacing)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(out) :: when, spacing
+      real(wp) :: wanted
+      integer :: i
+
+      when = 0.0_wp
+      spacing = huge(spacing)
+      associate (times => contact%duty%samples(sample_count))
+         do i = 1, size(times)
+            wanted = width_of(contact%duty%at(times(i)))*accurate_spacing &
+               *sqrt(film_estimate(own_contact(contact, times(i), is_moving=.true.)))
+            if (wanted >= spacing) cycle
+            spacing = wanted
+            when = times(i)
+         end do
+      end associate
+   end subroutine find_finest_moment
 
    !> Chooses a domain anew except for what the user gave; the outlet is `x_outlet`, if present.
    pure subroutine choose_anew(contact, target, x_outlet)

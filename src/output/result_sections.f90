@@ -131,8 +131,8 @@ contains
             call write_attribute(file, path, 'error_start', quantity%error_start*factor*unit)
             call write_attribute(file, path, 'error_model', quantity%error_model*factor*unit)
             if (ieee_is_finite(quantity%extrapolated)) call write_value(file, &
-               path//'_extrapolated', name//' by Richardson extrapolation from n and n/2 intervals', &
-               quantity%extrapolated*factor, scale, error, missing)
+               path//'_extrapolated', name//' by Richardson extrapolation from n and n/2 '// &
+               'intervals', quantity%extrapolated*factor, scale, error, missing)
          end associate
          if (.not. is_transient .or. index(name, '_moes') > 0) return
          call write_value(file, path//'_time', 'time at which '//name//' was reached', &
@@ -168,7 +168,8 @@ contains
    end subroutine write_times
 
    !> The mean power of a contact whose load, radius and speeds change, over the times that count;
-   !> its error is the change from `coarser` (0 or 1), with half of the nodes and steps.
+   !> its error is the change from n/2 intervals and twice the steps, `coarser(1)`, and from there to
+   !> `coarser(2)`, since a single change may vanish by chance; not known with fewer than these two.
    subroutine write_mean_power(file, summary, coarser, scaling, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary, coarser(:)
@@ -177,7 +178,8 @@ contains
       real(wp) :: error
 
       error = not_known()
-      if (size(coarser) > 0) error = abs(mean_power(summary) - mean_power(coarser(1)))
+      if (size(coarser) > 1) error = abs(mean_power(summary) - mean_power(coarser(1))) &
+         + abs(mean_power(coarser(1)) - mean_power(coarser(2)))
       call write_value(file, '/summary/mean_power', 'mean power over time that sliding and '// &
          'rolling turn into heat, per length', mean_power(summary), scaled_label('', 'power', &
          scaling), error, missing)

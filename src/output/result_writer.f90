@@ -135,7 +135,7 @@ contains
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing, &
          lambda_ratio)
       if (has_duty(self)) call write_mean_power(self%file, self%run%passage%counted, &
-         self%bars%coarser(:min(self%bars%grids, 1)), self%scaling, missing)
+         self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, missing)
       if (self%is_transient) call write_times(self%file, self%run%passage%times)
       call write_statistics(self%file, self%run%statistics, self%scaling, &
          self%run%passage%times%statistics_from())
