@@ -110,11 +110,12 @@ contains
       class(time_table_t), intent(in) :: self
       real(wp), intent(in) :: from, to
       real(wp), allocatable :: times(:)
-      real(wp) :: change, period, time
+      real(wp) :: change, least, period, time
       integer :: before, i, n, period_number
 
       n = size(self%times)
       period = self%times(n) - self%times(1)
+      least = kink_share*maxval(abs(self%values))
       allocate (times(0))
       do period_number = merge(floor((from - self%times(1))/period), 0, self%is_periodic), &
          merge(floor((to - self%times(1))/period), 0, self%is_periodic)
@@ -127,7 +128,7 @@ contains
                change = abs(c(1, i) - c(1, before) - left*(2*c(2, before) + 3*left*c(3, before))) &
                   *min(left, right) + merge(abs(self%values(1) - self%values(n)), 0.0_wp, i == 1)
             end associate
-            if (change > kink_share*maxval(abs(self%values))) times = [times, time]
+            if (change > least) times = [times, time]
          end do rows
       end do
    end function kinks

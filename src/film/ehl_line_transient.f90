@@ -64,6 +64,10 @@ module ehl_line_transient
    !> parts from one to the next; share of the bound that the next one aims at.
    real(wp), parameter :: first_part = 1.0e-3_wp, shortest_part = 1.0e-9_wp, growth = 2.0_wp, &
       fall = 0.2_wp, aim = 0.8_wp
+   !> A kink nearer to an end of a step than this share of it does not divide the step: a part of
+   !> hardly any length has no slope but that of rounding. A part that is longer than the one before
+   !> by more than the second number takes no slope from it.
+   real(wp), parameter :: nearest_kink = 1.0e-3_wp, longest_growth = 10.0_wp
 
 contains
 
@@ -260,6 +264,7 @@ contains
       associate (begin => (plan%step - 1)*plan%length)
          associate (cuts => (contact%duty%kinks(begin, begin + plan%length) - begin)/plan%length)
             do i = 1, size(cuts)
+               if (min(cuts(i), 1 - cuts(i)) < nearest_kink) cycle
                if (any(abs(plan%ends - cuts(i)) < shortest_part)) cycle
                plan%ends = [pack(plan%ends, plan%ends < cuts(i)), cuts(i), pack(plan%ends, &
                   plan%ends > cuts(i))]
@@ -347,7 +352,8 @@ contains
             end if
             call set_moment(hierarchy, contact, new_time)
             if (history%direction*level%direction < 0.0_wp) call turn_history(history)
-            has_older = plan%scheme == 'bdf2' .and. history%size > 1
+            has_older = plan%scheme == 'bdf2' .and. history%size > 1 &
+               .and. length < longest_growth*history%lengths(1)
             weights = derivative_weights(length/merge(history%lengths(1), length, has_older), &
                has_older)/length
             if (plan%scheme == 'quasi_steady') weights = 0.0_wp

@@ -18,7 +18,7 @@ module height_table
    implicit none (type, external)
    private
 
-   public :: conversion, height_table_t, is_row, open_table, split
+   public :: conversion, height_table_t, is_row, open_table, shown, split
 
    character(*), parameter :: tab = achar(9), blanks = ' '//tab
    !> Rows from one noted place to the next; the shortest row [bytes].
@@ -356,7 +356,7 @@ contains
    end subroutine read_number
 
    !> What a file says, in quotes and short.
-   function shown(string)
+   pure function shown(string)
       character(*), intent(in) :: string
       character(:), allocatable :: shown
 

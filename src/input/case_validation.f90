@@ -259,7 +259,8 @@ contains
       type(input_values_t), intent(inout) :: values
 
       if (values%word_value('case', 'model') == 'auto') then
-         if (.not. values%is_given('accuracy', 'target')) call values%refuse('case', 'model', &
+         if (.not. (values%is_given('accuracy', 'target') .or. values%has_value('history', &
+            'file'))) call values%refuse('case', 'model', &
             "found 'auto' without &accuracy target, expected 'full', or a target")
          if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
             'model', "found 'auto' with equations = 'stokes', expected 'full'")

@@ -4,7 +4,7 @@ module duty_input
    use duty, only: duty_rows_t, of_angle, of_load, of_radius, of_speeds, of_time
    use errors, only: error_t, fail, input_error
    use file_bytes, only: checksum_t
-   use height_table, only: is_row, split
+   use height_table, only: is_row, shown, split
    use input_values, only: input_values_t
    use kinds, only: wp
    use number_text, only: read_real
@@ -26,6 +26,8 @@ module duty_input
    real(wp), parameter :: usual(*) = [0.0_wp, 0.0_wp, 1.0e5_wp, 0.01_wp, 1.0_wp, 1.0_wp]
    !> Most rows.
    integer, parameter :: most_rows = 1000000
+   !> Shortest table [s].
+   real(wp), parameter :: shortest = 1.0e-12_wp
    real(wp), parameter :: degrees_of_a_turn = 360.0_wp, seconds_of_a_minute = 60.0_wp
 
 contains
@@ -44,16 +46,18 @@ contains
       if (.not. values%has_value('history', 'file')) return
       allocate (rows)
       file = trim(values%text_value('history', 'file'))
-      if (index(file, '/') /= 1) file = folder//file
-      call read_table(file, rows, error)
+      if (file == '') then
+         call fail(error, input_error, 'found an empty text, expected the name of a file')
+      else
+         if (index(file, '/') /= 1) file = folder//file
+         call read_table(file, rows, error)
+      end if
       if (.not. allocated(error)) call check_clock(values, rows, file, error)
+      if (.not. allocated(error)) call check_other_ways(values, rows, file, error)
       if (allocated(error)) then
          call values%refuse('history', 'file', error%message)
          deallocate (rows)
-         do i = of_load, of_speeds(2)   ! what it may have had is not missing
-            if (.not. values%is_given(trim(groups(i)), trim(keys(i)))) call &
-               values%give(trim(groups(i)), trim(keys(i)), trim(keys(i)), usual(i))
-         end do
+         call give_usual(values)
          return
       end if
       rows%is_linear = values%word_value('history', 'interpolation') == 'linear'
@@ -74,11 +78,78 @@ contains
             if (has(of_speeds(i))) call values%give('bodies', trim(keys(of_speeds(i))), &
                trim(keys(of_speeds(i))), of(widest, of_speeds(i)))
          end do
-         if (.not. abs(of(1, of_speeds(1)) + of(1, of_speeds(2))) > 0.0_wp) call &
-            values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the first '// &
-            'row, expected a history that begins in motion: at rest no film is known')
       end associate
+      call check_motion(values, rows, file)
    end subroutine read_duty
+
+   !> Gives what a table that is refused may have had its usual value: it is not missing.
+   subroutine give_usual(values)
+      type(input_values_t), intent(inout) :: values
+      integer :: i
+
+      do i = of_load, of_speeds(2)
+         if (values%is_given(trim(groups(i)), trim(keys(i))) .or. other_way(values, i) /= '') cycle
+         call values%give(trim(groups(i)), trim(keys(i)), trim(keys(i)), usual(i))
+      end do
+   end subroutine give_usual
+
+   !> The key that gives in another way what a column has; empty: there is none.
+   function other_way(values, column) result(key)
+      type(input_values_t), intent(in) :: values
+      integer, intent(in) :: column
+      character(:), allocatable :: key
+      character(len=14) :: others(2)
+      integer :: i
+
+      key = ''
+      if (.not. any(column == [of_load, of_radius])) return
+      others = [character(len=14) :: 'radius_1', 'radius_2']
+      if (column == of_load) others = [character(len=14) :: 'load', 'hertz_pressure']
+      do i = 1, size(others)
+         if (values%is_given(trim(groups(column)), trim(others(i)))) key = trim(others(i))
+      end do
+   end function other_way
+
+   !> Finds a column beside another way to give the same.
+   subroutine check_other_ways(values, rows, file, error)
+      type(input_values_t), intent(in) :: values
+      type(duty_rows_t), intent(in) :: rows
+      character(*), intent(in) :: file
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = of_load, of_radius
+         if (.not. rows%has(i) .or. other_way(values, i) == '') cycle
+         call fail(error, input_error, file//': found '//trim(columns(i))//' together with &'// &
+            trim(groups(i))//' '//other_way(values, i)//', expected one of the two')
+         return
+      end do
+   end subroutine check_other_ways
+
+   !> Finds a contact that never moves forwards, or is at rest at first.
+   subroutine check_motion(values, rows, file)
+      type(input_values_t), intent(inout) :: values
+      type(duty_rows_t), intent(in) :: rows
+      character(*), intent(in) :: file
+      logical :: never
+      integer :: i
+
+      if (.not. all([(values%has_value('bodies', trim(keys(of_speeds(i)))), i=1, 2)])) return
+      associate (sum => rows%values(:, of_speeds(1)) + rows%values(:, of_speeds(2)))
+         never = any(rows%has(of_speeds)) .and. .not. maxval(sum) > 0.0_wp
+         if (never) then
+            call values%refuse('history', 'file', file//': found speed_1 + speed_2 <= 0 in every '// &
+               'row, expected a sum > 0 in one of them: oil is drawn in at X < 0')
+         else if (.not. abs(sum(1)) > 0.0_wp) then
+            call values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the '// &
+               'first row, expected a history that begins in motion: at rest no film is known')
+         end if
+      end associate
+      do i = 1, merge(2, 0, never)   ! one finding is enough
+         call values%give('bodies', trim(keys(of_speeds(i))), trim(keys(of_speeds(i))), &
+            usual(of_speeds(i)))
+      end do
+   end subroutine check_motion
 
    !> Fills the columns that the table leaves out with the constants of the namelist.
    pure subroutine complete_duty(rows, load, radius)
@@ -109,6 +180,9 @@ contains
                *values%real_value('history', 'speed_rpm'))
          end if
          of(:, of_time) = of(:, of_time) - of(1, of_time)
+         if (.not. allocated(error) .and. of(size(of, 1), of_time) < shortest) call fail(error, &
+            input_error, file//': found a table over '//to_text(of(size(of, 1), of_time), 3)// &
+            ' s, expected at least '//to_text(shortest, 1)//' s')
       end associate
    end subroutine check_clock
 
@@ -188,8 +262,11 @@ contains
       rows%has = [(any(column == i), i=1, size(columns))]
       if (count(rows%has) == fields .and. fields > 1 .and. any(column(1) == [of_time, of_angle]) &
          .and. count(rows%has([of_time, of_angle])) == 1) return
-      fault = "found '"//row//"', expected names with units: "//trim(columns(of_time))//' or '// &
-         trim(columns(of_angle))//', then any of '//joined(columns(of_load:), ', ')
+      i = findloc(column, 0, 1)
+      fault = 'found '//shown(row)
+      if (i > 0) fault = 'found '//shown(row(bounds(1, i):bounds(2, i)))
+      fault = fault//', expected names with units: '//trim(columns(of_time))//' or '//trim( &
+         columns(of_angle))//', then any of '//joined(columns(of_load:), ', ')
    end subroutine read_names
 
    !> The numbers of a row.
@@ -210,7 +287,7 @@ contains
             call read_real(field, numbers(i), good)
             if (good) good = numbers(i) >= least(c) .and. numbers(i) <= largest(c)
             if (good) cycle
-            fault = "found '"//field//"', expected a number from "//to_text(least(c))//' to '// &
+            fault = 'found '//shown(field)//', expected a number from '//to_text(least(c))//' to '// &
                to_text(largest(c))//' in '//trim(columns(c))
          end associate
          return

@@ -1,0 +1,202 @@
+"""&history: tables that are damaged, the same history in other words, resumed runs, what a result holds, a random family."""
+
+import signal
+
+import h5py
+import numpy as np
+import pytest
+from cases import STEADY, contents, ended, processor, write
+from kill_and_resume import different, start, undisturbed, wait_for
+
+LOAD, RADIUS, U1, U2 = "load_per_length [N/m]", "reduced_radius [m]", "speed_1 [m/s]", "speed_2 [m/s]"
+CONSTANT = {LOAD: 1e5, RADIUS: 0.01, U1: 0.1, U2: 1.1}
+CASE = (
+    STEADY.replace("radius_1 = 0.01, radius_2 = 2.0", "reduced_radius = 0.01").replace("-4.0, x_outlet = 1.5", "-3.0, x_outlet = 3.0")
+    .replace("intervals = 256", "intervals = 128")
+    + "&time transient = .true. /\n&accuracy error_bars = .false. /\n&output adequacy = .false. /\n&history file = 'h.csv' /\n"
+)  # fmt: skip
+OPEN = CASE.replace("&load load_per_length = 1e5 /\n", "").replace("reduced_radius = 0.01, ", "").replace(", speed_1 = 0.1, speed_2 = 1.1", "")
+ROWS = f"time [s],{LOAD}\n0,1e5\n1e-3,1.2e5\n"
+NAMES = f", expected names with units: time [s] or angle [deg], then any of {LOAD}, {RADIUS}, {U1}, {U2}"
+LOADS = f", expected a number from 1.00000E-06 to 1.00000E+12 in {LOAD}"
+
+
+def table(folder, clock, name="time [s]", **columns):
+    """Writes h.csv: a first column `name`, and those of CONSTANT that are given as `load`, `radius`, `u1` and `u2`."""
+    keys = dict(zip(("load", "radius", "u1", "u2"), CONSTANT, strict=True))
+    rows = np.column_stack([clock, *(np.broadcast_to(values, np.shape(clock)) for values in columns.values())])
+    head = ",".join([name, *(keys[key] for key in columns)])
+    write(folder, "h.csv", head + "\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in rows))
+
+
+DAMAGED = {
+    "unsorted": (ROWS + "5e-4,1e5\n", ":4: found 5.00000E-04 behind 0.00100000, expected rising time [s]"),
+    "repeated time": (ROWS + "1e-3,1e5\n", ":4: found 0.00100000 behind 0.00100000, expected rising time [s]"),
+    "gap": (ROWS.replace("1.2e5", ""), ":3: found nothing" + LOADS),
+    "text": (ROWS.replace("1.2e5", "high"), ":3: found 'high'" + LOADS),
+    "no units": (ROWS.replace(" [s]", ""), ":1: found 'time'" + NAMES),
+    "no names": ("0,1e5\n1e-3,1e5\n", ":1: found '0'" + NAMES),
+    "unknown column": (ROWS.replace(LOAD, "wind [m/s]"), ":1: found 'wind [m/s]'" + NAMES),
+    "twice": (f"time [s],{U1},{U1}\n0,1,1\n1,1,1\n", f":1: found 'time [s],{U1},{U1}'" + NAMES),
+    "time and angle": (f"time [s],angle [deg],{U1}\n0,0,1\n", f":1: found 'time [s],angle [deg],{U1}'" + NAMES),
+    "a field too many": (ROWS + "2e-3,1e5,\n", ":4: found 3 fields, expected 2"),
+    "one row": ("# units: SI\n" + ROWS[: ROWS.index("1e-3")], ":4: found 1 row, expected names with units and at least two rows"),
+    "empty": ("", ":1: found 0 rows, expected names with units and at least two rows"),
+    "NUL": (ROWS.replace("1.2e5", "1.2\0e5"), ":3: found '1.2?e5'" + LOADS),
+    "binary": ("\x01\x02\x03\n" * 5, ":1: found '???'" + NAMES),
+    "no load": (ROWS.replace("1.2e5", "0"), ":3: found '0'" + LOADS),
+    "infinite": (ROWS.replace("1.2e5", "Inf"), ":3: found 'Inf'" + LOADS),
+    "NaN": (ROWS.replace("1.2e5", "NaN"), ":3: found 'NaN'" + LOADS),
+    "no radius": (f"time [s],{RADIUS}\n0,0\n1,1\n", f":2: found '0', expected a number from 1.00000E-09 to 1.00000E+09 in {RADIUS}"),
+    "no span": (ROWS.replace("1e-3", "1e-300"), ": found a table over 1.00E-300 s, expected at least 1.E-12 s"),
+    "angles": (ROWS.replace("time [s]", "angle [deg]"), ": found angles, expected &history speed_rpm with them"),
+    "rest": (f"time [s],{U1},{U2}\n0,1,-1\n1,1,1\n", ": found speed_1 + speed_2 = 0 in the first row, expected a history that begins in "
+             "motion: at rest no film is known"),
+    "backwards": (f"time [s],{U1},{U2}\n0,-1,-1\n1,0,0\n", ": found speed_1 + speed_2 <= 0 in every row, expected a sum > 0 in one of "
+                  "them: oil is drawn in at X < 0"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_a_damaged_table_is_one_finding(run_case, tmp_path, damage):
+    """With its file and line, and nothing else is missing because of it."""
+    content, words = DAMAGED[damage]
+    write(tmp_path, "h.csv", content)
+    for case in (CASE,) if damage in ("rest", "backwards") else (OPEN, CASE):
+        done = run_case(case, "--check", status=1)
+        assert done.stderr == f"case.nml:{len(case.splitlines())}: &history file: h.csv{words}\n"
+
+
+OTHERS = [
+    (CASE.replace("'h.csv'", "'none.csv'"), ["file: none.csv: no such file"]),
+    (CASE.replace("'h.csv'", "'.'"), ["file: .: found a folder, expected a file"]),
+    (CASE.replace("'h.csv'", "''"), ["file: found an empty text, expected the name of a file"]),
+    (CASE.replace("'h.csv'", "'h.csv', speed_rpm = 60.0"), ["file: h.csv: found times with &history speed_rpm, expected the column angle [deg]"]),
+    (CASE.replace("file = 'h.csv'", "speed_rpm = 60.0"), ["speed_rpm: not used without file: remove it"]),
+    (CASE.replace("transient = .true.", ""), ["file: not used with transient = .false.: remove it"]),
+    (CASE.replace("'ehl_line'", "'ehl_line', equations = 'stokes'"), ["file: found with equations = 'stokes', expected 'reynolds'"]),
+    (CASE.replace("'ehl_line'", "'ehl_line', model = 'auto'"), ["model: found 'auto' with &history, expected 'full'"]),
+    (CASE.replace("error_bars = .false.", "target = 1e-2").replace(", intervals = 128", ""), ["target: found with &history, expected intervals and time_step, or none of them"]),
+    (CASE.replace("adequacy = .false.", "velocity_layers = 4"), ["velocity_layers: found with &history, expected 0"]),
+    (CASE.replace("load_per_length = 1e5", "hertz_pressure = 1e9"), [f"h.csv: found {LOAD} together with &load hertz_pressure, expected one of the two"]),
+    (CASE + "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n", ["position: missing, expected real numbers"]),
+    (OPEN, ["&bodies radius_1: missing", "&bodies speed_1: missing", "&bodies speed_2: missing"]),
+    (CASE.replace("'h.csv'", "'none.csv', interpolation = 'spline'").replace("= 0.14", "= -1.0"),
+     ["viscosity: found -1.0", "interpolation: found 'spline', expected 'linear' or 'cubic'", "file: none.csv: no such file"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("case", "findings"), OTHERS, ids=range(len(OTHERS)))
+def test_what_does_not_go_with_a_history(run_case, tmp_path, case, findings):
+    write(tmp_path, "h.csv", ROWS)
+    lines = run_case(case, "--check", status=1).stderr.splitlines()
+    assert len(lines) == len(findings)
+    for finding, line in zip(findings, lines, strict=True):
+        assert finding in line
+
+
+CYCLE = 1e-3  # [s]; about 5 half-widths
+PERIODIC = OPEN.replace("'h.csv'", "'h.csv', periodic = .true.")
+
+
+def course(times):
+    """A load that vibrates, a radius that swings, and a motion to and fro with sliding."""
+    phase = 2 * np.pi * times / CYCLE
+    return {"load": 1e5 * (1 + 0.2 * np.sin(phase)), "radius": 0.01 + 0.002 * np.cos(phase), "u1": 0.1 * np.cos(phase), "u2": 1.1 * np.cos(phase)}
+
+
+@pytest.mark.path
+def test_an_interrupted_history_goes_on_to_the_same_bits(program, asperity, tmp_path):
+    """Two cycles to and fro, ended by SIGTERM on the way; a table that has changed since is another case."""
+    clock = np.linspace(0, CYCLE, 41)
+    table(tmp_path, clock, **course(clock))
+    reference, _ = undisturbed(program, tmp_path, PERIODIC)
+    write(tmp_path, "case.nml", PERIODIC.replace("adequacy", "checkpoint_interval = 0.0, adequacy"))
+    with start(program, tmp_path) as running:
+        wait_for(tmp_path / "case.h5.part", running, times=250)
+        running.send_signal(signal.SIGTERM)
+        message = running.stderr.read()
+    assert running.returncode == 4, message
+    table(tmp_path, clock, **(course(clock) | {"u1": 0.1 * np.cos(2 * np.pi * clock / CYCLE) ** 3}))
+    assert "another case: it has &history table_checksum = " in ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
+    table(tmp_path, clock, **course(clock))
+    ended(asperity("case.nml", "--resume", "--quiet"))
+    assert different(reference, tmp_path / "case.h5") == []
+
+
+def test_angles_and_constants_give_the_same_history(run_case, tmp_path):
+    """As times: to round-off. As in the table, to the bit."""
+    clock = np.linspace(0, CYCLE, 41)
+    speeds = {"u1": 0.1, "u2": 1.1 + 0.2 * np.sin(2 * np.pi * clock / CYCLE)}
+    table(tmp_path, clock, load=1e5, radius=0.01, **speeds)
+    run_case(OPEN, "--quiet", name="all")
+    table(tmp_path, clock, u2=speeds["u2"])
+    run_case(CASE, "--quiet", name="constants")
+    table(tmp_path, 30 + clock * 1200 * 6, "angle [deg]", u2=speeds["u2"])
+    run_case(CASE.replace("'h.csv'", "'h.csv', speed_rpm = 1200.0"), "--quiet", name="angles")
+    assert different(tmp_path / "all.h5", tmp_path / "constants.h5") == []
+    first, other = (contents(tmp_path / f"{name}.h5") for name in ("constants", "angles"))
+    for name in ("time", "h_min", "h_central", "p_max", "speed_2"):
+        assert other[f"transient/{name}"] == pytest.approx(first[f"transient/{name}"], rel=1e-6)
+
+
+def test_a_periodic_table_is_the_table_repeated(solved_cases, tmp_path):
+    """Three cycles, the second time by hand; what counts is the last one, and the table is what the result says it is."""
+    cycle = np.linspace(0, CYCLE, 21)
+    clock = np.concatenate([cycle, cycle[1:] + CYCLE, cycle[1:] + 2 * CYCLE])
+    time = f"transient = .true., duration = {3 * CYCLE}, time_step = 0.02"
+    case = PERIODIC.replace("transient = .true.", time)
+    table(tmp_path, cycle, **course(cycle))
+    (repeated,) = solved_cases(repeated=case)
+    table(tmp_path, clock, **course(clock))
+    (whole,) = solved_cases(whole=case.replace(", periodic = .true.", ""))
+    series, table_of = repeated["transient"], course(clock)
+    seconds = series["time"][()] * series["time"].attrs["si_scale"]
+    last = seconds >= 2 * CYCLE * (1 - 1e-9)
+    assert seconds[-1] == pytest.approx(3 * CYCLE)
+    names = {"load_per_length": "load", "reduced_radius": "radius", "speed_1": "u1", "speed_2": "u2"}
+    for name, key in names.items():
+        expected = np.interp(seconds, clock, table_of[key])
+        assert series[name][()] * series[name].attrs["si_scale"] == pytest.approx(expected, rel=1e-9, abs=1e-9 * expected.max())
+    for name, least in (("h_min", np.min), ("h_central", np.min), ("p_max", np.max)):
+        found = series[name][()]
+        assert whole[f"transient/{name}"][()] == pytest.approx(found, rel=1e-5)
+        assert repeated[f"summary/{name}"].attrs["dimensionless"] == pytest.approx(least(found[last]), rel=1e-12)
+    assert repeated["summary"].attrs["statistics_from"] == pytest.approx(series["time"][-1] * 2 / 3)
+
+
+def test_times_are_told_in_seconds(run_case, tmp_path):
+    table(tmp_path, [0, CYCLE / 2, CYCLE], u1=[0.1, 0.2, 0.1])
+    lines = run_case(CASE).stdout.splitlines()
+    (h_min,) = [line for line in lines if line.lstrip().startswith("h_min")]
+    with h5py.File(tmp_path / "case.h5") as file:
+        series = file["transient/h_min"][()]
+        when = file["transient/time"][series.argmin()] * file["transient/time"].attrs["si_scale"]
+    assert float(h_min.split(" at ")[1].removesuffix(" us")) == pytest.approx(when * 1e6, rel=1e-3)
+
+
+def test_oil_is_conserved(solved_cases, tmp_path):
+    """Between two faces under pressure what flows in and not out stays, forwards and on the way back."""
+    clock = np.linspace(0, CYCLE, 41)
+    table(tmp_path, clock, **course(clock))
+    case = PERIODIC.replace("transient = .true.", f"transient = .true., duration = {CYCLE}, time_step = 0.02, scheme = 'backward_euler'")
+    case = case.replace("periodic = .true.", "interpolation = 'cubic'")  # kinks would divide the steps
+    law = "viscosity_law = 'barus', pressure_viscosity = 1.5e-8"
+    case = case.replace("viscosity_law = 'roelands', roelands_z = 0.6, roelands_p0 = 1.98e8", law).replace("'eyring', eyring_stress = 3.3e6", "'newtonian'")
+    (file,) = solved_cases(case=case)
+    p_h, scale = (file["scaling"].attrs.get(name, file[f"scaling"][name][()] if name in file["scaling"] else None) for name in ("hertz_pressure", "lambda"))
+    series, x = file["transient"], file["solution/x"][()]
+    dx, period = x[1] - x[0], len(series["time"]) - 1
+    for step in (period // 8, period * 3 // 8, period * 3 // 8 + period // 8):
+        speed = series["speed_1"][step] + series["speed_2"][step]
+        turn = slice(None, None, -1 if speed < 0 else 1)
+        p, h = series["pressure"][step][turn], series["film_thickness"][step][turn]
+        rho = [(5.9e8 + 1.34 * q * p_h) / (5.9e8 + q * p_h) for q in (p, series["pressure"][step - 1][turn])]
+        mass, old = rho[0] * h, rho[1] * series["film_thickness"][step - 1][turn]
+        mobility = mass * h**2 / np.exp(1.5e-8 * p_h * p) / scale
+        a, b = len(x) * 4 // 10, len(x) * 6 // 10
+        face = [-(mobility[i - 1] + mobility[i]) / 2 * (p[i] - p[i - 1]) / dx + abs(speed) * (3 * mass[i - 1] - mass[i - 2]) / 2 for i in (a, b)]
+        stored = dx * (mass[a:b] - old[a:b]).sum() / (series["time"][step] - series["time"][step - 1])
+        assert p[a : b + 1].min() > 0
+        assert abs(stored) > 3e-4
+        assert face[0] - face[1] == pytest.approx(stored, abs=2e-5)
