@@ -138,8 +138,8 @@ contains
       associate (sum => rows%values(:, of_speeds(1)) + rows%values(:, of_speeds(2)))
          never = any(rows%has(of_speeds)) .and. .not. maxval(sum) > 0.0_wp
          if (never) then
-            call values%refuse('history', 'file', file//': found speed_1 + speed_2 <= 0 in every '// &
-               'row, expected a sum > 0 in one of them: oil is drawn in at X < 0')
+            call values%refuse('history', 'file', file//': found speed_1 + speed_2 <= 0 in '// &
+               'every row, expected a sum > 0 in one of them: oil is drawn in at X < 0')
          else if (.not. abs(sum(1)) > 0.0_wp) then
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the '// &
                'first row, expected a history that begins in motion: at rest no film is known')
@@ -287,8 +287,8 @@ contains
             call read_real(field, numbers(i), good)
             if (good) good = numbers(i) >= least(c) .and. numbers(i) <= largest(c)
             if (good) cycle
-            fault = 'found '//shown(field)//', expected a number from '//to_text(least(c))//' to '// &
-               to_text(largest(c))//' in '//trim(columns(c))
+            fault = 'found '//shown(field)//', expected a number from '//to_text(least(c)) &
+               //' to '//to_text(largest(c))//' in '//trim(columns(c))
          end associate
          return
       end do
