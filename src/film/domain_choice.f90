@@ -26,8 +26,8 @@ module domain_choice
    implicit none (type, external)
    private
 
-   public :: choose_anew, choose_domain, find_finest_moment, inlet_error, inlet_pressure_error, intervals_for, &
-      intervals_for_film
+   public :: choose_anew, choose_domain, find_finest_moment, inlet_error, &
+      inlet_pressure_error, intervals_for, intervals_for_film
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp

@@ -371,7 +371,7 @@ module input_keys
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
          'T from which extremes and film statistics count; chosen: when waves have entered ' &
          //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0'), &
-      key_row_t('history', 'file', text_kind, '', is_optional, &
+      key_row_t('history', 'file', text_kind, '', is_required, &
          'table: time [s] or angle [deg]; any of load_per_length [N/m], reduced_radius [m], ' &
          //'speed_1, speed_2 [m/s]', used=in_time, &
          example="! 'mesh.csv'"), &

@@ -168,8 +168,8 @@ contains
    end subroutine write_times
 
    !> The mean power of a contact whose load, radius and speeds change, over the times that count;
-   !> its error is the change from n/2 intervals and twice the steps, `coarser(1)`, and from there to
-   !> `coarser(2)`, since a single change may vanish by chance; not known with fewer than these two.
+   !> its error is the change from n/2 intervals and twice the steps, `coarser(1)`, and from there
+   !> to `coarser(2)`, since a single change may vanish by chance; not known with fewer than two.
    subroutine write_mean_power(file, summary, coarser, scaling, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary, coarser(:)
