@@ -38,6 +38,8 @@ SYMBOLS = {
     "film_thickness": ("Film thickness", "H = hR/b^2", "h"),
     "time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
     "profile_time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
+    "load_per_length": ("Load", "w/w_\\mathrm{ref}", "w"),
+    "reduced_radius": ("Radius", "R/R_\\mathrm{ref}", "R"),
 }
 
 # What quantities of /summary are called in words.
@@ -146,7 +148,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Feature:
-    """A ridge, dent or sinusoid and its path X = position + speed T (dimensionless)."""
+    """A ridge, dent or sinusoid and its path X = position + speed T, or by a course (times, ways), dimensionless."""
 
     surface: int
     shape: str
@@ -154,6 +156,7 @@ class Feature:
     position: float
     speed: float
     spacing: float
+    course: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def word(self) -> str:
@@ -163,11 +166,14 @@ class Feature:
 
     def centre(self, time: np.ndarray | float) -> np.ndarray | float:
         """X of the centre at the dimensionless time."""
-        return self.position + self.speed * time
+        return self.position + (self.speed * time if self.course is None else np.interp(time, *self.course))
 
     def time_at(self, x: float) -> float:
-        """Dimensionless time at which the centre is at X = x; needs a moving feature."""
-        return (x - self.position) / self.speed
+        """Dimensionless time at which the centre is first at X = x, NaN: never; needs a moving feature."""
+        if self.course is None:
+            return (x - self.position) / self.speed
+        passed = np.flatnonzero(np.diff(np.sign(self.course[1] + self.position - x)))
+        return float(self.course[0][passed[0] + 1]) if passed.size else math.nan
 
     def shifted(self, waves: int) -> Feature:
         """The same sinusoid seen from the crest that is `waves` wavelengths further."""
@@ -187,6 +193,12 @@ class Result:
     summary: dict[str, float] = field(default_factory=dict)
     report: dict[str, object] = field(default_factory=dict)
     features: list[Feature] = field(default_factory=list)
+    cycle_from: float = 0.0  # time from which the last cycle of a periodic history runs
+
+    @property
+    def has_history(self) -> bool:
+        """Whether load, radius or speeds change in time."""
+        return "load_per_length" in self.transient
 
     @property
     def stem(self) -> str:
@@ -243,6 +255,10 @@ def read_result(path: str | Path, si: bool = False, with_transient: bool = False
         if with_transient:
             names += ("time", "pressure", "film_thickness")
         result.transient = _quantities(path, file, "transient", names) if names else {}
+        if result.has_history:
+            result.features = [replace(feature, course=_course(result, feature.surface)) for feature in result.features]
+            marks = file["summary"].attrs if "summary" in file else {}
+            result.cycle_from = float(np.asarray(marks["statistics_from"]).item()) if "period" in marks else 0.0
     for quantities in (result.solution, result.transient):
         for quantity in quantities.values():
             if quantity.name in SYMBOLS and not np.isfinite(quantity.values).any():
@@ -390,6 +406,12 @@ def _features(file: h5py.File) -> list[Feature]:
             spacing = wavelengths[i] / half_width if i < len(wavelengths) else np.nan
             features.append(Feature(surface, shape, amplitude, position, speed, spacing))
     return features
+
+
+def _course(result: Result, surface: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times, and how far a surface has moved by then: its speed is stored over that of u_1 + u_2 in the reference state."""
+    time, speed = result.transient["time"].values, result.transient[f"speed_{surface}"].values
+    return time, np.append(0.0, np.cumsum(np.diff(time) * (speed[1:] + speed[:-1])))
 
 
 def _words(group: dict[str, object], key: str) -> list[str]:

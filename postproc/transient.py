@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
-"""Draws a passage: x-t maps with the paths of the features, a film strip, an animation (--parts passage, GIF)."""
+"""Draws a passage: x-t maps with the paths of the features, a film strip, of a history what changes; an animation (--parts passage, GIF).
+
+Of a periodic history the last cycle is drawn.
+"""
 
 from __future__ import annotations
 
 import argparse
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import figure_command
@@ -19,11 +23,12 @@ from result_file import Feature, Result, ResultError, read_result
 
 PROGRAM = "transient.py"
 EXAMPLE = "python postproc/transient.py results/case3.h5 --output results"
-PARTS = ("xt", "film_strip", "passage")
+PARTS = ("xt", "film_strip", "history", "passage")
 STRIP_CENTRES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 MAP_POINTS = 1200
 MAXIMAL_PATHS = 24
 LOADED = 0.9  # |X| up to which the film of the map is shown in full
+LOADED_SHARE = 0.3  # of the largest pressure of a moment, the same of a history
 LOOKS = (style.FILM, style.PRESSURE)
 PATH = {
     "color": "black",
@@ -37,15 +42,15 @@ PATH = {
 
 def visible_paths(result: Result, window: tuple[float, float]) -> list[Feature]:
     """Paths to draw: each feature, and of a sinusoid every crest that is seen in the window."""
-    end = result.profile_time.values[-1]
+    time = result.profile_time.values
     paths: list[Feature] = []
     for feature in result.features:
         if feature.shape != "sinusoid" or not feature.spacing > 0:
             paths.append(feature)
             continue
-        ends = sorted((feature.position, feature.centre(end)))
-        first = int(np.ceil((window[0] - ends[1]) / feature.spacing))
-        last = int(np.floor((window[1] - ends[0]) / feature.spacing))
+        centres = feature.centre(time)
+        first = int(np.ceil((window[0] - centres.max()) / feature.spacing))
+        last = int(np.floor((window[1] - centres.min()) / feature.spacing))
         if last - first < MAXIMAL_PATHS:
             paths += [feature.shifted(waves) for waves in range(first, last + 1)]
     return paths
@@ -96,7 +101,10 @@ def colour_range(result: Result, name: str, values: np.ndarray) -> tuple[float, 
     if name == "pressure":
         return 0.0, float(np.nanmax(values)), "neither"
     low = float(np.nanmin(values))
-    loaded = result.transient["film_thickness"].values[:, np.abs(result.x) <= LOADED]
+    film, pressure = (result.transient[name].values for name in ("film_thickness", "pressure"))
+    loaded = film[:, np.abs(result.x) <= LOADED]
+    if result.has_history:  # its half-width changes
+        loaded = film[pressure > LOADED_SHARE * np.nanmax(pressure, axis=1, keepdims=True)]
     high = float(np.nanpercentile(loaded, 99.5)) if np.isfinite(loaded).any() else float(np.nanmax(values))
     return low, max(high, 1.01 * low), "max"
 
@@ -115,6 +123,8 @@ def draw_map(axes: Axes, result: Result, name: str, options: argparse.Namespace)
     steps = np.arange(0, time.size, 1 + time.size // MAP_POINTS)
     values = quantity.values[np.ix_(steps, nodes)]
     low, high, extend = colour_range(result, name, values)
+    if result.has_history:
+        shown = replace(quantity, largest=high).axis(options.si)
     image = axes.pcolormesh(
         result.x[nodes] * x_axis.factor,
         time[steps] * t_axis.factor,
@@ -128,7 +138,8 @@ def draw_map(axes: Axes, result: Result, name: str, options: argparse.Namespace)
     axes.figure.colorbar(image, ax=axes, location="top", label=shown.label, extend=extend, aspect=28, pad=0.02)
     ends = time[[0, -1]]
     for path in visible_paths(result, window):
-        axes.plot(path.centre(ends) * x_axis.factor, ends * t_axis.factor, **PATH)
+        moments = ends if path.course is None else time
+        axes.plot(path.centre(moments) * x_axis.factor, moments * t_axis.factor, **PATH)
     axes.set_xlim(window[0] * x_axis.factor, window[1] * x_axis.factor)
     axes.set_ylim(ends * t_axis.factor)
     axes.set(xlabel=x_axis.label, ylabel=t_axis.label)
@@ -174,7 +185,7 @@ class Passage:
     def set_axes(self, column: np.ndarray) -> None:
         """Start as reference, labels and limits of a film panel above a pressure panel."""
         for panel, (values, axis, _, top) in zip(column, self.rows, strict=True):
-            label = f"start (${self.t_axis.symbol} = 0$)"
+            label = f"start (${self.t_axis.symbol} = 0$)" if self.time[0] == 0 else self.title(0)
             panel.plot(self.x, values[0], label=label, **style.REFERENCE)
             panel.set(ylabel=axis.plain_label, ylim=(0, top))
             panel.set_xlim(end * self.x_axis.factor for end in self.window)
@@ -245,6 +256,39 @@ def strip_title(passage: Passage, step: int, feature: Feature | None) -> str:
     return f"{passage.title(step)}\n{feature.word} at ${axis.symbol}$ = {where}"
 
 
+def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
+    """Left load, radius and speeds over time, right film, pressure with that of Hertz, and friction."""
+    series = result.transient
+    t_axis, time = series["time"].axis(options.si), series["time"].values
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 110, nrows=3, ncols=2, sharex=True)
+    speeds, load, radius = [series[f"speed_{i}"].values for i in (1, 2)], series["load_per_length"], series["reduced_radius"]
+    rows = (
+        ((load, "", load.values),),
+        ((radius, "", radius.values),),
+        ((series["speed_1"], "mean", (speeds[0] + speeds[1]) / 2), (series["speed_1"], "sliding, $u_2 - u_1$", speeds[1] - speeds[0])),
+        ((series["h_min"], "smallest", series["h_min"].values), (series["h_central"], "central", series["h_central"].values)),
+        ((series["p_max"], "largest", series["p_max"].values), (series["p_max"], "Hertz", np.sqrt(load.values / radius.values))),
+    )
+    for panel, curves, name in zip(axes.T.flat, rows, ("", "", "Speed", "Film", "Pressure"), strict=False):
+        axis = replace(curves[0][0], largest=max(np.nanmax(np.abs(values)) for *_, values in curves)).axis(options.si)
+        for (_, label, values), look in zip(curves, style.SERIES, strict=False):
+            panel.plot(time * t_axis.factor, values * axis.factor, label=label, **{**look, "marker": ""})
+        panel.set(ylabel=f"{name} [{axis.unit or '-'}]" if name else axis.plain_label)
+        if name:
+            panel.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, borderpad=0.1)
+        if name not in ("Speed", "Pressure"):
+            panel.set_ylim(0, 1.05 * panel.dataLim.y1)
+    friction = series.get("friction_coefficient")
+    if friction is not None:
+        axes[2, 1].plot(time * t_axis.factor, friction.values * friction.si_scale, **{**style.SERIES[0], "marker": ""})
+    axes[2, 1].set(ylabel="Friction [-]")
+    for panel in axes[2]:
+        panel.set(xlabel=t_axis.label, xlim=time[[0, -1]] * t_axis.factor)
+        style.few_ticks(panel)
+    style.mark_not_converged(figure, [result])
+    return style.save_figure(figure, figure_command.targets(options, result.stem, "history"))
+
+
 def draw_passage(result: Result, options: argparse.Namespace) -> list[Path]:
     """Animation of film and pressure over all stored profiles."""
     target = passage_target(options, result)
@@ -293,8 +337,20 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     if result.profile_time.values.size < 2:
         raise ResultError(f"{path}: only profiles of T = 0: no time step was completed, or profile_stride is too long")
     figure_command.warn_not_converged(PROGRAM, result)
-    drawers = {"xt": draw_xt, "film_strip": draw_film_strip, "passage": draw_passage}
-    return [target for part in options.parts for target in drawers[part](result, options)]
+    if not result.has_history and options.parts == ["history"]:
+        raise ResultError(f"{path}: load, radius and speeds are constant, this figure needs &history")
+    keep_last_cycle(result)
+    drawers = {"xt": draw_xt, "film_strip": draw_film_strip, "history": draw_history, "passage": draw_passage}
+    parts = [part for part in options.parts if part != "history" or result.has_history]
+    return [target for part in parts for target in drawers[part](result, options)]
+
+
+def keep_last_cycle(result: Result) -> None:
+    """Cuts off what lies before the last cycle of a periodic history."""
+    is_kept = {time.values.size: time.values >= result.cycle_from * (1 - 1e-9) for time in (result.transient["time"], result.profile_time)}
+    for name, quantity in result.transient.items():
+        if name != "x" and result.cycle_from > 0:
+            result.transient[name] = replace(quantity, values=quantity.values[is_kept[len(quantity.values)]])
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -307,7 +363,7 @@ def main(arguments: list[str] | None = None) -> int:
         choices=PARTS,
         default=[part for part in PARTS if part != "passage"],
         metavar="PART",
-        help="what to draw: xt, film_strip, passage (default: xt film_strip; passage, the animation, takes some ten seconds)",
+        help="what to draw: xt, film_strip, history, passage (default: all but passage, the animation, which takes some ten seconds)",
     )
     parser.add_argument(
         "--centres",

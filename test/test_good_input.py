@@ -8,7 +8,7 @@ import pytest
 from cases import MOES, STEADY, TRANSIENT, ended, text
 from conftest import ROOT
 
-INPUTS = sorted((ROOT / "input").glob("*.nml"))
+INPUTS = sorted([*(ROOT / "input").glob("*.nml"), *(ROOT / "input" / "duty").glob("*.nml")])
 
 
 def check(asperity, folder, content):

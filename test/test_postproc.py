@@ -203,6 +203,22 @@ def test_figures_of_the_program(run_case, tmp_path: Path) -> None:
     assert thinner < 0.8
 
 
+def test_a_periodic_history_has_its_last_cycle_and_paths_there_and_back(run_case, tmp_path: Path) -> None:
+    rows = "".join(f"{1e-5 * i},{np.cos(np.pi * i / 10):.6f}\n" for i in range(21))
+    (tmp_path / "to_and_fro.csv").write_text("time [s],speed_1 [m/s]\n" + rows, encoding="utf-8")
+    history = "&history file = 'to_and_fro.csv', periodic = .true. /\n&time transient = .true., time_step = 0.02364 /\n"
+    text = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_2 = 0.0").replace("x_outlet = 1.5", "x_outlet = 4.0") + history
+    ridge = "&surface_1 shape = 'feature', amplitude = 1e-9, wavelength = 1e-4, position = -0.3 /\n"
+    run_case(text + ridge + "&accuracy error_bars = .false. /\n", "--quiet", name="ring")
+    drawn("transient", tmp_path / "ring.h5", "--si", "--output", tmp_path / "out", "--format", "png")
+    assert files_of(tmp_path / "out") == [f"ring_{part}.png" for part in ("film_strip", "history", "xt")]
+    read = load_module("result_file").read_result(tmp_path / "ring.h5", with_transient=True)
+    (path,), time = read.features, read.transient["time"].values
+    assert np.ptp(path.centre(time)) * read.solution["x"].si_scale == pytest.approx(2e-4 / np.pi, rel=0.02)
+    load("transient").keep_last_cycle(read)
+    assert np.ptp(read.transient["time"].values) == pytest.approx(2e-4 / read.transient["time"].si_scale, rel=0.01)
+
+
 def test_profiles_have_times_of_their_own(run_case, tmp_path: Path) -> None:
     """Numbers of every step, profiles of every 40th: the figures show the profiles at their times."""
     text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
