@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Draws a passage: x-t maps with the paths of the features, a film strip, of a history what changes; an animation (--parts passage, GIF).
+"""Draws a passage: x-t maps with the paths of the features, a film strip; an animation (--parts passage, GIF).
 
-Of a periodic history the last cycle is drawn.
+Of a history it also draws loads and speeds; of a periodic one the last cycle.
 """
 
 from __future__ import annotations
@@ -265,7 +265,10 @@ def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
     rows = (
         ((load, "", load.values),),
         ((radius, "", radius.values),),
-        ((series["speed_1"], "mean", (speeds[0] + speeds[1]) / 2), (series["speed_1"], "sliding, $u_2 - u_1$", speeds[1] - speeds[0])),
+        (
+            (series["speed_1"], "mean", (speeds[0] + speeds[1]) / 2),
+            (series["speed_1"], "sliding, $u_2 - u_1$", speeds[1] - speeds[0]),
+        ),
         ((series["h_min"], "smallest", series["h_min"].values), (series["h_central"], "central", series["h_central"].values)),
         ((series["p_max"], "largest", series["p_max"].values), (series["p_max"], "Hertz", np.sqrt(load.values / radius.values))),
     )
@@ -347,7 +350,9 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
 
 def keep_last_cycle(result: Result) -> None:
     """Cuts off what lies before the last cycle of a periodic history."""
-    is_kept = {time.values.size: time.values >= result.cycle_from * (1 - 1e-9) for time in (result.transient["time"], result.profile_time)}
+    is_kept = {
+        time.values.size: time.values >= result.cycle_from * (1 - 1e-9) for time in (result.transient["time"], result.profile_time)
+    }
     for name, quantity in result.transient.items():
         if name != "x" and result.cycle_from > 0:
             result.transient[name] = replace(quantity, values=quantity.values[is_kept[len(quantity.values)]])
@@ -363,7 +368,7 @@ def main(arguments: list[str] | None = None) -> int:
         choices=PARTS,
         default=[part for part in PARTS if part != "passage"],
         metavar="PART",
-        help="what to draw: xt, film_strip, history, passage (default: all but passage, the animation, which takes some ten seconds)",
+        help="what to draw: xt, film_strip, history, passage (default: all but passage, an animation that takes some ten seconds)",
     )
     parser.add_argument(
         "--centres",

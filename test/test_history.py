@@ -81,7 +81,7 @@ OTHERS = {
     "folder": ("'h.csv'", "'.'", "file: .: found a folder, expected a file"),
     "no name": ("'h.csv'", "''", "file: found an empty text, expected the name of a file"),
     "speed": ("'h.csv'", "'h.csv', speed_rpm = 60.0", "found times with &history speed_rpm, expected the column angle [deg]"),
-    "speed alone": ("file = 'h.csv'", "speed_rpm = 60.0", "speed_rpm: not used without file: remove it"),
+    "empty": ("file = 'h.csv'", "", "file: missing, expected a quoted text"),
     "steady": ("transient = .true.", "", "file: not used with transient = .false.: remove it"),
     "stokes": ("'ehl_line'", "'ehl_line', equations = 'stokes'", "file: found with equations = 'stokes', expected 'reynolds'"),
     "model": ("'ehl_line'", "'ehl_line', model = 'auto'", "model: found 'auto' with &history, expected 'full'"),

@@ -18,7 +18,8 @@ LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
 def examples() -> str:
     """The page of examples: each input with the sentence that its first comment says, and its text."""
     parts = ["# Examples\n\nInputs to start from; `asperity NAME.nml` runs one.\n"]
-    for folder, title in (("input", "Single cases"), ("input/scenes", "Scenes from machines"), ("input/duty", "Loads and speeds over time")):
+    folders = {"input": "Single cases", "input/scenes": "Scenes from machines", "input/duty": "Loads and speeds over time"}
+    for folder, title in folders.items():
         parts.append(f"## {title}\n")
         for path in sorted((ROOT / folder).glob("*.nml")):
             text = path.read_text(encoding="utf-8")
