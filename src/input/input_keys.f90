@@ -39,7 +39,7 @@ module input_keys
       group_row_t('time', &
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
       group_row_t('history', &
-         'load, radius and speeds over time; scales are of the widest contact, the largest u1 + u2', &
+         'load, radius and speeds over time; scales: widest contact, largest u1 + u2', &
          yields_to_moes=.true.), &
       group_row_t('solver', 'method and accuracy of the numerical solution', every), &
       group_row_t('film', "the layers of equations = 'stokes'"), &
