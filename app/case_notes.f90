@@ -26,7 +26,7 @@ module case_notes
    !> Processor time of one interval in one time step [s]: 0.4e-6 of a smooth wave to 1.2e-6 of
    !> roughness, measured on a server core; and what error bars add to it.
    real(wp), parameter :: step_seconds = 1.0e-6_wp, error_bars_share = 0.5_wp
-   !> Grids with fewer than the inverse of this times the intervals that a moment needs are told.
+   !> A grid is told as coarse for a duty if a moment needs more than this many times its intervals.
    real(wp), parameter :: coarse_duty = 2.0_wp
    !> Runs that take longer are announced by --check, and say before they start what would make them
    !> shorter [s].
@@ -92,8 +92,7 @@ contains
    end subroutine note_unusual
 
    !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces, or for
-   !> the thinnest film of a duty. With a
-   !> wanted accuracy both are chosen by their effect on h_min.
+   !> the thinnest film of a duty. With a wanted accuracy both are chosen by their effect on h_min.
    subroutine note_coarse_waves(case, listener, note)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener

@@ -53,8 +53,8 @@ contains
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
 
-      if (case%time%is_transient .and. case%output_settings%adequacy == 'full' .and. .not. &
-         allocated(case%duty)) call &
+      if (allocated(case%duty)) return
+      if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
          listener%log%say(case%file//": adequacy = 'full' takes up to " &
          //to_text(full_cost(case%contact), 2)//' times what the passage takes')
    end subroutine print_full_cost

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below: they fall,
 and rise for a capability alone (the graded grid: sources by 1400, tests by 450; the tail of passages: 160 and 70;
-loads, radii and speeds over time: 1390 and 700; how sure 46)."""
+loads, radii and speeds over time: 1430 and 700; how sure 46)."""
 
 import pathlib
 import re
@@ -17,7 +17,7 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 44_665,
+    "sources": 44_697,
     "how sure": 6_676,
     "tests": 34_958,
     "bench": 5_600,

@@ -20,6 +20,8 @@ module time_table
       !> Coefficients c of c_0 + c_1 s + c_2 s^2 + c_3 s^3 at the time s behind a row (0:3, n - 1),
       !> and the integral up to each row (n).
       real(wp), allocatable, private :: cubic(:, :), sums(:)
+      !> Times at which the slope jumps, of one period.
+      real(wp), allocatable, private :: kink_times(:)
    contains
       procedure :: value, integral, kinks
    end type time_table_t
@@ -33,7 +35,7 @@ contains
       logical, intent(in) :: is_linear, is_periodic
       type(time_table_t) :: table
       real(wp) :: slope(0:size(times) + 1), rise(0:size(times)), gap(0:size(times))
-      integer :: n
+      integer :: i, n
 
       n = size(times)
       table%times = times
@@ -54,13 +56,10 @@ contains
          table%cubic(3, :) = (slope(1:n - 1) + slope(2:n) - 2*rise(1:n - 1))/gap(1:n - 1)**2
       end if
       allocate (table%sums(n), source=0.0_wp)
-      block
-         integer :: i
-
-         do i = 2, n
-            table%sums(i) = table%sums(i - 1) + piece_integral(table%cubic(:, i - 1), gap(i - 1))
-         end do
-      end block
+      do i = 2, n
+         table%sums(i) = table%sums(i - 1) + piece_integral(table%cubic(:, i - 1), gap(i - 1))
+      end do
+      table%kink_times = kinks_of(table)
    end function new_time_table
 
    !> Slopes at n + 1 nodes by the weighted harmonic mean of the slopes `rise` (n) of the intervals
@@ -105,31 +104,47 @@ contains
          + max(time - self%times(n), 0.0_wp)*self%values(n)
    end function integral
 
+   !> Times of the rows at which the slope jumps; of the two that join periods the first.
+   pure function kinks_of(table) result(times)
+      type(time_table_t), intent(in) :: table
+      real(wp), allocatable :: times(:)
+      logical :: is_kink(size(table%times) - 1)
+      real(wp) :: change, least
+      integer :: before, i, n
+
+      n = size(table%times)
+      least = kink_share*maxval(abs(table%values))
+      is_kink = .false.
+      do i = merge(1, 2, table%is_periodic), n - 1
+         before = merge(n - 1, i - 1, i == 1)
+         associate (left => table%times(before + 1) - table%times(before), &
+            right => table%times(i + 1) - table%times(i), c => table%cubic)
+            change = abs(c(1, i) - c(1, before) - left*(2*c(2, before) + 3*left*c(3, before))) &
+               *min(left, right) + merge(abs(table%values(1) - table%values(n)), 0.0_wp, i == 1)
+         end associate
+         is_kink(i) = change > least
+      end do
+      times = pack(table%times(:n - 1), is_kink)
+   end function kinks_of
+
    !> Times behind `from` and before `to`, rising, at which the slope jumps.
    pure function kinks(self, from, to) result(times)
       class(time_table_t), intent(in) :: self
       real(wp), intent(in) :: from, to
       real(wp), allocatable :: times(:)
-      real(wp) :: change, least, period, time
-      integer :: before, i, n, period_number
+      real(wp) :: period
+      integer :: first, last, number
 
-      n = size(self%times)
-      period = self%times(n) - self%times(1)
-      least = kink_share*maxval(abs(self%values))
+      period = self%times(size(self%times)) - self%times(1)
+      first = 0
+      last = 0
+      if (self%is_periodic) first = floor((from - self%times(1))/period)
+      if (self%is_periodic) last = floor((to - self%times(1))/period)
       allocate (times(0))
-      do period_number = merge(floor((from - self%times(1))/period), 0, self%is_periodic), &
-         merge(floor((to - self%times(1))/period), 0, self%is_periodic)
-         rows: do i = merge(1, 2, self%is_periodic), n - 1
-            time = self%times(i) + period_number*period
-            if (time <= from .or. time >= to) cycle rows
-            before = merge(n - 1, i - 1, i == 1)
-            associate (left => self%times(before + 1) - self%times(before), &
-               right => self%times(i + 1) - self%times(i), c => self%cubic)
-               change = abs(c(1, i) - c(1, before) - left*(2*c(2, before) + 3*left*c(3, before))) &
-                  *min(left, right) + merge(abs(self%values(1) - self%values(n)), 0.0_wp, i == 1)
-            end associate
-            if (change > least) times = [times, time]
-         end do rows
+      do number = first, last
+         associate (all => self%kink_times + number*period)
+            times = [times, pack(all, all > from .and. all < to)]
+         end associate
       end do
    end function kinks
 

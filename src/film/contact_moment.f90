@@ -6,14 +6,14 @@ module contact_moment
    use eyring, only: ln_b_of_no_sliding
    use film_state, only: film_state_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, without_surfaces
+   use line_contact, only: line_contact_t, smoothen
    use lubricant, only: fluid_t
    use moes, only: moes_l_from_alpha_bar, moes_l_sum_from_mean, moes_m_mean_from_sum, &
       moes_m_sum_from_lambda
    implicit none (type, external)
    private
 
-   public :: at_moment, put_into_reference_units, own_contact, set_sliding, width_of
+   public :: at_moment, moments_of, put_into_reference_units, own_contact, set_sliding, width_of
 
    !> Moments of a table that choose domain and grid, at most.
    integer, parameter, public :: sample_count = 200
@@ -30,6 +30,20 @@ contains
       width = sqrt(moment%load*moment%radius)
    end function width_of
 
+   !> The contact at some moments of its duty, as if it moved at each.
+   pure function moments_of(contact) result(moments)
+      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t), allocatable :: moments(:)
+      integer :: i
+
+      associate (times => contact%duty%samples(sample_count))
+         allocate (moments(size(times)))
+         do i = 1, size(times)
+            moments(i) = own_contact(contact, times(i), is_moving=.true.)
+         end do
+      end associate
+   end function moments_of
+
    !> The smooth steady contact at `time` in its own units, with X in the direction of the flow;
    !> `is_moving`: as if it moved at least slowly.
    pure function own_contact(contact, time, is_moving) result(own)
@@ -41,8 +55,12 @@ contains
       real(wp) :: pressure, speed
 
       moment = contact%duty%at(time)
-      own = without_surfaces(contact)
-      deallocate (own%duty)
+      call smoothen(own%surface_1)   ! without a copy of the duty
+      call smoothen(own%surface_2)
+      own%surface_1%speed = 1.0_wp
+      own%surface_2%speed = 1.0_wp
+      own%fluid = contact%fluid
+      own%elasticity = contact%elasticity
       pressure = sqrt(moment%load/moment%radius)
       speed = abs(sum(moment%speeds))
       if (is_moving) speed = max(speed, least_speed)
@@ -63,6 +81,7 @@ contains
          own%moes_l_sum = moes_l_sum_from_mean(moes_l_from_alpha_bar(fluid%alpha_bar, &
             moes_m_mean_from_sum(own%moes_m_sum)))
       end associate
+      own%domain = contact%domain
       associate (domain => own%domain, ends => [contact%domain%x_inlet, contact%domain%x_outlet] &
          /width_of(moment))
          domain%x_inlet = ends(1)

@@ -15,7 +15,7 @@
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 module domain_choice
    use constants, only: pi
-   use contact_moment, only: own_contact, sample_count, width_of
+   use contact_moment, only: moments_of, own_contact, sample_count, width_of
    use kinds, only: wp
    use expected_film, only: film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
@@ -63,7 +63,7 @@ contains
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
 
-      if (allocated(contact%duty)) call choose_for_duty(contact, target)
+      if (allocated(contact%duty)) call choose_ends_for_duty(contact, target)
       associate (domain => contact%domain)
          if (domain%grid == 'auto') domain%grid = merge('graded', 'even  ', &
             finest_wave(contact) >= huge(1.0_wp))
@@ -79,12 +79,12 @@ contains
       end associate
    end subroutine choose_domain
 
-   !> The same for all moments of a duty: ends beyond those of each, and the finest spacing.
-   pure recursive subroutine choose_for_duty(contact, target)
+   !> Chooses the ends for all moments of a duty, beyond those of each.
+   pure recursive subroutine choose_ends_for_duty(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
       type(line_contact_t) :: own
-      real(wp) :: ends(2), far(2), spacing, when, width
+      real(wp) :: ends(2), far(2), width
       integer :: i
 
       far = 0.0_wp
@@ -105,15 +105,8 @@ contains
          if (.not. domain%has_outlet) domain%x_outlet = far(2)
          domain%has_inlet = .true.
          domain%has_outlet = .true.
-         if (domain%intervals > 0) return
-         domain%intervals_are_chosen = .true.
-         call find_finest_moment(contact, when, spacing)
-         domain%intervals = intervals_at_least(min(max((domain%x_outlet - domain%x_inlet)/spacing, &
-            real(min_intervals, wp)), real(max_for_duty, wp)))
-         domain%intervals = max(domain%intervals, min(intervals_at_least(wanted_nodes &
-            /nodes_in_wave(contact)*domain%intervals), max_for_waves))
       end associate
-   end subroutine choose_for_duty
+   end subroutine choose_ends_for_duty
 
    !> The moment of a duty whose film needs the finest grid, and the spacing for 1 % there.
    pure subroutine find_finest_moment(contact, when, spacing)
@@ -190,10 +183,17 @@ contains
    !> Chooses the intervals of the contact's domain: for 1 % in the central film, and for its waves.
    pure subroutine choose_intervals(contact)
       type(line_contact_t), intent(inout) :: contact
+      real(wp) :: spacing, when
 
-      associate (intervals => contact%domain%intervals)
-         intervals = min(max(intervals_for(contact, accurate_spacing), min_intervals), &
-            max_intervals)
+      associate (domain => contact%domain, intervals => contact%domain%intervals)
+         if (allocated(contact%duty)) then
+            call find_finest_moment(contact, when, spacing)
+            intervals = intervals_at_least(min(max((domain%x_outlet - domain%x_inlet)/spacing, &
+               real(min_intervals, wp)), real(max_for_duty, wp)))
+         else
+            intervals = min(max(intervals_for(contact, accurate_spacing), min_intervals), &
+               max_intervals)
+         end if
          intervals = max(intervals, min(intervals_at_least(wanted_nodes/nodes_in_wave(contact) &
             *intervals), max_for_waves))
       end associate
@@ -214,23 +214,21 @@ contains
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
 
-   !> Relative loss of film against an inlet far away; with a tail its `share_left`.
-   pure recursive real(wp) function inlet_error(contact) result(error)
+   !> Relative loss of film against an inlet far away, with a duty the largest of its moments; with
+   !> a tail its `share_left`.
+   pure real(wp) function inlet_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
 
-      integer :: i
-
-      error = 0.0_wp
-      if (allocated(contact%duty)) then
-         associate (times => contact%duty%samples(sample_count))
-            do i = 1, size(times)
-               error = max(error, inlet_error(own_contact(contact, times(i), is_moving=.true.)))
-            end do
-         end associate
-      else
-         error = loss_without_tail(contact)*share_left(contact)
-      end if
+      error = film_error(contact)
+      if (allocated(contact%duty)) error = maxval(film_error(moments_of(contact)))
    end function inlet_error
+
+   !> The same of a contact without a duty.
+   pure elemental real(wp) function film_error(contact) result(error)
+      type(line_contact_t), intent(in) :: contact
+
+      error = loss_without_tail(contact)*share_left(contact)
+   end function film_error
 
    !> Share of the errors by the inlet that is left with a tail in front of it, 1 without: of second
    !> order in them. (48 passages of waves, fitted on 24: films err by less than a tenth of the
@@ -263,7 +261,16 @@ contains
       end do
    end function loss_without_tail
 
-   !> Bound on the relative error of the largest pressure by the position of the inlet.
+   !> Bound on the relative error of the largest pressure by the position of the inlet; with a duty
+   !> the largest of its moments.
+   pure real(wp) function inlet_pressure_error(contact) result(error)
+      type(line_contact_t), intent(in) :: contact
+
+      error = pressure_error(contact)
+      if (allocated(contact%duty)) error = maxval(pressure_error(moments_of(contact)))
+   end function inlet_pressure_error
+
+   !> The bound of a contact without a duty.
    !>
    !> Without pressure at X_i the pressure is lower by that of the parabolic gap there, 4 lambda/(3
    !> |X_i|^3), from X_i to the contact, and missing in front of X_i: together the load 2
@@ -272,28 +279,17 @@ contains
    !> for the narrower gap next to the contact, the error was 0.2 to 0.8 of twice w (1/2 + r) in 40
    !> of 42 contacts without a spike, at most 1.1 (M 0.1-1000, L 0-40, c 2-30, a third with Eyring's
    !> law).
-   pure recursive function inlet_pressure_error(contact) result(error)
+   pure elemental real(wp) function pressure_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: error, film, missing
-      integer :: i
+      real(wp) :: film, missing
 
-      error = 0.0_wp
-      if (allocated(contact%duty)) then
-         associate (times => contact%duty%samples(sample_count))
-            do i = 1, size(times)
-               error = max(error, inlet_pressure_error(own_contact(contact, times(i), &
-                  is_moving=.true.)))
-            end do
-         end associate
-         return
-      end if
       film = newtonian_film(contact)
       associate (x => contact%domain%x_inlet)
          missing = 4*contact%lambda/(pi*max(x**2 - 1, tiny(1.0_wp)))
          error = (1 + 2*rigid_film(contact%moes_m_sum)/film)*min(missing, 1.0_wp)
          error = error*share_left(contact)
       end associate
-   end function inlet_pressure_error
+   end function pressure_error
 
    !> Smallest 2^k with dX <= factor sqrt(H_c) on the contact's domain.
    pure integer function intervals_for(contact, factor) result(intervals)

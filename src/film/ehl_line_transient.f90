@@ -127,13 +127,8 @@ contains
                return
             end if
             plan%step = step
-            if (plan%tolerance > 0.0_wp) then
-               call march_by_error(hierarchy, contact, plan, history, report)
-            else
-               plan%ends = part_ends(plan%scheme, step, plan%length)
-               call cut_at_kinks(contact, plan)
-               call march_step(hierarchy, contact, plan, history, report)
-            end if
+            call divide_step(contact, plan)
+            call march_step(hierarchy, contact, plan, history, report)
             if (report%converged) call advance_follower(listener, plan, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
@@ -236,6 +231,10 @@ contains
       type(march_state_t) :: start
       type(film_state_t) :: state
 
+      if (plan%tolerance > 0.0_wp) then
+         call march_by_error(hierarchy, contact, plan, history, report)
+         return
+      end if
       if (size(plan%ends) == 1) then
          ! undivided steps are easier for a smoother than their parts
          if (history%lengths(1) < plan%length) history%way = 1
@@ -254,12 +253,15 @@ contains
       report%fit%uncut_steps = report%fit%uncut_steps + 1
    end subroutine march_step
 
-   !> Ends parts of a step also where the duty of the contact has kinks.
-   pure subroutine cut_at_kinks(contact, plan)
+   !> Divides a step: into the parts of its scheme, unless an error estimate will do that, and where
+   !> the duty of the contact has kinks.
+   pure subroutine divide_step(contact, plan)
       type(line_contact_t), intent(in) :: contact
       type(step_plan_t), intent(inout) :: plan
       integer :: i
 
+      plan%ends = [1.0_wp]
+      if (.not. plan%tolerance > 0.0_wp) plan%ends = part_ends(plan%scheme, plan%step, plan%length)
       if (.not. allocated(contact%duty)) return
       associate (begin => (plan%step - 1)*plan%length)
          associate (cuts => (contact%duty%kinks(begin, begin + plan%length) - begin)/plan%length)
@@ -271,14 +273,13 @@ contains
             end do
          end associate
       end associate
-   end subroutine cut_at_kinks
+   end subroutine divide_step
 
-   !> Makes one step in parts whose error stays within the tolerance of the plan, none of them over
-   !> a kink of the duty.
+   !> Makes one step, dividing its parts until their error is within the tolerance of the plan.
    subroutine march_by_error(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
-      type(step_plan_t), intent(inout) :: plan
+      type(step_plan_t), intent(in) :: plan
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
       type(march_state_t) :: start
@@ -288,8 +289,6 @@ contains
       integer :: i
 
       part = plan
-      plan%ends = [1.0_wp]
-      call cut_at_kinks(contact, plan)
       if (.not. history%next_length > 0.0_wp) history%next_length = first_part
       associate (level => hierarchy%levels(hierarchy%finest))
          do i = 1, size(plan%ends)

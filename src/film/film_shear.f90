@@ -101,8 +101,8 @@ contains
    end function friction_of
 
    !> Weight of the last node with P > 0 for the distance to the exit behind it, over which the
-   !> stress falls as the film grows. `flux`: mass flux in front of it over
-   !> (u1 + u2)/u_ref.
+   !> stress falls as the film grows. `flux`: mass flux in front of it over (u1
+   !> + u2)/u_ref.
    pure function weight_behind(level, node, flux) result(weight)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: node

@@ -158,12 +158,13 @@ contains
 
       times%is_given = time%statistics_from >= 0.0_wp
       times%counts_from = max(time%statistics_from, 0.0_wp)
+      times%needed_end = span_of(contact%duty)
       if (times%is_given .or. .not. contact%duty%load%is_periodic) return
       times%period = span_of(contact%duty)
       times%settled_from = settled_duty(contact)
+      times%needed_end = times%period*(2 + ceiling(times%settled_from/times%period - rounding))
       times%counts_from = max(time%end_time - times%period, 0.0_wp)
       times%earlier_from = max(time%end_time - 2*times%period, 0.0_wp)
-      times%needed_end = sufficient_end(contact)
    end subroutine settle_duty
 
    !> Time after which a duty that repeats has forgotten its start: oil that was drawn in then has
@@ -188,19 +189,15 @@ contains
 
    !> End time T at which the quantities of a contact are complete: the start is forgotten, features
    !> and profiles have passed, waves have become periodic; 0: nothing rough moves.
-   pure recursive real(wp) function sufficient_end(contact) result(end_time)
+   pure real(wp) function sufficient_end(contact) result(end_time)
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t) :: times
 
-      if (allocated(contact%duty)) then
-         end_time = span_of(contact%duty)
-         if (contact%duty%load%is_periodic) end_time = end_time*(2 + ceiling(settled_duty(contact) &
-            /end_time - rounding))
-         return
-      end if
       times = new_passage_times(contact, time_settings_t(is_transient=.true., &
          end_time=huge(1.0_wp)))
-      end_time = max(times%needed_end, passage_end(contact%surface_1, times%settled_from), &
+      end_time = times%needed_end
+      if (allocated(contact%duty)) return
+      end_time = max(end_time, passage_end(contact%surface_1, times%settled_from), &
          passage_end(contact%surface_2, times%settled_from))
    end function sufficient_end
 

@@ -153,9 +153,9 @@ contains
    end function node_spacing
 
    !> Sets the time step of a transient on a complete domain: the given one, or dX (with a duty a
-   !> share of its table, and parts by an error estimate), but at least
-   !> `wanted_steps` in the passage of the finest wave; shortened so that an integer number of steps
-   !> ends at `time%end_time`. A steady case and a step already chosen do not change.
+   !> share of its table, and parts by an error estimate), but at least `wanted_steps` in the
+   !> passage of the finest wave; shortened so that an integer number of steps ends at
+   !> `time%end_time`. A steady case and a step already chosen do not change.
    pure subroutine choose_time_step(contact, time)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(inout) :: time
@@ -164,12 +164,12 @@ contains
       if (.not. (time%is_transient .and. time%end_time > 0.0_wp)) return
       wanted = time%time_step
       if (.not. wanted > 0.0_wp) then
-         wanted = min(node_spacing(contact), shortest_passage(contact)/wanted_steps)
+         wanted = node_spacing(contact)
          if (allocated(contact%duty)) then
-            wanted = min(span_of(contact%duty)/steps_in_duty, &
-               shortest_passage(contact)/wanted_steps)
+            wanted = span_of(contact%duty)/steps_in_duty
             if (time%scheme == 'bdf2') time%tolerance = part_tolerance
          end if
+         wanted = min(wanted, shortest_passage(contact)/wanted_steps)
       end if
       time%time_step = time%end_time/max(1_int64, ceiling(time%end_time/wanted - rounding, int64))
    end subroutine choose_time_step
