@@ -76,6 +76,17 @@ def test_a_damaged_table_is_one_finding(run_case, tmp_path, damage):
         assert done.stderr == f"case.nml:{len(case.splitlines())}: &history file: h.csv{words}\n"
 
 
+def test_a_steady_film_needs_motion(run_case, tmp_path):
+    """'quasi_steady' is refused where the contact reverses, and what squeeze changes is then not known."""
+    table(tmp_path, [0, 1e-3], u1=[0.6, -0.6], u2=[0.6, -0.6])
+    done = run_case(CASE.replace("transient = .true.", "transient = .true., scheme = 'quasi_steady'"), "--check", status=1)
+    assert "&time scheme: found 'quasi_steady' with a history that stops or reverses, expected 'bdf2': at rest " in done.stderr
+    bars = CASE.replace("&accuracy error_bars = .false. /\n&output adequacy = .false. /\n", "&solver film_floor = 1e-12 /\n")
+    run_case(bars, "--quiet")
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert "stops or reverses" in str(dict(file["adequacy/squeeze"].attrs))
+
+
 OTHERS = {
     "no file": ("'h.csv'", "'none.csv'", "file: none.csv: no such file"),
     "folder": ("'h.csv'", "'.'", "file: .: found a folder, expected a file"),

@@ -59,7 +59,8 @@ module measured_adequacy
    real(wp), parameter :: coarse_share = 0.3125_wp
    !> Why an ingredient of a transient is not known.
    character(len=54), parameter :: only_full = "measured with &output adequacy = 'full' alone", &
-      no_grids = 'coarse grids do not see all waves, or have no solution'
+      no_grids = 'coarse grids do not see all waves, or have no solution', &
+      no_film_at_rest = 'the contact stops or reverses: no steady film there'
    !> Most intervals of the smooth steady contact.
    integer, parameter :: most_at_rest = 128
    !> Error of a change on n and n/2 intervals: this many times its difference from the grid with
@@ -133,8 +134,9 @@ contains
 
       pair = pair_of(solved, 2)
       adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
-      adequacy%rows%unknown = no_grids
-      if (.not. pair%is_known) return
+      adequacy%rows%unknown = merge(no_grids, no_film_at_rest, &
+         solved%experiment%contact%duty%always_moves())
+      if (adequacy%rows(1)%unknown == no_film_at_rest .or. .not. pair%is_known) return
       do g = 1, 2
          steady = pair%runs(g)
          steady%time%scheme = 'quasi_steady'

@@ -48,6 +48,11 @@ contains
       end if
       call check_places(values, 'surface_1', case%contact%surface_1)
       call check_places(values, 'surface_2', case%contact%surface_2)
+      if (allocated(case%duty) .and. case%time%scheme == 'quasi_steady') then
+         if (.not. case%contact%duty%always_moves()) call values%refuse('time', 'scheme', &
+            "found 'quasi_steady' with a history that stops or reverses, expected 'bdf2': at "// &
+            'rest there is no steady film')
+      end if
       given = case%time
       call choose_time_step(case%contact, case%time)
       if (case%time%is_transient) call check_times(values, case%time%end_time, case%time%time_step)

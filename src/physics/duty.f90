@@ -33,7 +33,7 @@ module duty
    type :: duty_t
       type(time_table_t) :: load, radius, speeds(2)
    contains
-      procedure :: at, kinks, samples
+      procedure :: at, always_moves, kinks, samples
    end type duty_t
 
 contains
@@ -72,6 +72,15 @@ contains
          times = [times, next]
       end do
    end function kinks
+
+   !> Whether u1 + u2 has the same sign in all rows.
+   pure logical function always_moves(self)
+      class(duty_t), intent(in) :: self
+
+      associate (sum => self%speeds(1)%values + self%speeds(2)%values)
+         always_moves = all(sum*sign(1.0_wp, sum(1)) > 0.0_wp)
+      end associate
+   end function always_moves
 
    !> Time from its first to its last row.
    pure real(wp) function span_of(duty) result(span)
