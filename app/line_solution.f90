@@ -95,6 +95,11 @@ contains
       type(error_bars_t) :: bars
 
       case%time%time_step = listener%writer%run%time_step
+      associate (times => listener%writer%run%passage%times)
+         do while (times%end_time < (case%time%resume_from%steps - 0.5_wp)*case%time%time_step)
+            times = times%lengthened()
+         end do
+      end associate
       if (case%solver%target > 0.0_wp) then   ! as before trial runs chose the rest
          bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
          bars%unseen = ''
@@ -181,7 +186,7 @@ contains
          call set_effective(case, 'domain', 'intervals', integer=domain%intervals)
       end associate
       if (case%time%is_transient) then
-         call set_effective(case, 'time', 'end_time', [case%time%end_time])
+         call set_effective(case, 'time', 'end_time', [times%end_time])
          call set_effective(case, 'time', 'time_step', [case%time%time_step])
       end if
       call set_effective(case, 'solver', 'space_scheme', text=trim(merge('kappa  ', 'upwind2', &

@@ -146,13 +146,13 @@ def course(times):
 
 @pytest.mark.path
 def test_an_interrupted_history_goes_on_to_the_same_bits(program, asperity, tmp_path):
-    """Two cycles to and fro, ended by SIGTERM on the way; a table that has changed since is another case."""
+    """Motion to and fro, ended by SIGTERM in a cycle that was added; a table that has changed since is another case."""
     clock = np.linspace(0, CYCLE, 41)
     table(tmp_path, clock, **course(clock))
     reference, _ = undisturbed(program, tmp_path, PERIODIC)
     write(tmp_path, "case.nml", PERIODIC.replace("adequacy", "checkpoint_interval = 0.0, adequacy"))
     with start(program, tmp_path) as running:
-        wait_for(tmp_path / "case.h5.part", running, times=250)
+        wait_for(tmp_path / "case.h5.part", running, times=1800)
         running.send_signal(signal.SIGTERM)
         message = running.stderr.read()
     assert running.returncode == 4, message
@@ -202,6 +202,37 @@ def test_a_periodic_table_is_the_table_repeated(solved_cases, tmp_path):
         assert whole[f"transient/{name}"][()] == pytest.approx(found, rel=1e-5)
         assert repeated[f"summary/{name}"].attrs["dimensionless"] == pytest.approx(least(found[last]), rel=1e-12)
     assert repeated["summary"].attrs["statistics_from"] == pytest.approx(series["time"][-1] * 2 / 3)
+
+
+TO_AND_FRO = PERIODIC.replace("periodic", "interpolation = 'cubic', periodic").replace("&time ", "&time time_step = 0.05, ")
+
+
+def test_a_history_is_repeated_until_its_film_repeats(solved_cases, tmp_path):
+    """The last of all cycles counts."""
+    clock, lows = np.linspace(0, CYCLE, 41), {}
+    for name, shape in (("motion", np.cos),):
+        speed = shape(2 * np.pi * clock / CYCLE)
+        table(tmp_path, clock, load=1e5, radius=0.01, u1=0.1 * speed, u2=1.1 * speed)
+        (file,) = solved_cases(**{name: TO_AND_FRO})
+        series, film = file["transient"], file["summary/h_min"]
+        cycles = round(series["time"][-1] * series["time"].attrs["si_scale"] / CYCLE)
+        steps = (len(series["time"]) - 1) // cycles
+        ends, pressure = series["film_thickness"][::steps], series["pressure"][::steps]
+        changes = [np.abs(new / old - 1)[p > 0].max() for old, new, p in zip(ends[:-1], ends[1:], pressure[1:], strict=True)]
+        assert len(changes) == cycles > 4
+        assert min(changes[:-1]) > 1e-3 > changes[-1]
+        lows[name] = [series["h_min"][i * steps : (i + 1) * steps + 1].min() for i in range(cycles)]
+        assert film.attrs["dimensionless"] == pytest.approx(lows[name][-1], rel=1e-12)
+        assert film.attrs["error_start"] / film[()] == pytest.approx(abs(1 - lows[name][-2] / lows[name][-1]))
+
+
+def test_a_film_that_does_not_repeat_is_told(run_case, tmp_path):
+    """Of a stroke so short that no oil reaches the middle."""
+    clock = np.linspace(0, CYCLE, 41)
+    speed = 0.1 * np.cos(2 * np.pi * clock / CYCLE)
+    table(tmp_path, clock, load=1e5, radius=0.01, u1=speed, u2=speed)
+    done = run_case(TO_AND_FRO, "--quiet", status=2)
+    assert "the film does not repeat itself: the last of 20 cycles changed it by " in " ".join(done.stderr.split())
 
 
 def test_times_are_told_in_seconds(run_case, tmp_path):

@@ -147,8 +147,9 @@ contains
          allocate (self%films(0:steps), source=huge(1.0_wp))
       end if
       summary = summary_of(state)
-      if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
       call self%passage%add(summary, state%time, step == steps)
+      if (step > ubound(self%films, 1)) return   ! the run has become longer
+      if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
    end subroutine collect_step
 
 end module experiment

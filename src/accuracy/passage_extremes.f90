@@ -26,15 +26,24 @@ module passage_extremes
 
 contains
 
-   !> Adds the quantities of one time; the last one always counts.
+   !> Adds the quantities of one time; the last one always counts. At the end of a run that goes on
+   !> the next cycle begins.
    pure subroutine add(self, summary, time, is_last)
       class(passage_extremes_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       real(wp), intent(in) :: time
       logical, intent(in) :: is_last
+      type(passage_times_t) :: longer
 
       if (self%times%is_earlier(time)) call widen(self%earlier, self%has_earlier, summary)
       if (is_last .or. self%times%counts(time)) call widen(self%counted, self%has_counted, summary)
+      longer = self%times%lengthened()
+      if (is_last .or. .not. longer%counts(time)) return
+      self%times = longer
+      self%earlier = self%counted
+      self%has_earlier = .true.
+      self%has_counted = .false.
+      call widen(self%counted, self%has_counted, summary)
    end subroutine add
 
    !> Widens extremes by the quantities of another time, or begins with them.

@@ -14,6 +14,7 @@
 !> without a new solve. Later steps start from a prediction by the last solutions.
 module ehl_line_transient
    use cycle_control, only: iterate
+   use duty, only: span_of
    use errors, only: error_t
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
@@ -68,14 +69,16 @@ module ehl_line_transient
    !> hardly any length has no slope but that of rounding. A part that is longer than the one before
    !> by more than the second number takes no slope from it.
    real(wp), parameter :: nearest_kink = 1.0e-3_wp, longest_growth = 10.0_wp
+   !> The film at the end of a cycle repeats the one before within this share; most cycles.
+   real(wp), parameter :: same_film = 1.0e-3_wp, most_cycles = 20.0_wp
 
 contains
 
    !> Marches from the smooth steady solution on the finest level, whose film the surfaces then
    !> enter without a new solve, or from where an earlier run stopped, to `time%end_time` with the
-   !> step of `choose_time_step`; the listener receives every step. Ends early, not converged, if a
-   !> step has no solution or the heights of a surface cannot be read; `state` is then the last good
-   !> one. The profiles must be loaded for the start.
+   !> step of `choose_time_step`, or until a film repeats itself; the listener receives each step.
+   !> Ends early, not converged, if a step has no solution or the heights of a surface cannot be
+   !> read; `state` is then the last good one. The profiles must be loaded for the start.
    subroutine march(hierarchy, contact, settings, time, listener, state, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -86,7 +89,7 @@ contains
       type(report_t), intent(inout) :: report
       type(march_state_t) :: history
       type(step_plan_t) :: plan
-      integer :: step, steps
+      integer :: steps
 
       allocate (plan%attempts, source=time_step_attempts(contact, settings))
       call note_choice(report, plan%attempts(1))
@@ -99,6 +102,7 @@ contains
          call listener%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from
+            steps = max(steps, history%steps)
             if (abs(history%direction - level%direction) > 1.0_wp) call turn(level)
             level%state%pressure = history%pressure(:, 1)
             level%state%film = history%film
@@ -120,48 +124,68 @@ contains
          end if
          call start_follower(listener, contact, state, report)
          if (.not. report%converged) return
-         if (.not. allocated(time%resume_from)) call hand_out(0)
-         do step = history%step + 1, steps
+         if (.not. allocated(time%resume_from)) call hand_out()
+         do while (history%step < steps)
             if (listener%wants_stop()) then
                call refuse(report, 'stopped from outside')
                return
             end if
-            plan%step = step
+            plan%step = history%step + 1
             call divide_step(contact, plan)
             call march_step(hierarchy, contact, plan, history, report)
             if (report%converged) call advance_follower(listener, plan, report)
             if (.not. report%converged) then
-               call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
-                  to_text(step*plan%length)//'): '//report%reason//hints(contact, state))
+               call refuse(report, 'time step '//to_text(plan%step)//' of '//to_text(steps)// &
+                  ' (T = '//to_text(plan%step*plan%length)//'): '//report%reason &
+                  //hints(contact, state))
                return
             end if
-            call check_breakdown(level%direction*level%x, level%state%film, settings, step, &
-               step*plan%length, report)
+            call check_breakdown(level%direction*level%x, level%state%film, settings, plan%step, &
+               plan%step*plan%length, report)
             if (.not. report%converged) return
             report%fit%outlet_pressure = max(report%fit%outlet_pressure, &
                level%state%pressure(level%n - 1))
-            history%step = step
-            report%steps = step
-            call hand_out(step)
+            history%step = plan%step
+            report%steps = plan%step
+            call hand_out()
          end do
       end associate
       report%converged = .true.
       report%reason = 'converged'
+      if (history%cycle_change > same_film) call refuse(report, 'the film does not repeat '// &
+         'itself: the last of '//to_text(nint(steps*plan%length/span_of(contact%duty)))// &
+         ' cycles changed it by '//to_text(100*history%cycle_change, 2)//' %')
 
    contains
 
       !> Passes the state after a step and the state of the march to the listener.
-      subroutine hand_out(step)
-         integer, intent(in) :: step
-
-         associate (level => hierarchy%levels(hierarchy%finest))
-            call fill_state(contact, level, step*plan%length, state, listener%wants_stresses(step))
-         end associate
+      subroutine hand_out()
+         call fill_state(contact, hierarchy%levels(hierarchy%finest), history%step*plan%length, &
+            state, listener%wants_stresses(history%step))
+         if (time%may_lengthen) call look_back(state, nint(span_of(contact%duty)/plan%length), &
+            history, steps)
          call report_cost(hierarchy, report)
-         call listener%on_step(step, steps, state, history, report)
+         call listener%on_step(history%step, steps, state, history, report)
       end subroutine hand_out
 
    end subroutine march
+
+   !> At the end of a cycle compares its film with that of the last one; adds a cycle to the `steps`
+   !> if it would be the last and does not repeat that.
+   pure subroutine look_back(state, cycle_steps, history, steps)
+      type(line_state_t), intent(in) :: state
+      integer, intent(in) :: cycle_steps
+      type(march_state_t), intent(inout) :: history
+      integer, intent(inout) :: steps
+
+      if (modulo(history%step, cycle_steps) /= 0) return
+      if (history%step > 0) history%cycle_change = maxval(abs(state%film_thickness &
+         /history%cycle_film - 1), state%pressure > 0.0_wp)
+      history%cycle_film = state%film_thickness
+      if (history%step == steps .and. history%cycle_change > same_film &
+         .and. steps < most_cycles*cycle_steps) steps = steps + cycle_steps
+      history%steps = steps
+   end subroutine look_back
 
    !> Starts the additional equations of a follower, if any. If it fails, the report is not
    !> converged.

@@ -12,8 +12,8 @@ module march_state
    !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the
    !> finest grid.
    type :: march_state_t
-      !> Time steps done; 0 = the start.
-      integer :: step = 0
+      !> Time steps done; 0 = the start. Steps to do; 0: as planned.
+      integer :: step = 0, steps = 0
       !> Solutions kept, up to 3, and of rho H up to 4; 1 is the newest.
       integer :: size = 0
       !> P of these solutions (0:n, 3).
@@ -31,6 +31,9 @@ module march_state
       !> Number of the relaxation that found it; the next step begins with it if all are relaxations
       !> of one method.
       integer :: way = 1
+      !> H at the end of the last cycle of a duty (nx), and its largest relative change in that.
+      real(wp), allocatable :: cycle_film(:)
+      real(wp) :: cycle_change = 0.0_wp
       !> H of the newest solution (0:n), and outcome, history and cost up to here; set in a stored
       !> state.
       real(wp), allocatable :: film(:)

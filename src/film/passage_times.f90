@@ -13,7 +13,7 @@
 module passage_times
    use entry_zone, only: arrival_of, half_ridge, first_passage, front_arrival, &
       has_something_inside, has_waves, is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
-   use duty, only: span_of
+   use duty, only: moment_t, span_of
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -63,6 +63,7 @@ module passage_times
       !> Whether a time counts, and whether it belongs to the comparison.
       procedure :: counts
       procedure :: is_earlier
+      procedure :: lengthened
       !> Time from which statistics of the film count.
       procedure :: statistics_from
       !> Whether the run lasts until its quantities are free of the start.
@@ -97,6 +98,17 @@ contains
       is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from - rounding*self%end_time &
          .and. time <= self%counts_from + rounding*self%end_time
    end function is_earlier
+
+   !> The times of a run that goes on for another period.
+   pure function lengthened(self) result(times)
+      class(passage_times_t), intent(in) :: self
+      type(passage_times_t) :: times
+
+      times = self
+      times%earlier_from = self%counts_from
+      times%counts_from = self%end_time
+      times%end_time = self%end_time + self%period
+   end function lengthened
 
    !> Whether the start is forgotten when the times that count begin; true if the user gave that
    !> time.
@@ -150,42 +162,34 @@ contains
    end function new_passage_times
 
    !> Times of a contact with a duty: all of one that does not repeat, else the last cycle, which
-   !> the one before shows to be periodic or not.
+   !> the one before shows to be periodic or not; two more cycles than the oil of the start needs to
+   !> leave the contact.
    pure subroutine settle_duty(contact, time, times)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       type(passage_times_t), intent(inout) :: times
+      type(zone_t) :: zone
+      type(moment_t) :: moment
+      real(wp) :: way
+      integer :: i
+      integer, parameter :: samples = 200, most_cycles = 100
 
       times%is_given = time%statistics_from >= 0.0_wp
       times%counts_from = max(time%statistics_from, 0.0_wp)
       times%needed_end = span_of(contact%duty)
       if (times%is_given .or. .not. contact%duty%load%is_periodic) return
-      times%period = span_of(contact%duty)
-      times%settled_from = settled_duty(contact)
-      times%needed_end = times%period*(2 + ceiling(times%settled_from/times%period - rounding))
+      times%period = times%needed_end
+      way = 0.0_wp
+      do i = 1, samples
+         moment = contact%duty%at(times%period*(i - 0.5_wp)/samples)
+         way = way + times%period/samples*abs(sum(moment%speeds))
+      end do
+      zone = zone_of(contact)
+      way = way/(settling*zone%transit)
+      times%needed_end = times%period*(2 + ceiling(1/max(way, 1.0_wp/most_cycles) - rounding))
       times%counts_from = max(time%end_time - times%period, 0.0_wp)
       times%earlier_from = max(time%end_time - 2*times%period, 0.0_wp)
    end subroutine settle_duty
-
-   !> Time after which a duty that repeats has forgotten its start: oil that was drawn in then has
-   !> left the contact.
-   pure real(wp) function settled_duty(contact) result(time)
-      type(line_contact_t), intent(in) :: contact
-      type(zone_t) :: zone
-      real(wp) :: way, step
-      integer, parameter :: steps_in_cycle = 200, most_cycles = 100
-
-      zone = zone_of(contact)
-      step = span_of(contact%duty)/steps_in_cycle
-      time = 0.0_wp
-      way = 0.0_wp
-      do while (way < settling*zone%transit .and. time < most_cycles*span_of(contact%duty))
-         associate (moment => contact%duty%at(time + 0.5_wp*step))
-            way = way + step*abs(sum(moment%speeds))
-         end associate
-         time = time + step
-      end do
-   end function settled_duty
 
    !> End time T at which the quantities of a contact are complete: the start is forgotten, features
    !> and profiles have passed, waves have become periodic; 0: nothing rough moves.

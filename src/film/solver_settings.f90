@@ -62,6 +62,8 @@ module solver_settings
       real(wp) :: statistics_from = -1.0_wp
       !> Largest error of a part of a step, relative to the film; zero: parts are given.
       real(wp) :: tolerance = 0.0_wp
+      !> Beyond the end the duty is repeated until the film of a cycle repeats that of the last.
+      logical :: may_lengthen = .false.
       !> State from which an interrupted transient resumes; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from
    end type time_settings_t

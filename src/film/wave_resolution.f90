@@ -155,11 +155,11 @@ contains
    !> Sets the time step of a transient on a complete domain: the given one, or dX (with a duty a
    !> share of its table, and parts by an error estimate), but at least `wanted_steps` in the
    !> passage of the finest wave; shortened so that an integer number of steps ends at
-   !> `time%end_time`. A steady case and a step already chosen do not change.
+   !> `time%end_time`, or makes a cycle. A steady case and a step already chosen do not change.
    pure subroutine choose_time_step(contact, time)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(inout) :: time
-      real(wp) :: wanted
+      real(wp) :: whole, wanted
 
       if (.not. (time%is_transient .and. time%end_time > 0.0_wp)) return
       wanted = time%time_step
@@ -171,7 +171,9 @@ contains
          end if
          wanted = min(wanted, shortest_passage(contact)/wanted_steps)
       end if
-      time%time_step = time%end_time/max(1_int64, ceiling(time%end_time/wanted - rounding, int64))
+      whole = time%end_time
+      if (time%may_lengthen) whole = span_of(contact%duty)
+      time%time_step = whole/max(1_int64, ceiling(whole/wanted - rounding, int64))
    end subroutine choose_time_step
 
 end module wave_resolution

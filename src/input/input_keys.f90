@@ -379,8 +379,8 @@ module input_keys
          'between the rows: straight lines, or monotone cubics', words='linear cubic', &
          used='file', example='!'), &
       key_row_t('history', 'periodic', logical_kind, '', '.false.', &
-         'repeats the table until a cycle no longer depends on the start; quantities are those ' &
-         //'of the last', used='file', example='!'), &
+         'repeats the table until its film repeats itself; quantities are those of the last ' &
+         //'cycle', used='file', example='!'), &
       key_row_t('history', 'speed_rpm', real_kind, '1/min', is_optional, &
          'speed of rotation, for a table over angles', range='> 0, <= 1e6', used='file', &
          typical='1 to 1e5', example='! 1500.0')]

@@ -9,7 +9,7 @@ module line_case
    use features, only: rough_surface_t
    use input_values, only: input_values_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: finest_wave, line_contact_t
    use line_profiles, only: place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
@@ -40,6 +40,9 @@ contains
       call build_contact(case)
       if (values%is_given('time', 'duration')) case%time%end_time = values%real_value('time', &
          'duration')/case%scaling%time
+      case%time%may_lengthen = all([case%time%may_lengthen, case%time%end_time <= 0.0_wp, &
+         case%time%statistics_from < 0.0_wp, finest_wave(case%contact) >= huge(1.0_wp), &
+         size(case%output_settings%film_thresholds) == 0])
       if (case%time%is_transient .and. .not. case%time%end_time > 0.0_wp) then
          case%time%end_time = sufficient_end(case%contact)
          if ((case%time%end_time > latest_end .and. .not. allocated(case%duty)) .or. .not. &
@@ -99,6 +102,7 @@ contains
          end if
          if (allocated(case%duty)) then
             contact%duty = scaled_duty(case%duty, case%scaling)
+            case%time%may_lengthen = case%duty%is_periodic
             contact%surface_1%course = contact%duty%speeds(1)
             contact%surface_2%course = contact%duty%speeds(2)
          end if

@@ -33,7 +33,7 @@ module checkpoint
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 20
+   integer, parameter :: format_number = 21
 
    !> What a run has gathered and chosen, and goes on with from its checkpoint.
    type :: run_record_t
@@ -252,6 +252,7 @@ contains
       integer :: n
 
       call file%visit('/march/step', march%step)
+      call file%visit('/march/steps', march%steps)
       call file%visit('/march/size', march%size)
       call file%visit('/march/way', march%way)
       call file%visit('/march/rigid_displacement', march%rigid_displacement)
@@ -265,6 +266,9 @@ contains
          allocate (march%film(0:n), march%pressure(0:n, 3), march%mass(0:n, 4))
          march%film(:) = film
       end if
+      call file%visit('/march/cycle_change', march%cycle_change)
+      if (file%has('/march/cycle_film', allocated(march%cycle_film))) call &
+         file%visit_vector('/march/cycle_film', march%cycle_film)
       call file%visit('/march/pressure', march%pressure)
       call file%visit('/march/mass', march%mass)
       call visit_report(file, march%report)
