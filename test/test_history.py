@@ -24,7 +24,7 @@ OPEN = (
 ROWS = f"time [s],{LOAD}\n0,1e5\n1e-3,1.2e5\n"
 NAMES = f", expected names with units: time [s] or angle [deg], then any of {LOAD}, {RADIUS}, {U1}, {U2}"
 RADII = f", expected a number from 1.00000E-09 to 1.00000E+09 in {RADIUS}"
-MOTION = "expected a history that begins in motion: at rest no film is known"
+MOTION = "expected a history that begins in motion, or a periodic one without an end: at rest no film is known"
 FORWARDS = "expected a sum > 0 in one of them: oil is drawn in at X < 0"
 LOADS = f", expected a number from 1.00000E-06 to 1.00000E+12 in {LOAD}"
 
@@ -74,6 +74,10 @@ def test_a_damaged_table_is_one_finding(run_case, tmp_path, damage):
     for case in (CASE,) if damage in ("rest", "backwards") else (OPEN, CASE):
         done = run_case(case, "--check", status=1)
         assert done.stderr == f"case.nml:{len(case.splitlines())}: &history file: h.csv{words}\n"
+    case = CASE.replace("'h.csv'", "'h.csv', periodic = .true.")
+    if damage == "rest":
+        assert MOTION in run_case(case.replace("= .true.", "= .true., duration = 1.0", 1), "--check", status=1).stderr
+        run_case(case, "--check")
 
 
 def test_a_steady_film_needs_motion(run_case, tmp_path):
@@ -208,9 +212,9 @@ TO_AND_FRO = PERIODIC.replace("periodic", "interpolation = 'cubic', periodic").r
 
 
 def test_a_history_is_repeated_until_its_film_repeats(solved_cases, tmp_path):
-    """The last of all cycles counts."""
+    """The last of all cycles counts; the same one whether it begins in motion or at rest."""
     clock, lows = np.linspace(0, CYCLE, 41), {}
-    for name, shape in (("motion", np.cos),):
+    for name, shape in (("motion", np.cos), ("rest", np.sin)):
         speed = shape(2 * np.pi * clock / CYCLE)
         table(tmp_path, clock, load=1e5, radius=0.01, u1=0.1 * speed, u2=1.1 * speed)
         (file,) = solved_cases(**{name: TO_AND_FRO})
@@ -224,6 +228,7 @@ def test_a_history_is_repeated_until_its_film_repeats(solved_cases, tmp_path):
         lows[name] = [series["h_min"][i * steps : (i + 1) * steps + 1].min() for i in range(cycles)]
         assert film.attrs["dimensionless"] == pytest.approx(lows[name][-1], rel=1e-12)
         assert film.attrs["error_start"] / film[()] == pytest.approx(abs(1 - lows[name][-2] / lows[name][-1]))
+    assert lows["rest"][-1] == pytest.approx(lows["motion"][-1], rel=1e-3)
 
 
 def test_a_film_that_does_not_repeat_is_told(run_case, tmp_path):

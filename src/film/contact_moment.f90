@@ -17,9 +17,9 @@ module contact_moment
 
    !> Moments of a table that choose domain and grid, at most.
    integer, parameter, public :: sample_count = 200
-   !> Contacts draw in oil with at least this share of the reference speed when domain and grid are
-   !> chosen: at standstill a film lasts that a faster contact has made.
-   real(wp), parameter :: least_speed = 0.1_wp
+   !> Contacts draw in oil with at least this share of the reference speed when domain, grid and a
+   !> start at rest are chosen: at standstill a film lasts that a faster contact has made.
+   real(wp), parameter, public :: least_speed = 0.1_wp
 
 contains
 
@@ -39,17 +39,16 @@ contains
       associate (times => contact%duty%samples(sample_count))
          allocate (moments(size(times)))
          do i = 1, size(times)
-            moments(i) = own_contact(contact, times(i), is_moving=.true.)
+            moments(i) = own_contact(contact, times(i), least_speed)
          end do
       end associate
    end function moments_of
 
    !> The smooth steady contact at `time` in its own units, with X in the direction of the flow;
-   !> `is_moving`: as if it moved at least slowly.
-   pure function own_contact(contact, time, is_moving) result(own)
+   !> as if it moved at `least` so fast [u_ref].
+   pure function own_contact(contact, time, least) result(own)
       type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: time
-      logical, intent(in) :: is_moving
+      real(wp), intent(in) :: time, least
       type(line_contact_t) :: own
       type(moment_t) :: moment
       real(wp) :: pressure, speed
@@ -62,8 +61,7 @@ contains
       own%fluid = contact%fluid
       own%elasticity = contact%elasticity
       pressure = sqrt(moment%load/moment%radius)
-      speed = abs(sum(moment%speeds))
-      if (is_moving) speed = max(speed, least_speed)
+      speed = max(abs(sum(moment%speeds)), least)
       own%lambda = contact%lambda*speed*moment%radius/moment%load**2
       own%slide_to_roll = sign(2/speed, sum(moment%speeds))*(moment%speeds(2) &
          - moment%speeds(1))

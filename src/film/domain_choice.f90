@@ -15,7 +15,7 @@
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 module domain_choice
    use constants, only: pi
-   use contact_moment, only: moments_of, own_contact, sample_count, width_of
+   use contact_moment, only: least_speed, moments_of, own_contact, sample_count, width_of
    use kinds, only: wp
    use expected_film, only: film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
@@ -90,7 +90,7 @@ contains
       far = 0.0_wp
       associate (domain => contact%domain, times => contact%duty%samples(sample_count))
          do i = 1, size(times)
-            own = own_contact(contact, times(i), is_moving=.true.)
+            own = own_contact(contact, times(i), least_speed)
             own%domain = domain_t(intervals=min_intervals)
             call choose_domain(own, target)
             associate (moment => contact%duty%at(times(i)))
@@ -120,7 +120,7 @@ contains
       associate (times => contact%duty%samples(sample_count))
          do i = 1, size(times)
             wanted = width_of(contact%duty%at(times(i)))*accurate_spacing &
-               *sqrt(film_estimate(own_contact(contact, times(i), is_moving=.true.)))
+               *sqrt(film_estimate(own_contact(contact, times(i), least_speed)))
             if (wanted >= spacing) cycle
             spacing = wanted
             when = times(i)

@@ -1,6 +1,6 @@
 !> The lubricated line contact, from its data to its fields; read it with chapter 2 of the thesis.
 module ehl_line_solver
-   use contact_moment, only: at_moment
+   use contact_moment, only: at_moment, least_speed
    use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
@@ -139,6 +139,8 @@ contains
 
       posed = contact
       if (time%is_transient) posed = without_surfaces(contact)
+      where (.not. hierarchy%levels%entrainment > 0.0_wp) hierarchy%levels%entrainment = &
+         least_speed   ! a start at rest will be forgotten
       hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, posed, settings, listener, report)

@@ -117,7 +117,7 @@ contains
       relay%parent => listener
       associate (level => hierarchy%levels(hierarchy%finest))
          posed = contact
-         if (allocated(contact%duty)) posed = own_contact(contact, 0.0_wp, is_moving=.false.)
+         if (allocated(contact%duty)) posed = own_contact(contact, 0.0_wp, level%entrainment)
          scale = width_of(level%moment)
          call solve_graded(posed, [level%x(0), level%x(level%n)]/scale, graded_target, relay, &
             solution, report)

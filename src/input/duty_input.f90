@@ -126,7 +126,7 @@ contains
       end do
    end subroutine check_other_ways
 
-   !> Finds a contact that never moves forwards, or is at rest at first.
+   !> Finds a contact that never moves forwards, or whose start at rest is not forgotten.
    subroutine check_motion(values, rows, file)
       type(input_values_t), intent(inout) :: values
       type(duty_rows_t), intent(in) :: rows
@@ -140,9 +140,11 @@ contains
          if (never) then
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 <= 0 in '// &
                'every row, expected a sum > 0 in one of them: oil is drawn in at X < 0')
-         else if (.not. abs(sum(1)) > 0.0_wp) then
+         else if (.not. (abs(sum(1)) > 0.0_wp .or. (rows%is_periodic .and. .not. &
+            any([values%is_given('time', 'end_time'), values%is_given('time', 'duration')])))) then
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the '// &
-               'first row, expected a history that begins in motion: at rest no film is known')
+               'first row, expected a history that begins in motion, or a periodic one without '// &
+               'an end: at rest no film is known')
          end if
       end associate
       do i = 1, merge(2, 0, never)   ! one finding is enough
