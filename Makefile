@@ -129,7 +129,7 @@ regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, 
 formulas: build ## bias of handbook film formulas against computed films (ARGS=--quick)
 	$(PYTHON) bench/studies/film_formulas.py $(ARGS)
 
-scenes: build ## the ten scenes of input/scenes/: verdicts against fine grids; writes docs/scenes.md and its figures
+scenes: build ## the scenes of input/scenes/ and input/duty/: verdicts against fine grids; writes docs/scenes.md and its figures
 	-$(PYTHON) bench/scenes.py --page
 
 chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)

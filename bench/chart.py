@@ -233,7 +233,7 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
             points = [each.get(method) for each in best]
             cells = (f"{f'{1e3 * p.seconds:.3g} ({p.intervals})' if p else '-':>15s}" for p in points)
             lines.append(f"  {method:22s}{''.join(cells)}")
-        lines += [f"  observed order in 1/intervals: {orders(panel)}", *([] if is_further else besides(panel))]
+        lines += [] if is_further else besides(panel)
     lines += [f"Not converged, not shown: {answer['name']}: {answer['reason'].strip()}" for answer in failures]
     return "\n".join(lines) + "\n"
 
@@ -251,16 +251,6 @@ def besides(panel: Panel) -> list[str]:
         first, last = (f"{show_time(point.seconds)} on {point.intervals}" for point in (whole[0], whole[-1]))
         lines.append(f"  the whole program takes {first} and {last} intervals")
     return lines
-
-
-def orders(panel: Panel) -> str:
-    """Order of the error between the last two grids of each method that has its own discretisation."""
-    texts = []
-    for method in ("auto", KAPPA, EULER):
-        for coarse, fine in itertools.pairwise(panel.curves.get(method, [])[-2:]):
-            order = math.log(coarse.error / fine.error) / math.log(fine.intervals / coarse.intervals)
-            texts.append(f"{method} {order:.2f}")
-    return ", ".join(texts)
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:

@@ -44,9 +44,9 @@ class Row:
     left_out: float = 1.0
 
 
-def run(groups: Groups, read: Callable[[h5py.File], object]) -> object:
-    """What is read of the result of a namelist; None where it does not converge."""
-    status, _, found = run_program(namelist(groups), read)
+def run(groups: Groups, read: Callable[[h5py.File], object], files: dict[str, bytes] | None = None) -> object:
+    """What is read of the result of a namelist with these files beside it; None where it does not converge."""
+    status, _, found = run_program(namelist(groups), read, files)
     return found if status == 0 else None
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Compares the verdicts of the scenes of input/scenes/ with fine grids, one ingredient left out at a time.
+"""Compares the verdicts of the scenes of input/scenes/ and input/duty/ with fine grids, one ingredient left out at a time.
 
 The truth is that of bench/adequacy.py and bench/adequacy_dry.py. Without squeeze there are only steady solutions with the waves
 at their places, which no namelist describes: the truth is the program's own verdict on SQUEEZE_FINER times the nodes and time
-steps (against runs of other waves at rest: test_coarse_passages.pf).
+steps (against runs of other waves at rest: test_coarse_passages.pf). A finer grid judges the error bars of histories.
 
     same       the program's verdict is that of the fine grids
     other      it is not: a miss
@@ -17,17 +17,22 @@ from __future__ import annotations
 
 import math
 import sys
+from pathlib import Path
 
 import adequacy
 import adequacy_dry
 import f90nml
+import h5py
 import scenes_page
 from bench_program import ROOT, conclude, new_parser, output_folder, save
 from family_shipped import groups_of
-from ingredients import NO_TRUTH, NUMERICAL, Row, run
+from ingredients import NO_TRUTH, NUMERICAL, Row, bare, run
 from namelists import Groups
 
 SQUEEZE_FINER = 4
+# Of histories in input/duty/ what makes their namelist, and times the intervals of the grid that judges: gears and cam take long.
+HISTORIES = {"spur_gear.toml": ("gear", 2), "cam.toml": ("cam", 2), "reciprocating.nml": ("", 4), "stop_start.nml": ("", 4)}
+QUANTITIES, WITHIN = (*adequacy.QUANTITIES, "mean_power"), "within the error bar"
 
 
 def squeeze_changes(groups: Groups, said: dict) -> dict[str, float]:
@@ -45,16 +50,28 @@ def judge(name: str, groups: Groups) -> list[Row]:
     rows = adequacy_dry.judge((name, groups)) if is_dry else adequacy.judge((name, groups), squeeze_changes)
     if not rows:
         sys.exit(f"scenes.py: {name}: does not converge, or not on the fine grid")
-    names = [name for name in dict.fromkeys(row.ingredient for row in rows) if name not in NUMERICAL]
-    return [
-        max((row for row in rows if row.ingredient == name), key=lambda row: (known(row.truth), known(row.change)))
-        for name in names
-    ]
+    by_size = sorted(rows, key=lambda row: [-1.0 if math.isnan(change) else abs(change) for change in (row.truth, row.change)])
+    largest = {row.ingredient: row for row in by_size}
+    return [largest[name] for name in dict.fromkeys(row.ingredient for row in rows) if name not in NUMERICAL]
 
 
-def known(change: float) -> float:
-    """The size of a change; less than any if it is not known."""
-    return -1.0 if math.isnan(change) else abs(change)
+def judge_history(path: Path, finer: int) -> list[Row]:
+    """Whether `finer` times the intervals change each quantity by no more than its error bar; the change of a row is none."""
+
+    def told(file: h5py.File) -> tuple[dict[str, tuple[float, float]], int]:
+        found = {q: (float(file[f"summary/{q}"][()]), float(file[f"summary/{q}"].attrs["error_estimate"])) for q in QUANTITIES}
+        return found, int(file["input/effective/domain"].attrs["intervals"])
+
+    groups = groups_of(f90nml.read(path))
+    files = {table: (path.parent / table).read_bytes() for table in (groups["history"]["file"],)}
+    said, intervals = run(groups, told, files)
+    fine, _ = run(bare(groups, domain={"intervals": finer * intervals}), told, files)
+    rows = []
+    for q, (value, bar) in ((q, pair) for q, pair in said.items() if pair[0] > 0):
+        truth, error = fine[q][0] / value - 1, bar / value
+        verdict, right = (WITHIN, WITHIN if abs(truth) <= error else "outside it") if error >= 0 else ("not known", "")
+        rows.append(Row(path.stem, "nothing", q, 0 * error, error, truth, verdict, right, error))
+    return rows
 
 
 def outcome(row: Row) -> str:
@@ -66,16 +83,15 @@ def outcome(row: Row) -> str:
 
 def summary(rows: list[Row]) -> str:
     """How many scenes and ingredients are right."""
-    scenes: dict[str, list[str]] = {}
-    for row in rows:
-        scenes.setdefault(row.scene, []).append(outcome(row))
+    scenes = {row.scene: {outcome(own) for own in rows if own.scene == row.scene} for row in rows}
     known = [row for row in rows if math.isfinite(row.change) and math.isfinite(row.truth)]
     within = sum(abs(row.change - row.truth) <= row.error for row in known)
-    same, other, unknown, no_truth = (sum(outcome(row) == word for row in rows) for word in scenes_page.OUTCOMES)
+    count = [outcome(row) for row in rows].count
     return (
-        f"Of {len(scenes)} scenes {sum(set(found) == {'same'} for found in scenes.values())} have every verdict of the fine grids, "
+        f"Of {len(scenes)} scenes {sum(found == {'same'} for found in scenes.values())} have every verdict of the fine grids, "
         f"{sum('other' not in found for found in scenes.values())} have none that differs.\n"
-        f"Of {len(rows)} verdicts {same} are the same, {other} differ, {unknown} are not known, {no_truth} have no truth.\n"
+        f"Of {len(rows)} verdicts {count('same')} are the same, {count('other')} differ, {count('not known')} are not known, "
+        f"{count(NO_TRUTH)} have no truth.\n"
         f"Of the {len(known)} largest changes that are known {within} are those of the fine grids to their error bars.\n"
     )
 
@@ -87,16 +103,21 @@ def main() -> int:
     options = parser.parse_args()
     folder = output_folder(options)
     rows: list[Row] = []
-    for path in sorted((ROOT / "input" / "scenes").glob("*.nml")):
+    sources = {path: path for path in sorted((ROOT / "input" / "scenes").glob("*.nml"))}
+    for name, (command, _) in HISTORIES.items():
+        source = ROOT / "input" / "duty" / name
+        sources[scenes_page.made(command, source, folder) if command else source] = source
+    for path, source in sources.items():
         if options.quick and "&time" in path.read_text(encoding="utf-8"):
             continue
         print(path.stem, file=sys.stderr)
-        rows += judge(path.stem, groups_of(f90nml.read(path)))
+        finer = HISTORIES.get(source.name, ("", 0))[1]
+        rows += judge_history(path, finer) if finer else judge(path.stem, groups_of(f90nml.read(path)))
         save(folder / "scenes.csv", rows)
     text = summary(rows)
     conclude(folder / "scenes.txt", text)
     if options.page and not options.quick:
-        print(scenes_page.write_page([(row, outcome(row)) for row in rows], text, folder))
+        print(scenes_page.write_page(sources, [(row, outcome(row)) for row in rows], text, folder))
     return 0 if all(outcome(row) == "same" for row in rows) else 1
 
 

@@ -1,4 +1,4 @@
-"""Writes docs/scenes.md: the ten scenes of input/scenes/ with their closing tables, verdicts, regimes and figures."""
+"""Writes docs/scenes.md: scenes of input/scenes/ and input/duty/ with their closing tables, verdicts, regimes and figures."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ingredients import Row
 
 PAGE = ROOT / "docs" / "scenes.md"
 IMAGES = ROOT / "docs" / "images" / "scenes"
+DUTY = ASPERITY.with_name("asperity-duty")
 # The script that draws a scene, and what of that is the figure.
 FIGURES = {
     **dict.fromkeys(("04", "05"), (("friction.py", "--si"), "friction", "pressure, film, shear stresses")),
@@ -21,19 +22,19 @@ FIGURES = {
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
 }
+HISTORY = (("transient.py", "--si", "--parts", "history"), "history", "load, radius, speeds, film, pressure and friction over time")
 PROFILE = (("profile.py", "--si"), "profile", "pressure and film, of a passage at the last time")
-OUTCOMES = ("same", "other", "not known", "no truth")
 TARGET = 0.03
 WIDTH = 128
 
-HEAD = """# Ten scenes
+HEAD = """# Fourteen scenes
 
-Contacts as they occur, in [input/scenes/](../input/scenes). Each section shows the input, the closing table, the place on the chart
-of Moes, and the needs of the model, compared with fine grids. `make scenes` runs the scenes, omits each ingredient on fine grids,
-and writes this page from the results and the comments of the inputs.
+Contacts as they occur, in [input/scenes/](../input/scenes) and [input/duty/](../input/duty). Each section shows the input, the
+closing table, the place on the chart of Moes, and the needs of the model, compared with fine grids. `make scenes` runs the scenes,
+omits each ingredient on fine grids, and writes this page from the results and the comments of the inputs.
 
 Inputs are typical values, not measurements of one machine: oils have the viscosity of their ISO class at the given temperature
-(ISO 3448: at 40 degrees), alpha 20 1/GPa, Eyring stresses of 4 to 6 MPa; pressures are design values of bearings and gears.
+(ISO 3448: at 40 degrees), alpha 18 to 20 1/GPa, Eyring stresses of 4 to 6 MPa; pressures are design values of bearings and gears.
 
 ## Are the verdicts right?
 
@@ -44,11 +45,8 @@ of h_min, dry profiles on 8 times the nodes with the heights of the scene's grid
 known` is no error, but no answer: the measurement may cost a tenth of the run, and gives no verdict where its error bar is too
 large. Without squeeze there are steady solutions with the waves at their places, which no namelist describes: there `fine grids` is
 the program's own value on 4 times the nodes and time steps. Rigid bodies are 2000 times as stiff, or less where they have no
-solution, which still shows whether elasticity is needed.
-
-| scene | accuracy | same | other | not known | no truth |
-|---|---|---|---|---|---|
-{counts}
+solution, which still shows whether elasticity is needed. Where load, speeds or radius change in time, error bars are judged, by
+the change on 2 or 4 times the intervals.
 
 """
 
@@ -63,6 +61,12 @@ def drawn(script: str, *options: object, folder: Path) -> str:
     """What a script of postproc/ prints that leaves a figure in the folder."""
     ends = ("--output", folder, "--format", "png")
     return text_of(sys.executable, ROOT / "postproc" / script, *options, *ends, folder=folder)
+
+
+def made(command: str, source: Path, folder: Path) -> Path:
+    """The namelist that `asperity-duty` writes beside its table in the folder."""
+    text_of(DUTY, command, source, "--output", folder, "--force", folder=folder)
+    return folder / f"{source.stem}.nml"
 
 
 def closing_table(printed: str, name: str) -> str:
@@ -91,8 +95,6 @@ def verdict_table(verdicts: list[tuple[Row, str]]) -> str:
 
 def auto_table(path: Path, text: str, folder: Path) -> str:
     """What model = 'auto' decides of a scene for a target of TARGET, and why."""
-    if "ehl_line" not in text:
-        return "Dry contacts have no `model = 'auto'`."
     lean = folder / f"{path.stem}_auto.nml"
     chosen = re.sub(r"^ *intervals *=.*\n", "", text, flags=re.MULTILINE).replace("   problem =", "   model = 'auto'\n   problem =")
     lean.write_text(f"{chosen}&accuracy\n   target = {TARGET}\n/\n", encoding="utf-8")
@@ -104,34 +106,32 @@ def auto_table(path: Path, text: str, folder: Path) -> str:
     return f"With `model = 'auto'` and `&accuracy target = {TARGET}`, the grid chosen by the program:\n\n```text\n{told}\n```"
 
 
-def section(path: Path, verdicts: list[tuple[Row, str]], folder: Path) -> str:
-    """The part of the page about one scene."""
-    text, name = path.read_text(encoding="utf-8"), path.stem
-    title = re.search(r"title = '(.*)'", text)[1]
-    comment = " ".join(line[2:] for line in text.splitlines() if line.startswith("! "))
+def section(number: int, path: Path, source: Path, verdicts: list[tuple[Row, str]], folder: Path) -> str:
+    """The part of the page about one scene: a namelist, and the file from which it is made, if not itself."""
+    text, name, is_history = source.read_text(encoding="utf-8"), path.stem, source.parent.name == "duty"
+    title = re.search(r"title = ['\"](.*)['\"]", text)[1]
+    comment = " ".join(line[2:] for line in text.splitlines() if line.startswith(("! ", "# ")))
     printed = text_of(ASPERITY, path, "--output", folder, folder=folder)
-    (script, *options), kind, words = FIGURES.get(name[:2], PROFILE)
+    (script, *options), kind, words = HISTORY if is_history else FIGURES.get(name[:2], PROFILE)
     drawn(script, folder / f"{name}.h5", *options, folder=folder)
     IMAGES.mkdir(parents=True, exist_ok=True)
     shutil.copy(folder / f"{name}_{kind}.png", IMAGES / f"{name}.png")
-    parts = [f"## {name[:2]} {title}", "\n".join(textwrap.wrap(comment, WIDTH)), f"![{title}: {words}](images/scenes/{name}.png)"]
-    if "ehl_line" in text:
+    parts = [f"## {number:02d} {title}", "\n".join(textwrap.wrap(comment, WIDTH)), f"![{title}: {words}](images/scenes/{name}.png)"]
+    if is_film := "ehl_line" in text and not is_history:
         regime = drawn("regime.py", folder / f"{name}.h5", folder=folder).splitlines()[0].split(": ", 1)[1]
         parts.append("\n".join(textwrap.wrap(f"On the chart of Moes: {regime}.", WIDTH)))
-    code = "\n".join(line for line in text.splitlines() if not line.startswith("! "))
-    parts += [f"[input/scenes/{path.name}](../input/scenes/{path.name}):", f"```fortran\n{code}\n```"]
-    parts += [f"```text\n{closing_table(printed, name)}\n```", verdict_table(verdicts), auto_table(path, text, folder)]
-    return "\n\n".join(parts) + "\n"
+    own = [pair for pair in verdicts if pair[0].scene == name]
+    code = "\n".join(line for line in text.splitlines() if not line.startswith(("! ", "# ")))
+    place, language = source.relative_to(ROOT), "toml" if source != path else "fortran"
+    parts += [f"[{place}](../{place}):", f"```{language}\n{code}\n```", f"```text\n{closing_table(printed, name)}\n```"]
+    if source != path:
+        told = text_of(DUTY, "cam" if "[cam]" in text else "gear", source, "--result", folder / f"{name}.h5", folder=folder)
+        parts.append(f"```text\n{told.rstrip()}\n```")
+    return "\n\n".join([*parts, verdict_table(own), *([auto_table(path, text, folder)] if is_film else [])]) + "\n"
 
 
-def write_page(verdicts: list[tuple[Row, str]], summary: str, results: Path) -> Path:
+def write_page(sources: dict[Path, Path], verdicts: list[tuple[Row, str]], summary: str, results: Path) -> Path:
     """Writes the page from the rows of bench/scenes.py with their outcomes, and runs of the program."""
-    counts, sections = [], []
-    for name in dict.fromkeys(row.scene for row, _ in verdicts):
-        own = [pair for pair in verdicts if pair[0].scene == name]
-        outcomes = [outcome for _, outcome in own]
-        words = [percent(own[0][0].accuracy), *(str(outcomes.count(word)) for word in OUTCOMES)]
-        counts.append(f"| {name} | {' | '.join(words)} |")
-        sections.append(section(ROOT / "input" / "scenes" / f"{name}.nml", own, results))
-    PAGE.write_text(HEAD.format(summary=summary, counts="\n".join(counts)) + "\n".join(sections), encoding="utf-8")
+    sections = [section(number, *pair, verdicts, results) for number, pair in enumerate(sources.items(), 1)]
+    PAGE.write_text(HEAD.format(summary=summary) + "\n".join(sections), encoding="utf-8")
     return PAGE

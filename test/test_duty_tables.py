@@ -3,12 +3,16 @@
 import math
 import re
 import sys
+from pathlib import Path
 
 import f90nml
+import h5py
 import numpy as np
 import pytest
 from asperity import commands, duty
+from cases import seal
 from conftest import ROOT
+from result_maker import put
 
 DEGREE = math.pi / 180
 INPUT = ROOT / "input" / "duty"
@@ -180,3 +184,56 @@ def test_paths_and_keys_of_the_namelist(write, tmp_path):
     assert case["history"] == {"file": "mesh.csv", "interpolation": "cubic", "periodic": False}
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert write("gear", GEAR, "--output", "file/folder")[0] == 3
+
+
+def made_result(heat, bar=0.01, cycles=1):
+    """mesh.h5: a result of the table mesh.csv with h_min at a fourth of it, and this heat [W/m] of its load, speeds and radius."""
+    time, *series = table_of()
+    span, path = time[-1], Path("mesh.h5")
+    with h5py.File(path, "w") as file:
+        file.attrs.update(program="asperity", version="0", problem="ehl_line", converged=1)
+        file.create_group("scaling").attrs["time"] = span
+        put(file.create_group("solution"), "x", np.zeros(3))
+        put(file.create_group("transient"), "time", np.concatenate([time / span + i for i in range(cycles)]), "s", span)
+        for name, values in zip(("load_per_length", "speed_1", "speed_2", "reduced_radius"), series, strict=True):
+            put(file["transient"], name, np.tile(values, cycles))
+        file.create_group("summary").attrs["statistics_from"] = cycles - 1.0
+        values = 1e-7, (cycles - 0.75) * span, np.trapezoid(heat(*series), time) / span
+        for name, unit, value in zip(("h_min", "h_min_time", "mean_power"), ("m", "s", "W/m"), values, strict=True):
+            put(file["summary"], name, value, unit)
+            file["summary"][name].attrs["error_estimate"] = bar * value
+    seal(path)
+
+
+@pytest.mark.parametrize(("keys", "angles"), [("", ()), ("profile_shift = [0.3, -0.1]\nhelix_angle_deg = 15\n", (15, (0.3, -0.1)))])
+def test_loss_and_places_of_a_mesh(write, keys, angles):
+    """With a friction coefficient f: P_loss/P = pi f (1/z1 + 1/z2) (1 - e + e1^2 + e2^2)/cos b_b. Jumps of load are ramps."""
+    keys = f"{GEAR}load_share_at_ends = 0.5\n{keys}"
+    assert write("gear", keys)[0] == 0
+    made_result(lambda load, u1, u2, _: 0.05 * load * np.abs(u2 - u1))
+    words = write("gear", keys, "--result", "mesh.h5")[1]
+    assert words.endswith("error 1 %\n"), words
+    mesh = duty.mesh_of(4e-3, (20, 40), 20 * DEGREE, *(angle * DEGREE for angle in angles[:1]), *angles[1:])
+    pitch = mesh.base_radii[0] * math.tan(mesh.working_angle)
+    e1, e2 = (mesh.end - pitch) / mesh.base_pitch, (pitch - mesh.start) / mesh.base_pitch
+    expected = math.pi * 0.05 * (1 / 20 + 1 / 40) / math.cos(mesh.base_helix_angle) * (1 - e1 - e2 + e1**2 + e2**2)
+    loss, share, power = (float(re.search(rf"([\d.]+) {unit}", words.splitlines()[-1])[1]) for unit in ("W", "%", "kW"))
+    assert [share, loss, power] == pytest.approx([100 * expected, share * power * 10, 300 * 1500 * math.pi / 30e3], rel=2e-3)
+    h_min, s = re.search(r"h_min +100 nm +1 % +\S+ (.*)", words)[1].split(), mesh.start + (mesh.end - mesh.start) / 4
+    sides = list(zip((s, mesh.line - s), mesh.base_radii, strict=True))
+    places = [(s - pitch) * 1e3, *(leg / base / DEGREE for leg, base in sides), *(math.hypot(*side) * 1e3 for side in sides)]
+    np.testing.assert_allclose(np.array(h_min, dtype=float), places, atol=5.1e-3)
+
+
+def test_loss_and_angles_of_a_cam(write):
+    angles = np.linspace(-90, 270, 73)
+    keys, lift = f'lift = "lift.csv"\n{CAM}', lift_of(angles, 4 * (1 - np.cos(angles * DEGREE)))
+    assert write("cam", keys, lift=lift)[0] == 0
+    made_result(lambda load, *_: 700 + 0 * load, math.nan, 3)
+    h_min = r"\nh_min +100 nm +not known +15 +0\.00\nloss of the contact: 7 W, a mean torque of 66\.85 mN m; error not known\n$"
+    assert re.search(h_min, write("cam", keys, "--result", "mesh.h5", lift=lift)[1])
+    others = {"1000": "extremes of 60 ms, expected those of 59.46 ms", "16": "another speed_1", "400": "another load_per_length"}
+    for old, found in others.items():
+        status, words = write("cam", keys.replace(old, f"{old[:-1]}9"), "--result", "mesh.h5", lift=lift)
+        assert (status, f"found {found}" in words) == (1, True), words
+    assert [write("cam", keys, "--result", name, lift=lift)[0] for name in ("mesh.csv", "none.h5")] == [1, 3]

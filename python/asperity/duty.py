@@ -3,10 +3,14 @@
     asperity gear spur_gear.toml            a pair of teeth of involute gears, from its first to its last contact
     asperity cam cam.toml --output duty     a revolution of a cam under a flat follower, from the lift over the angle
     asperity cam cam.toml --force           replaces the files of an earlier call
+    asperity gear spur_gear.toml --result spur_gear.h5    of a computed case extremes, their places on the teeth, and the loss
 
 FILE.toml has a table [gear] or [cam] with the keys below. Its other tables ([bodies], [lubricant], [accuracy], ...) are groups of
 the namelist. NAME.csv and NAME.nml go into the current folder, or that of --output, which is made if it is not there;
 `asperity NAME.nml` computes them. Exit status 1: all that is wrong with the input, one line each; 3: a file cannot be written.
+
+Places on the teeth are `path`, from the pitch point towards the tip of gear 1, and of both gears roll angle and radius. The loss
+is that of all teeth: heat of one engagement [J/m] times length of the contact line, face width/cos b_b, times mesh frequency.
 
 Lifts need many digits: errors e of theirs change the radius of the cam by up to 12 e/spacing^2, which at 1 deg is 0.04 mm for 1 nm.
 Those of a measured lift are smoothed by `harmonics`, with what that moves in the line that is printed.
@@ -26,8 +30,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from . import duty_result
 from .case_file import written
-from .errors import InputError
+from .errors import AsperityError, InputError
 from .height_tables import Floats, Refusal
 from .heights import Parser
 
@@ -185,15 +190,20 @@ def mesh_of(
     return mesh
 
 
+def mesh_from(values: dict[str, Any]) -> Mesh:
+    """The gears of the input. Raises Refusal."""
+    angle, helix_angle = (math.radians(values[name]) for name in ("pressure_angle_deg", "helix_angle_deg"))
+    shapes = values["profile_shift"], values["addendum_factor"]
+    return mesh_of(values["module_mm"] * 1e-3, values["teeth"], angle, helix_angle, *shapes)
+
+
 def gear_history(values: dict[str, Any]) -> tuple[Floats, str]:
     """The table of one pair of teeth, and what is to be known of the mesh.
 
     The contact travels at w1 r_b1 and surfaces at u1 = w1 s, u2 = w2 (N - s). A line across the face has the load per length
     torque/(r_b1 face_width): of helical teeth line and force grow alike. Their overlap is not counted.
     """
-    angle, helix_angle = (math.radians(values[name]) for name in ("pressure_angle_deg", "helix_angle_deg"))
-    shapes = values["profile_shift"], values["addendum_factor"]
-    mesh = mesh_of(values["module_mm"] * 1e-3, values["teeth"], angle, helix_angle, *shapes)
+    mesh = mesh_from(values)
     s = mesh.path(values["rows"])
     w1 = values["speed_rpm"] * math.pi / 30
     w2 = w1 * mesh.base_radii[0] / mesh.base_radii[1]
@@ -326,12 +336,45 @@ def read_input(path: Path, command: str) -> tuple[dict[str, Any], dict[str, Any]
     return values, tables
 
 
-def convert(command: str, path: Path, folder: Path, force: bool) -> str:
-    """Reads and writes; returns the line that says what was written. Raises OSError, Refusal."""
+def gear_told(result: Path, values: dict[str, Any], table: Floats) -> str:
+    """Extremes of a pair of teeth with their places, and the loss of all: a pair engages for contact ratio times a mesh period."""
+    mesh, w1 = mesh_from(values), values["speed_rpm"] * math.pi / 30
+    pitch = mesh.base_radii[0] * math.tan(mesh.working_angle)
+
+    def place(time: float) -> str:
+        s = mesh.start + w1 * mesh.base_radii[0] * time
+        legs = list(zip((s, mesh.line - s), mesh.base_radii, strict=True))
+        numbers = [math.degrees(leg / base) for leg, base in legs] + [math.hypot(leg, base) * 1e3 for leg, base in legs]
+        return f"{(s - pitch) * 1e3:7.2f}" + "".join(f"{number:7.2f}" for number in numbers)
+
+    heads = "   path roll 1 roll 2 radius 1, 2", "   [mm]  [deg]  [deg]        [mm]"
+    length = values["face_width_mm"] * 1e-3 / math.cos(mesh.base_helix_angle) * mesh.contact_ratio
+    lines, loss, error = duty_result.told(result, table, duty_result.Places(heads, place), length)
+    power = values["torque_Nm"] * w1
+    words = f"{duty_result.prefixed(loss, 'W')}, {100 * loss / power:.4g} % of {duty_result.prefixed(power, 'W')}"
+    return f"{lines}\nloss of the mesh: {words}; error {duty_result.share(loss, error)}"
+
+
+def cam_told(result: Path, values: dict[str, Any], table: Floats) -> str:
+    """Extremes of a revolution with their angles in those of the lift, and the loss."""
+    first, w = read_lift(values["lift"])[0][0], values["speed_rpm"] * math.pi / 30
+    places = duty_result.Places(("     cam", "   [deg]"), lambda time: f"{round(math.degrees(first + w * time), 2) + 0.0:8.2f}")
+    lines, loss, error = duty_result.told(result, table, places, values["width_mm"] * 1e-3)
+    words = f"{duty_result.prefixed(loss, 'W')}, a mean torque of {duty_result.prefixed(loss / w, 'N m')}"
+    return f"{lines}\nloss of the contact: {words}; error {duty_result.share(loss, error)}"
+
+
+def history_of(command: str, path: Path) -> tuple[dict[str, Any], dict[str, Any], Floats, str]:
+    """The values of the input, the groups of the namelist, the table and what is to be known of it. Raises Refusal."""
     values, groups = read_input(path, command)
     if command == "cam":
         values["lift"] = path.parent / values["lift"]
-    table, words = (gear_history if command == "gear" else cam_history)(values)
+    return values, groups, *(gear_history if command == "gear" else cam_history)(values)
+
+
+def convert(command: str, path: Path, folder: Path, force: bool) -> str:
+    """Reads and writes; returns the line that says what was written. Raises OSError, Refusal."""
+    values, groups, table, words = history_of(command, path)
     names = [folder / f"{path.stem}{ending}" for ending in (".csv", ".nml")]
     for name in names:
         if name.exists() and not (force and name.resolve() != values.get("lift", path).resolve()):
@@ -359,9 +402,19 @@ def main(arguments: list[str] | None = None, program: str = "asperity-duty") -> 
         command.add_argument("file", type=Path, metavar="FILE.toml", help="gears or cam, and the groups of the namelist")
         command.add_argument("--output", type=Path, default=Path(), metavar="DIR", help="folder of the table and the namelist")
         command.add_argument("--force", action="store_true", help="replace files that are there")
+        command.add_argument(
+            "--result", type=Path, metavar="NAME.h5", help="write nothing, but tell of this result extremes and loss"
+        )
     options = parser.parse_args(arguments)
     try:
-        print(convert(options.command, options.file, options.output, options.force))
+        if options.result:
+            values, _, table, _ = history_of(options.command, options.file)
+            print({"gear": gear_told, "cam": cam_told}[options.command](options.result, values, table))
+        else:
+            print(convert(options.command, options.file, options.output, options.force))
+    except AsperityError as error:
+        print(error, file=sys.stderr)
+        return 1
     except Refusal as error:
         print("\n".join(f"{options.file}: {line}" for line in str(error).splitlines()), file=sys.stderr)
         return 1
