@@ -29,7 +29,12 @@ module bordered_system
       logical :: is_transposed = .false.
       !> Bands of the rows over their diagonals (-2:2, n-1), (-2:1, n-1): of the caller.
       real(wp), pointer, contiguous :: by_pressure(:, :) => null(), by_film(:, :) => null()
+      !> Diagonals by which they are divided, and what cavitated rows pass on to the next (0:n)
+      !> (module reynolds_jacobian); null: nothing. The factors leave it out.
+      real(wp), pointer, contiguous :: diagonal(:) => null(), carry(:) => null()
       logical, allocatable :: is_cavitated(:)
+      !> Weights y of H in cavitated rows, P + y H = ... (n-1); not allocated: 0.
+      real(wp), allocatable :: yields(:)
       !> Weights of Int P dX (n-1).
       real(wp), allocatable :: weights(:)
       !> Rows of the kernel (n-1), or one where all are alike; constant part of -K over the weights.
@@ -67,6 +72,7 @@ contains
 
       call fill_factors(system%factors, system%rows, system%by_pressure, system%by_film, &
          system%is_cavitated)
+      if (allocated(system%yields)) call fill_yielding_rows(system)
       call factor_semiseparable(system%factors, system%smallest_pivot)
       is_sound = system%smallest_pivot > 0.0_wp
    end subroutine factor_bordered
@@ -111,6 +117,23 @@ contains
       end do
    end subroutine fill_factors
 
+   !> Fills the cavitated rows where asperities bear them.
+   pure subroutine fill_yielding_rows(system)
+      class(bordered_system_t), intent(inout) :: system
+      integer :: i
+
+      associate (factors => system%factors)
+         do i = 1, factors%n
+            if (.not. system%is_cavitated(i)) cycle
+            associate (row => system%rows(min(i, size(system%rows))), y => system%yields(i))
+               factors%lower(:, i) = y*[row%left(:, 0), row%slots(0, [-1, -2])]
+               factors%upper(:, i) = y*[row%right(:, 0), row%slots(0, [1, 2])]
+               factors%diagonal(i) = 1 + y*row%slots(0, 0)
+            end associate
+         end do
+      end associate
+   end subroutine fill_yielding_rows
+
    !> Computes the column of H0 and its solution with fresh factors; `x` becomes the first
    !> approximation, the bordered solution with the factors.
    subroutine solve_first(system, x)
@@ -127,6 +150,7 @@ contains
       allocate (both(2, n - 1))
       do i = 1, n - 1
          both(:, i) = [merge(0.0_wp, sum(system%by_film(:, i)), system%is_cavitated(i)), x(i)]
+         if (allocated(system%yields) .and. system%is_cavitated(i)) both(1, i) = system%yields(i)
       end do
       call solve_two(system%factors, both)
       system%column_solution = both(1, :)
@@ -166,9 +190,27 @@ contains
          y(i) = jp(1, i)*p(i - 2) + jp(2, i)*p(i - 1) + jp(3, i)*p(i) + jp(4, i)*p(i + 1) &
             + jh(1, i)*h(i - 2) + jh(2, i)*h(i - 1) + jh(3, i)*h(i) + jh(4, i)*h(i + 1)
       end associate
+      if (associated(self%carry)) call pass_on(self%carry, self%diagonal, y)
       where (self%is_cavitated) y(1:n - 1) = x(1:n - 1)
+      if (allocated(self%yields)) then
+         where (self%is_cavitated) y(1:n - 1) = x(1:n - 1) + self%yields*self%h(1:n - 1)
+      end if
       y(n) = dot_product(self%weights, x(1:n - 1))
    end subroutine multiply_bordered
+
+   !> Passes on what arrives at cavitated nodes, to the rows behind them.
+   pure subroutine pass_on(carry, diagonal, y)
+      real(wp), intent(in) :: carry(0:), diagonal(0:)
+      real(wp), intent(inout) :: y(:)
+      real(wp) :: passed
+      integer :: i
+
+      passed = 0.0_wp
+      do i = 1, size(y) - 1
+         y(i) = y(i) + passed/diagonal(i)
+         passed = carry(i)*y(i)*diagonal(i)
+      end do
+   end subroutine pass_on
 
    !> Computes y = J^T x.
    subroutine multiply_transposed(self, x, y)

@@ -219,6 +219,8 @@ contains
       level%work%nodes(level%n) = 0.0_wp
       residual%reynolds = maxval(merge(abs(level%work%nodes), max(level%work%nodes, 0.0_wp), &
          level%state%pressure > 0.0_wp))
+      if (allocated(level%rough)) residual%reynolds = max(residual%reynolds, &
+         maxval(abs(level%state%asperity_pressure - level%rough%pressure)))
       residual%floor = round_off(level)
    end subroutine measure_residual
 
@@ -232,10 +234,22 @@ contains
          floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%elastic%deflection))) &
             /level%dx
       else
-         floor = 4.0e-16_wp*(maxval(level%oil%face_mobility*max(level%state%pressure(1:), &
-            level%state%pressure(:level%n - 1))) &
-            /(level%lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
+         associate (p => rounded_pressure(level))
+            floor = 4.0e-16_wp*(maxval(level%oil%face_mobility*max(p(2:), p(:level%n))) &
+               /(level%lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
+         end associate
       end if
    end function round_off
+
+   !> Pressure (0:n) whose rounding is that of the pressure of the oil: where asperities touch that is
+   !> the difference of their law, at a separation of rounded deflections, from the total.
+   pure function rounded_pressure(level) result(p)
+      type(line_level_t), intent(in) :: level
+      real(wp) :: p(0:level%n)
+
+      p = level%state%pressure
+      if (allocated(level%rough)) p = p + level%state%asperity_pressure + abs(level%rough%slope) &
+         *maxval(abs(level%elastic%deflection))
+   end function rounded_pressure
 
 end module cycle_control

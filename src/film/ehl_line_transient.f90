@@ -18,7 +18,7 @@ module ehl_line_transient
    use errors, only: error_t
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
-   use film_equation, only: set_film
+   use film_equation, only: set_film, share_pressure, total_pressure
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -65,6 +65,9 @@ module ehl_line_transient
    !> parts from one to the next; share of the bound that the next one aims at.
    real(wp), parameter :: first_part = 1.0e-3_wp, shortest_part = 1.0e-9_wp, growth = 2.0_wp, &
       fall = 0.2_wp, aim = 0.8_wp
+   !> Where oil fills a cavity, at its front, a node fills in a moment of no order: the error counts
+   !> above this share of the largest pressure.
+   real(wp), parameter :: fronts = 1.0e-3_wp
    !> A kink nearer to an end of a step than this share of it does not divide the step: a part of
    !> hardly any length has no slope but that of rounding. A part that is longer than the one before
    !> by more than the second number takes no slope from it.
@@ -108,7 +111,13 @@ contains
             level%state%film = history%film
             if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
             level%state%rigid_displacement = history%rigid_displacement(1)
+            if (allocated(level%rough)) then
+               level%rhs_film = level%gap - roughness_at(contact, level, history%step*plan%length)
+               call share_anew(level)
+            end if
             call evaluate_coefficients(level)
+            if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
+               /(level%oil%density*level%state%film)
             call fill_state(contact, level, history%step*plan%length, state)
          else
             level%rhs_film = level%gap - roughness_at(contact, level, 0.0_wp)
@@ -327,7 +336,8 @@ contains
                end if
                call solve_parts(hierarchy, contact, part, history, report)
                error = huge(error)
-               if (report%converged) error = step_error(history, level%state%pressure)
+               if (report%converged) error = step_error(history, level%state%pressure, &
+                  merge(fronts, 0.0_wp, allocated(level%oil%saturation)))
                share = min(max((aim*plan%tolerance/max(error, tiny(error)))**(1.0_wp/3), fall), &
                   growth)
                if (error <= plan%tolerance .or. (report%converged &
@@ -421,7 +431,11 @@ contains
                state%pressure = history%pressure(:, 1)
                state%rigid_displacement = history%rigid_displacement(1)
             end if
-            call set_film(hierarchy%levels(hierarchy%finest))
+            if (allocated(state%separation)) then
+               call share_anew(hierarchy%levels(hierarchy%finest))
+            else
+               call set_film(hierarchy%levels(hierarchy%finest))
+            end if
             if (any(state%film <= 0.0_wp)) then
                if (attempt < first) cycle
                rise = 0.5_wp*old_minimum - minval(state%film)
@@ -440,6 +454,15 @@ contains
          end do
       end associate
    end subroutine solve_step
+
+   !> Computes the gap of a total pressure, and what the asperities bear of it.
+   subroutine share_anew(level)
+      type(line_level_t), intent(inout) :: level
+
+      level%state%asperity_pressure = 0.0_wp
+      call set_film(level)
+      call share_pressure(level)
+   end subroutine share_anew
 
    !> Number of last solutions that best predict the next one: all, or only the newest if the line
    !> through the two before missed it (features that move by a spacing or more in a step). In 48
@@ -476,11 +499,11 @@ contains
    end subroutine extrapolate
 
    !> Error of BDF2 in the last part relative to the film, largest where `pressure` (0:n) is above
-   !> 0: from the film that the parabola through the three before has predicted; without three by
-   !> the line through two, which overrates it; 0 after the first part.
-   pure real(wp) function step_error(history, pressure) result(error)
+   !> the share `least` of its largest: from the film that the parabola through the three before has
+   !> predicted; without three by the line through two, which overrates it; 0 after the first part.
+   pure real(wp) function step_error(history, pressure, least) result(error)
       type(march_state_t), intent(in) :: history
-      real(wp), intent(in) :: pressure(0:)
+      real(wp), intent(in) :: pressure(0:), least
       real(wp) :: weights(3)
 
       error = 0.0_wp
@@ -488,7 +511,7 @@ contains
       associate (h => history%lengths, mass => history%mass)
          weights = parabola_weights(history%size - 1, h(1)/h(2), h(3)/h(2))
          error = maxval(abs(mass(:, 1) - weights(1)*mass(:, 2) - weights(2)*mass(:, 3) &
-            - weights(3)*mass(:, 4))/mass(:, 1), pressure > 0.0_wp)
+            - weights(3)*mass(:, 4))/mass(:, 1), pressure > least*maxval(pressure))
          if (history%size > 3) error = error*error_share(h)
       end associate
    end function step_error
@@ -514,12 +537,14 @@ contains
          history%mass(0:level%n, 4), source=0.0_wp)
       history%pressure(:, 3) = history%pressure(:, 2)
       history%pressure(:, 2) = history%pressure(:, 1)
-      history%pressure(:, 1) = level%state%pressure
+      history%pressure(:, 1) = total_pressure(level)
       history%lengths = [length, history%lengths(1:2)]
       history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
       call fluid_density(level%fluid, level%state%pressure, level%oil%density)
       history%mass(:, 2:) = history%mass(:, :3)
       history%mass(:, 1) = level%oil%density*level%state%film
+      if (allocated(level%oil%saturation)) history%mass(:, 1) = history%mass(:, 1) &
+         *level%oil%saturation
       history%size = min(history%size + 1, 4)
       history%direction = level%direction
    end subroutine remember

@@ -26,22 +26,40 @@ module expected_film
    implicit none (type, external)
    private
 
-   public :: film_estimate, newtonian_film, share_with_viscosity, thinned_central_film
+   public :: clearing_film, film_estimate, flooded_film, newtonian_film, share_with_viscosity, thinned_central_film
 
    !> Fitted values of pressure, flow over P' lambda, and the power that joins the limits.
    real(wp), parameter :: pressure_share = 0.75_wp, flow_share = 0.7_wp, power = 0.7_wp
+   !> Film over rms height that clears the asperities.
+   real(wp), parameter :: clearance = 3.0_wp
    !> Bounds of ln H, and number of bisections (to 3e-5).
    real(wp), parameter :: thinnest = -21.0_wp, thickest = 9.0_wp
    integer, parameter :: halvings = 20
 
 contains
 
-   !> Central film H_c [b^2/R] of the smooth contact by the Moes fit, reduced by shear thinning.
+   !> Central film H_c [b^2/R] by the Moes fit, reduced by shear thinning, or that which clears the
+   !> asperities if it is larger.
    pure real(wp) function film_estimate(contact) result(film)
       type(line_contact_t), intent(in) :: contact
 
-      film = thinned_central_film(contact%fluid, contact%lambda, newtonian_film(contact))
+      film = max(flooded_film(contact), clearing_film(contact))
    end function film_estimate
+
+   !> That of the smooth contact.
+   pure real(wp) function flooded_film(contact) result(film)
+      type(line_contact_t), intent(in) :: contact
+
+      film = thinned_central_film(contact%fluid, contact%lambda, newtonian_film(contact))
+   end function flooded_film
+
+   !> Film that clears the asperities; 0 where none touch.
+   pure real(wp) function clearing_film(contact) result(film)
+      type(line_contact_t), intent(in) :: contact
+
+      film = 0.0_wp
+      if (allocated(contact%asperities)) film = clearance*contact%asperities%roughness
+   end function clearing_film
 
    !> The same for a Newtonian lubricant.
    pure real(wp) function newtonian_film(contact) result(film)

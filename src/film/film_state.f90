@@ -11,8 +11,10 @@ module film_state
 
    !> Dimensionless, on the nodes (0:n) of one grid.
    type :: film_state_t
-      !> Pressure P >= 0 and film thickness H > 0.
+      !> Pressure P >= 0 of the oil and film thickness H > 0, the mean gap that it fills.
       real(wp), allocatable :: pressure(:), film(:)
+      !> Pressure of asperities, and separation of the mean planes: allocated where they touch.
+      real(wp), allocatable :: asperity_pressure(:), separation(:)
       !> Rigid displacement H0.
       real(wp) :: rigid_displacement = 0.0_wp
       !> Part of P that rounding cuts off in Newton's steps; the slopes of L_R are those of P plus

@@ -1,5 +1,6 @@
 !> The lubricated line contact in dimensionless form: all data of (2.57)-(2.64) of the thesis.
 module line_contact
+   use asperities, only: asperities_t
    use constants, only: pi
    use duty, only: duty_t
    use kinds, only: wp
@@ -43,6 +44,11 @@ module line_contact
       !> Load, radius and speeds over time; lambda, the fluid, M and L are then those of the
       !> reference state. Not allocated: constant.
       type(duty_t), allocatable :: duty
+      !> Oil is conserved in cavities, and what arrives per u1 + u2 at most (module reynolds_line).
+      logical :: conserves_oil = .false.
+      real(wp) :: supply = huge(1.0_wp)
+      !> Rough surfaces whose asperities touch; not allocated: none do.
+      type(asperities_t), allocatable :: asperities
       !> Domain in half-widths; complete after `choose_domain`.
       type(domain_t) :: domain
       !> What lies in front of it, if the domain has a tail and it is known.

@@ -1,6 +1,7 @@
 !> One grid of the lubricated line contact: nodes, unknowns, right sides, kernel and work space,
 !> allocated once.
 module line_level
+   use asperities, only: asperities_t
    use constants, only: pi
    use duty, only: moment_t
    use errors, only: error_t
@@ -38,6 +39,16 @@ module line_level
    contains
       procedure :: apply => apply_kernel
    end type elastic_line_t
+
+   !> Rough surfaces whose asperities touch.
+   type, public :: rough_gap_t
+      type(asperities_t) :: law
+      !> Boundary friction coefficient over b/R.
+      real(wp) :: friction = 0.0_wp
+      !> Pressure of the asperities at the present separation and its slope, slope of the mean gap,
+      !> factor of the flow and slope of its logarithm (0:n).
+      real(wp), allocatable :: pressure(:), slope(:), gap_slope(:), factor(:), ln_slope(:)
+   end type rough_gap_t
 
    !> Additions of a coarse problem to a grid (module fas_cycle).
    type :: coarse_problem_t
@@ -96,6 +107,8 @@ module line_level
       real(wp), allocatable :: operator(:)
       type(coefficients_t) :: oil
       type(elastic_line_t) :: elastic
+      !> Not allocated: smooth surfaces, or whose asperities do not touch.
+      type(rough_gap_t), allocatable :: rough
       type(coarse_problem_t) :: posed
       type(level_work_t) :: work
    end type line_level_t

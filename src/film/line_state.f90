@@ -14,7 +14,7 @@ module line_state
    type :: line_state_t
       !> X = x/b, rising.
       real(wp), allocatable :: x(:)
-      !> P = p/p_h, never negative.
+      !> P = p/p_h, never negative; of the oil where asperities touch.
       real(wp), allocatable :: pressure(:)
       !> H = h R/b^2.
       real(wp), allocatable :: film_thickness(:)
@@ -22,6 +22,11 @@ module line_state
       real(wp), allocatable :: viscosity(:)
       !> rho/rho_0.
       real(wp), allocatable :: density(:)
+      !> Pressure of asperities, part of P, and separation of the mean planes, over p_h and b^2/R; the
+      !> film is then the mean gap. Not allocated where none touch.
+      real(wp), allocatable :: asperity_pressure(:), separation(:)
+      !> Share of the film that oil fills, where it is conserved; else not allocated.
+      real(wp), allocatable :: saturation(:)
       !> Eyring slip factor S; 1 for a Newtonian fluid.
       real(wp), allocatable :: slip_factor(:)
       !> Shear stress at the wall of surface 1, mean across the film, and at the wall of surface 2,
@@ -58,6 +63,10 @@ contains
          turned%film_thickness(:) = state%film_thickness(last:1:-1)
          turned%roughness_1(:) = state%roughness_1(last:1:-1)
          turned%roughness_2(:) = state%roughness_2(last:1:-1)
+         if (allocated(state%saturation)) turned%saturation(:) = state%saturation(last:1:-1)
+         if (allocated(state%separation)) turned%separation(:) = state%separation(last:1:-1)
+         if (allocated(state%separation)) turned%asperity_pressure(:) = &
+            state%asperity_pressure(last:1:-1)
          if (allocated(state%shear_stress_mean)) turned%shear_stress_mean(:) = &
             -state%shear_stress_mean(last:1:-1)
          if (allocated(state%shear_stress_1)) then

@@ -20,9 +20,12 @@ module mobility
    real(wp), parameter, public :: flowing_share = 0.1_wp
 
    !> Coefficients of the equation: e (of the upwind2 scheme), rho and ln(mu/mu_0) of the nodes
-   !> (0:n), mobility e(i-1/2) of the face left of node i (1:n).
+   !> (0:n), mobility e(i-1/2) of the face left of node i (1:n). Where oil is conserved in cavities,
+   !> share theta of the film that it fills (0:n); else not allocated.
    type :: coefficients_t
-      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:)
+      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:), saturation(:)
+      !> Mass flux that arrives at most, over (u1 + u2)/u_ref.
+      real(wp) :: supply = huge(1.0_wp)
    end type coefficients_t
 
    !> Their derivatives: of rho by P(i), of e by P(i), H(i) and the slope dP/dX(i) inside S, each

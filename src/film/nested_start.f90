@@ -4,7 +4,8 @@ module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use contact_moment, only: own_contact, put_into_reference_units, width_of
    use fas_cycle, only: cycle_from
-   use film_equation, only: carried_load, set_film
+   use film_equation, only: carried_load, elastic_film, evaluate_deflection, set_film, &
+      share_pressure
    use film_state, only: film_state_t
    use graded_nodes, only: monotone_cubic
    use graded_solver, only: graded_solution_t, solve_graded
@@ -19,6 +20,7 @@ module nested_start
    use newton_line, only: solve_newton
    use listener, only: is_stopped, listener_t, relay_t
    use reynolds_line, only: evaluate_coefficients
+   use speed_continuation, only: reach_speed
    use transfer, only: prolong_cubic
    use rheology, only: thins, wall_stress
    implicit none (type, external)
@@ -31,6 +33,8 @@ module nested_start
    integer, parameter :: nested_steps = 60
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
+   !> Accuracy where asperities bear a share of the load that leaves the oil hardly any.
+   real(wp), parameter :: shared_tolerance = 1.0e-7_wp
    !> Accuracy of a graded solution to start from.
    real(wp), parameter :: graded_target = 0.1_wp
    !> Most first grids to try.
@@ -92,10 +96,18 @@ contains
 
       is_sound = .true.
       do k = first, hierarchy%coarsest
-         call first_guess(hierarchy, contact, k, first)
+         if (k > first) then
+            call refine(hierarchy, k)
+         else if (allocated(contact%asperities)) then
+            call reach_speed(hierarchy%newton, hierarchy%levels(k), contact, bump, is_sound, listener)
+            if (.not. is_sound) return
+         else
+            call bump_start(hierarchy, contact, k)
+         end if
          if (k == hierarchy%top) return
          tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
             .and. k >= hierarchy%top - 2)
+         if (allocated(contact%asperities)) tolerance = shared_tolerance
          call solve_level(hierarchy, k, tolerance, is_sound, listener)
          if (.not. is_sound) return
       end do
@@ -131,20 +143,6 @@ contains
          call set_smooth_film(level)
       end associate
    end subroutine graded_start
-
-   !> Sets the first guess of level k: from the level below, or from `bump_start` on the `first`
-   !> one.
-   subroutine first_guess(hierarchy, contact, k, first)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: k, first
-
-      if (k == first) then
-         call bump_start(hierarchy, contact, k)
-      else
-         call refine(hierarchy, k)
-      end if
-   end subroutine first_guess
 
    !> Solves level k exactly from its present pressure; a coarse run by the space scheme of the
    !> hierarchy: first upwind2, then kappa from its solution. If kappa fails, the upwind2 solution
@@ -182,8 +180,13 @@ contains
       associate (level => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
          level%state%rigid_displacement = coarse%state%rigid_displacement
          call prolong_cubic(coarse%state%pressure, level%state%pressure)
-         call place_exit(coarse, level)
-         call set_smooth_film(level)
+         if (allocated(level%rough)) then
+            call prolong_cubic(coarse%state%asperity_pressure, level%state%asperity_pressure)
+            call set_film(level)
+         else
+            call place_exit(coarse, level)
+            call set_smooth_film(level)
+         end if
       end associate
       call count_work(hierarchy, k, 1)
    end subroutine refine
@@ -236,29 +239,39 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
-      real(wp) :: film, width
+
+      call bump(hierarchy%levels(k), film_estimate(contact), hierarchy%relaxation%start_film)
+   end subroutine bump_start
+
+   !> The same for a central `film`, of which it leaves a `share`.
+   subroutine bump(level, film, share)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: film, share
+      real(wp) :: width
       integer :: centre
 
-      film = film_estimate(contact)
       width = sqrt(2*film)
-      associate (level => hierarchy%levels(k))
-         associate (n => level%n, x => level%x(1:), p => level%state%pressure(1:))
-            if (film > thick_film) then
-               p = merge(1/(1 + ((x + 0.5_wp*width)/width)**2)**2, 0.0_wp, x < width)
-            else
-               p = line_pressure(x)
-            end if
-            p(n) = 0.0_wp
-            centre = minloc(abs(x(:n - 1)), 1)
-            if (.not. any(p > 0.0_wp)) p(centre) = 1.0_wp
-            p = p*contact_load/carried_load(level)
-         end associate
-         level%state%rigid_displacement = 0.0_wp
-         call set_film(level)
-         level%state%rigid_displacement = hierarchy%relaxation%start_film*film &
-            - level%state%film(centre)
-         level%state%film = level%state%film + level%state%rigid_displacement
+      if (allocated(level%rough)) level%state%asperity_pressure = 0.0_wp
+      associate (n => level%n, x => level%x(1:), p => level%state%pressure(1:))
+         if (film > thick_film) then
+            p = merge(1/(1 + ((x + 0.5_wp*width)/width)**2)**2, 0.0_wp, x < width)
+         else
+            p = line_pressure(x)
+         end if
+         p(n) = 0.0_wp
+         centre = minloc(abs(x(:n - 1)), 1)
+         if (.not. any(p > 0.0_wp)) p(centre) = 1.0_wp
+         p = p*contact_load/carried_load(level)
       end associate
-   end subroutine bump_start
+      level%state%rigid_displacement = 0.0_wp
+      call evaluate_deflection(level)
+      associate (h => elastic_film(level))
+         level%state%rigid_displacement = share*film - h(centre)
+         level%state%film = h + level%state%rigid_displacement
+      end associate
+      if (.not. allocated(level%rough)) return
+      call set_film(level)
+      call share_pressure(level)
+   end subroutine bump
 
 end module nested_start

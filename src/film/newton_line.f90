@@ -5,13 +5,13 @@
 !> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
    use duty, only: is_reference
-   use film_equation, only: load_defect, set_film
+   use film_equation, only: load_defect, set_film, total_pressure
    use kinds, only: wp
    use line_level, only: line_level_t
    use listener, only: is_stopped, listener_t
    use mobility, only: bent_step, flowing_share
    use newton_work, only: allocate_work, newton_t
-   use reynolds_jacobian, only: evaluate_jacobian
+   use reynolds_jacobian, only: evaluate_jacobian, share_rows
    use rheology, only: thins, wall_stress
    implicit none (type, external)
    private
@@ -21,7 +21,7 @@ module newton_line
    !> A step changes no pressure by more than the first share of max(1, P), a bent one by no more
    !> than the second, and reduces no film below the third.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, &
-      smallest_film_share = 0.5_wp
+      smallest_film_share = 0.5_wp, smallest_gap_share = 0.2_wp
    !> Largest change of Sigma of the slip factor in a step.
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> Most halvings of a step before the method gives up.
@@ -38,6 +38,9 @@ module newton_line
    !> round-off.
    real(wp), parameter :: settled = 1.0e-7_wp
 
+   !> Share of the right side that the linear solution may leave where asperities bear nearly all of
+   !> the load: the pressure of the oil is its small difference.
+   real(wp), parameter :: shared_tolerance = 1.0e-6_wp
    !> The linear solution may leave the first share of the goal of a step that can reach it: one
    !> that must reduce the residual to no less than the second share of it.
    real(wp), parameter :: goal_share = 0.5_wp, max_reduction = 3.0e-6_wp
@@ -64,7 +67,7 @@ contains
       newton%is_converged = .false.
       newton%stress_scale = wall_stress(level%fluid, 1.0_wp)
       ! bent steps do not converge for shear-thinning oils under heavy load (docs/decisions.md)
-      newton%is_bent = .not. thins(level%fluid)
+      newton%is_bent = .not. (thins(level%fluid) .or. allocated(level%rough))
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
@@ -79,13 +82,16 @@ contains
          call evaluate_jacobian(level, newton%jacobian)
          call prepare_system(newton, level)
          newton%linear%goal = linear_goal(newton%residual, level%lambda, goal)
+         if (allocated(level%rough)) newton%linear%tolerance = shared_tolerance
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, &
             is_solved)
          if (.not. is_solved) return
          ! an iterative solution misses this by its tolerance, and the node would count as one with
          ! pressure
-         where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%state%pressure(1:level%n &
-            - 1)
+         if (.not. allocated(level%rough)) then
+            where (newton%is_cavitated) newton%step(1:level%n - 1) = &
+               -level%state%pressure(1:level%n - 1)
+         end if
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
          if (newton%is_bent) call bend_step(newton, level)
          call apply_step(newton, level, share)
@@ -136,6 +142,8 @@ contains
       end associate
       newton%step(level%n) = load_defect(level)
       call settle_thick_film(newton, level)
+      if (allocated(level%rough)) call share_rows(level, newton%jacobian, newton%is_cavitated, &
+         newton%step(:level%n - 1))
    end subroutine prepare_system
 
    !> Finds which nodes of thick film cavitate, if the ends of the pressure creep: the conditions
@@ -147,7 +155,7 @@ contains
       type(line_level_t), intent(in) :: level
       integer :: active, first, last
 
-      if (is_reference(level%moment)) return
+      if (is_reference(level%moment) .or. allocated(level%oil%saturation)) return
       active = count(.not. newton%is_cavitated)
       newton%creeping = merge(newton%creeping + 1, 0, active /= newton%active &
          .and. abs(active - newton%active) <= largest_creep)
@@ -233,6 +241,10 @@ contains
       real(wp) :: longest
       integer :: halving, n
 
+      if (allocated(level%rough)) then
+         call apply_shared_step(newton, level, share)
+         return
+      end if
       n = level%n
       share = maxval(abs(newton%step(1:n - 1))/max(1.0_wp, level%state%pressure(1:n - 1)))
       if (.not. share < huge(1.0_wp)) then
@@ -241,7 +253,7 @@ contains
       end if
       longest = merge(largest_bent_step, largest_step, newton%is_bent)
       share = min(1.0_wp, longest/max(share, longest), &
-         largest_slip_step/max(slip_step(newton, level), largest_slip_step))
+         largest_slip_step/max(slip_step(newton, level, newton%step), largest_slip_step))
       newton%before = level%state
       associate (new => level%state, old => newton%before, step => newton%step)
          do halving = 1, max_halvings
@@ -265,22 +277,69 @@ contains
       end associate
    end subroutine apply_step
 
-   !> Largest change of Sigma in a full step: the slip factor grows as exp(|Sigma|), and a Newton
+   !> The same where asperities touch: the step is that of the total pressure, whose share of the oil
+   !> changes by no more than the others do, and the mean gap falls to no less than a fifth.
+   subroutine apply_shared_step(newton, level, share)
+      type(newton_t), intent(inout) :: newton
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(out) :: share
+      real(wp), dimension(0:level%n) :: total, change, oil
+      integer :: halving, n
+
+      n = level%n
+      total = total_pressure(level)
+      change = 0.0_wp
+      change(1:n - 1) = newton%step(1:n - 1)
+      share = 0.0_wp
+      if (.not. maxval(abs(newton%step)) < huge(1.0_wp)) return
+      call level%elastic%apply(change, oil)
+      oil(1:n - 1) = merge(-level%state%pressure(1:n - 1), change(1:n - 1) &
+         - level%rough%slope(1:n - 1)*(newton%step(n) - oil(1:n - 1)) &
+         + level%state%asperity_pressure(1:n - 1) - level%rough%pressure(1:n - 1), &
+         newton%is_cavitated)
+      oil([0, n]) = 0.0_wp
+      share = min(1.0_wp, largest_step/max(maxval(abs(oil)/max(1.0_wp, level%state%pressure)), &
+         largest_step), 1/max(maxval(abs(change)/max(1.0_wp, total)), 1.0_wp), &
+         largest_slip_step/max(slip_step(newton, level, oil(1:n)), largest_slip_step))
+      newton%before = level%state
+      associate (new => level%state, old => newton%before)
+         do halving = 1, max_halvings
+            new%pressure = total + share*change
+            new%asperity_pressure = 0.0_wp
+            new%rigid_displacement = old%rigid_displacement + share*newton%step(n)
+            call set_film(level)
+            if (all(new%film > smallest_gap_share*old%film)) exit
+            share = 0.5_wp*share
+         end do
+         if (halving > max_halvings) then
+            level%state = newton%before
+            share = 0.0_wp
+            return
+         end if
+         new%pressure = max(old%pressure + share*oil, 0.0_wp)
+         new%asperity_pressure = total + share*change - new%pressure
+         newton%last_film_step = maxval(abs(new%film - old%film)/old%film)
+         newton%last_step = share*max(maxval(abs(change)), abs(newton%step(n)))
+      end associate
+   end subroutine apply_shared_step
+
+   !> Largest change of Sigma in a full `step` of the oil: the slip factor grows as exp(|Sigma|), and a Newton
    !> step must not run ahead of it.
-   pure real(wp) function slip_step(newton, level) result(largest)
+   pure real(wp) function slip_step(newton, level, step) result(largest)
       type(newton_t), intent(in) :: newton
       type(line_level_t), intent(in) :: level
+      real(wp), intent(in), contiguous :: step(:)
       integer :: i
 
       largest = 0.0_wp
       if (level%is_kappa) then
          do i = 2, level%n - 1
-            largest = max(largest, abs(2*level%state%film(i)*(newton%step(i) - newton%step(i - 1))))
+            largest = max(largest, abs(2*level%state%film(i)*(step(i) - step(i - 1))))
          end do
       else
          do i = 2, level%n - 2
             largest = max(largest, &
-               abs(level%state%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
+               abs(level%state%film(i)*(step(i + 1) - step(i - 1))))
          end do
       end if
       largest = 0.5_wp*newton%stress_scale/level%dx*largest

@@ -21,6 +21,9 @@ module newton_work
       real(wp), allocatable :: by_film(:, :)
       !> Diagonal of the elastic Jacobian JP - JH K (0:n), negative in a sound state.
       real(wp), allocatable :: diagonal(:)
+      !> Share of a change of what arrives at a node that leaves it (0:n), 0 unless it cavitates and
+      !> conserves its oil; allocated if that is so.
+      real(wp), allocatable :: carry(:)
       type(mobility_slopes_t) :: slopes
    end type reynolds_jacobian_t
 

@@ -3,20 +3,70 @@
 !>
 !> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the
 !> Newton methods.
+!>
+!> Where oil is conserved, a cavitated node passes on a change dq of what arrives: what leaves it
+!> changes by `carry` dq, which is all of it in the steady state, and else theta rho H keeps a part.
+!> Bands of cavitated rows are those of dq, and the row behind a cavity has no bands of what leaves
+!> that. (Of relative order dX in what leaves, the difference of the changes of rho H at the node
+!> and at the face is left out.)
 module reynolds_jacobian
    use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
    use line_level, only: has_close_exit, line_level_t
    use mobility, only: fluid_mobility
    use newton_work, only: reynolds_jacobian_t
-   use reynolds_line, only: apply_reynolds, third_order_share, third_order_slope, wedge_weights
+   use reynolds_line, only: apply_flow_factor, apply_reynolds, is_third_order, third_order_share, &
+      third_order_slope, wedge_weights
    use rheology, only: thins
    implicit none (type, external)
    private
 
-   public :: evaluate_jacobian
+   public :: evaluate_jacobian, share_rows
 
 contains
+
+   !> Turns rows, divided by their diagonals, that stand for oil pressure and mean gap into those for
+   !> total pressure and separation, where asperities touch: dP_oil = dP - pc' dH where oil fills the
+   !> gap, else -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). (The
+   !> change of H two nodes downstream, with a thinning oil, is taken one node nearer.)
+   pure subroutine share_rows(level, jacobian, is_cavitated, step)
+      type(line_level_t), intent(in) :: level
+      type(reynolds_jacobian_t), intent(inout) :: jacobian
+      logical, intent(in) :: is_cavitated(:)
+      real(wp), intent(inout) :: step(:)
+      real(wp) :: diagonal, right
+      integer :: i, o
+
+      associate (jp => jacobian%by_pressure, jh => jacobian%by_film, rough => level%rough, &
+         kernel => level%elastic%kernel, solid => level%state%asperity_pressure, &
+         oil => level%state%pressure)
+         do i = 1, level%n - 1
+            right = step(i)
+            do o = max(-2, -i), 1
+               jh(o, i) = jh(o, i)*rough%gap_slope(i + o)
+            end do
+            do o = max(-2, 1 - i), min(2, level%n - 1 - i)
+               if (is_cavitated(i + o)) then
+                  right = right + jp(o, i)*oil(i + o)
+                  jp(o, i) = 0.0_wp
+               else
+                  right = right - jp(o, i)*(solid(i + o) - rough%pressure(i + o))
+                  jh(min(o, 1), i) = jh(min(o, 1), i) - rough%slope(i + o)*jp(o, i)
+               end if
+            end do
+            if (is_cavitated(i)) then
+               step(i) = rough%pressure(i) - solid(i) - oil(i)
+               cycle
+            end if
+            diagonal = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, i)*kernel(0) &
+               - jh(1, i)*kernel(1)
+            jacobian%diagonal(i) = diagonal*jacobian%diagonal(i)
+            jp(:, i) = jp(:, i)/diagonal
+            jh(:, i) = jh(:, i)/diagonal
+            step(i) = right/diagonal
+         end do
+      end associate
+   end subroutine share_rows
 
    !> Computes the bands at the present pressure and film of the level; rows 0 and n stay zero. The
    !> laws are evaluated once: the level receives its coefficients and the operator L_R from the
@@ -55,7 +105,42 @@ contains
             jacobian%diagonal(i) = jacobian%diagonal(i) - level%posed%exit_conductance
          end if
       end associate
+      if (allocated(level%oil%saturation)) call pass_on_oil(level, jacobian)
    end subroutine evaluate_jacobian
+
+   !> Takes from the bands what cavitated nodes hold and let go, and computes what they pass on.
+   pure subroutine pass_on_oil(level, jacobian)
+      type(line_level_t), intent(in) :: level
+      type(reynolds_jacobian_t), intent(inout) :: jacobian
+      real(wp) :: flux, content, weights(-2:0), wedge
+      logical :: arrives
+      integer :: i
+
+      if (.not. allocated(jacobian%carry)) allocate (jacobian%carry(0:level%n), source=0.0_wp)
+      wedge = level%lambda*level%entrainment/level%dx
+      associate (h => level%state%film, rho => level%oil%density, rho_p => jacobian%slopes%rho_p, &
+         theta => level%oil%saturation)
+         arrives = 0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) <= level%oil%supply
+         do i = 1, level%n - 1
+            weights = 0.0_wp
+            if (.not. arrives) weights = wedge*[-0.5_wp, 1.5_wp, 0.0_wp]
+            if (.not. arrives .and. i == 1) weights = wedge*[0.0_wp, 0.5_wp, 0.5_wp]
+            arrives = .not. theta(i) < 1.0_wp
+            jacobian%carry(i) = 0.0_wp
+            if (.not. arrives) then
+               content = level%lambda*level%inverse_time_step
+               weights = weights - [0.0_wp, -0.5_wp*wedge, 1.5_wp*wedge + content]
+               flux = wedge*(1.5_wp*rho(i)*h(i) - 0.5_wp*rho(i - 1)*h(i - 1))
+               jacobian%carry(i) = flux/(flux + content*rho(i)*h(i))
+            end if
+            associate (j => max(i - 2, 0))
+               jacobian%by_pressure(j - i:0, i) = jacobian%by_pressure(j - i:0, i) &
+                  - weights(j - i:)*rho_p(j:i)*h(j:i)
+               jacobian%by_film(j - i:0, i) = jacobian%by_film(j - i:0, i) - weights(j - i:)*rho(j:i)
+            end associate
+         end do
+      end associate
+   end subroutine pass_on_oil
 
    !> Computes mobility and density with their derivatives, and the coefficients of the level.
    pure subroutine evaluate_slopes(level, jacobian)
@@ -67,10 +152,13 @@ contains
             if (.not. allocated(slopes%by_p_left)) allocate (slopes%by_p_left(n), &
                slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
             call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil, slopes)
+            if (allocated(level%rough)) call apply_flow_factor(level, slopes)
          end if
          ! in the kappa scheme Newton's method bends steps by the mobility of the nodes
          if (level%is_kappa .and. thins(level%fluid)) return
          call fluid_mobility(level%fluid, level%dx, level%state, level%oil, slopes)
+         if (allocated(level%rough) .and. .not. level%is_kappa) call apply_flow_factor(level, &
+            slopes)
          if (.not. level%is_kappa) level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:n - 1) &
             + level%oil%mobility(1:))
       end associate
@@ -93,8 +181,8 @@ contains
                s%by_p_right(i)*slope + conductance, 0.0_wp]
             flux_h = [0.0_wp, s%by_h_left(i)*slope, s%by_h_right(i)*slope]
          end associate
-         if (i > 1) call add_third_order_slopes(level, jacobian%slopes%rho_p(i - 2:i), &
-            i, flux_p(:0), flux_h)
+         if (i > 1 .and. is_third_order(level, max(i - 1, 0))) call &
+            add_third_order_slopes(level, jacobian%slopes%rho_p(i - 2:i), i, flux_p(:0), flux_h)
       else
          associate (s => jacobian%slopes)
             left = 0.25_wp*s%e_slope(i - 1)*slope/level%dx

@@ -15,16 +15,22 @@
 !> which with theta = 1 is (2 rH(i+1) + 5 rH(i) - rH(i-1))/6, of third order, and with theta = 0 the
 !> flux of upwind2. The share theta falls where the pressure curves more than the grid resolves
 !> (`third_order_share`). At the first face both schemes have (rH(0) + rH(1))/2.
+!>
+!> Oil is lost where a film cavitates, L_R < 0, unless it is conserved (`oil%saturation`; Jakobsson
+!> and Floberg, Trans. Chalmers Univ. 190, 1957; Elrod, J. Lubr. Technol. 103, 1981, 350): it then
+!> fills the share of the film there that leaves L_R = 0, 0 <= theta <= 1, and the mass flux at the
+!> face behind is theta times that of a full film, by upwind2. At the first face it is `supply` if
+!> that is less.
 module reynolds_line
    use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
    use line_level, only: has_close_exit, line_level_t
-   use mobility, only: fluid_mobility
+   use mobility, only: fluid_mobility, mobility_slopes_t
    implicit none (type, external)
    private
 
-   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
-      reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
+   public :: apply_flow_factor, apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
+      is_third_order, reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
 
    !> Curvature c that halves the third order in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
@@ -38,12 +44,42 @@ contains
 
       if (level%is_kappa) then
          call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil)
+         if (allocated(level%rough)) call apply_flow_factor(level)
       else
          call fluid_mobility(level%fluid, level%dx, level%state, level%oil)
+         if (allocated(level%rough)) call apply_flow_factor(level)
          level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:level%n - 1) &
             + level%oil%mobility(1:))
       end if
    end subroutine evaluate_coefficients
+
+   !> Multiplies mobilities by the flow factor of rough surfaces, and their `slopes`, which stay
+   !> those by the mean gap.
+   pure subroutine apply_flow_factor(level, slopes)
+      type(line_level_t), intent(inout) :: level
+      type(mobility_slopes_t), intent(inout), optional :: slopes
+      real(wp) :: bend(0:level%n), mean(level%n)
+
+      if (.not. level%rough%law%has_flow_factor) return
+      associate (rough => level%rough, oil => level%oil, n => level%n)
+         bend = rough%ln_slope/rough%gap_slope
+         if (level%is_kappa) then
+            mean = sqrt(rough%factor(:n - 1)*rough%factor(1:))
+            oil%face_mobility = mean*oil%face_mobility
+            if (.not. present(slopes)) return
+            slopes%by_p_left = mean*slopes%by_p_left
+            slopes%by_p_right = mean*slopes%by_p_right
+            slopes%by_h_left = mean*slopes%by_h_left + 0.5_wp*oil%face_mobility*bend(:n - 1)
+            slopes%by_h_right = mean*slopes%by_h_right + 0.5_wp*oil%face_mobility*bend(1:)
+         else
+            oil%mobility = rough%factor*oil%mobility
+            if (.not. present(slopes)) return
+            slopes%e_p = rough%factor*slopes%e_p
+            slopes%e_slope = rough%factor*slopes%e_slope
+            slopes%e_h = rough%factor*slopes%e_h + oil%mobility*bend
+         end if
+      end associate
+   end subroutine apply_flow_factor
 
    !> Weights of rH(i-2) ... rH(i) in dX d(rho H)/dX of row i by upwind2.
    pure function wedge_weights(i) result(weights)
@@ -114,7 +150,43 @@ contains
       end associate
       if (level%is_kappa) call add_third_order(level)
       if (allocated(level%state%compensation)) call add_flow_of_compensation(level)
+      if (allocated(level%oil%saturation)) call evaluate_saturation(level)
    end subroutine apply_reynolds
+
+   !> Computes the saturation from the first node to the last, and takes from L_R the oil that does
+   !> not arrive. L_R is that of a full film at the node itself, so that L_R > 0 says of a cavitated
+   !> node that it fills.
+   pure subroutine evaluate_saturation(level)
+      type(line_level_t), intent(inout) :: level
+      real(wp) :: missing, flux, outflow
+      integer :: i
+
+      associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density, &
+         flow => level%operator, theta => level%oil%saturation, lambda => level%lambda)
+         theta = 1.0_wp
+         missing = level%entrainment*max(0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) - level%oil%supply, 0.0_wp)
+         do i = 1, level%n - 1
+            flow(i) = flow(i) - lambda/level%dx*missing
+            missing = 0.0_wp
+            if (p(i) > 0.0_wp) cycle
+            flux = level%entrainment*(1.5_wp*rho(i)*h(i) - 0.5_wp*rho(i - 1)*h(i - 1))
+            outflow = flux/level%dx + level%inverse_time_step*rho(i)*h(i)
+            theta(i) = min(max(1 + (flow(i) - level%rhs_reynolds(i))/(lambda*outflow), 0.0_wp), &
+               1.0_wp)
+            missing = (1 - theta(i))*flux
+         end do
+         theta(level%n) = theta(level%n - 1)
+      end associate
+   end subroutine evaluate_saturation
+
+   !> Whether the kappa scheme adds to the mass flux behind node i: not behind a cavity that
+   !> conserves its oil.
+   pure logical function is_third_order(level, i)
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: i
+
+      is_third_order = level%state%pressure(i) > 0.0_wp .or. .not. allocated(level%oil%saturation)
+   end function is_third_order
 
    !> Adds the kappa scheme's addition to the mass flux rH at the faces (in the work space of the
    !> level, by the node upstream).
@@ -126,7 +198,8 @@ contains
       associate (more => level%work%nodes)
          more(0) = 0.0_wp
          do concurrent (i=1:n - 1)
-            more(i) = third_order_flux(level, i)
+            more(i) = 0.0_wp
+            if (is_third_order(level, i)) more(i) = third_order_flux(level, i)
          end do
          level%operator(1:n - 1) = level%operator(1:n - 1) &
             - level%lambda*level%entrainment/level%dx*(more(1:n - 1) - more(:n - 2))
@@ -154,15 +227,18 @@ contains
       conductance = 1/(level%lambda*level%dx)
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density, &
          e => level%oil%face_mobility, speed => level%entrainment)
-         flux(1) = 0.5_wp*speed*(rho(0)*h(0) + rho(1)*h(1)) - conductance*e(1)*(p(1) - p(0))
+         flux(1) = speed*min(0.5_wp*(rho(0)*h(0) + rho(1)*h(1)), level%oil%supply)
          do concurrent (i=2:level%n)
-            flux(i) = speed*(1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2)) &
-               - conductance*e(i)*(p(i) - p(i - 1))
+            flux(i) = speed*(1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2))
          end do
-         if (.not. level%is_kappa) return
-         do concurrent (i=2:level%n)
-            flux(i) = flux(i) + speed*third_order_flux(level, i - 1)
-         end do
+         if (level%is_kappa) then
+            do concurrent (i=2:level%n, is_third_order(level, i - 1))
+               flux(i) = flux(i) + speed*third_order_flux(level, i - 1)
+            end do
+         end if
+         if (allocated(level%oil%saturation)) flux(2:) = flux(2:) &
+            *level%oil%saturation(1:level%n - 1)
+         flux = flux - conductance*e*(p(1:) - p(:level%n - 1))
       end associate
    end function mass_flux
 

@@ -52,6 +52,10 @@ contains
          system%by_pressure => jacobian%by_pressure(:, 1:level%n - 1)
          system%by_film => jacobian%by_film(:, 1:level%n - 1)
          system%is_cavitated = is_cavitated
+         nullify (system%carry)
+         if (allocated(jacobian%carry)) system%carry => jacobian%carry
+         system%diagonal => jacobian%diagonal
+         if (allocated(level%rough)) system%yields = -level%rough%slope(1:level%n - 1)
          call factor_bordered(system, is_solved)
          if (.not. is_solved) return
          allowed = self%tolerance*norm2(step)

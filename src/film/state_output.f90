@@ -42,6 +42,11 @@ contains
       state%x = level%x(:)
       state%pressure = level%state%pressure(:)
       state%film_thickness = level%state%film(:)
+      if (allocated(level%oil%saturation)) state%saturation = level%oil%saturation(:)
+      if (allocated(level%rough)) then
+         state%asperity_pressure = level%state%asperity_pressure(:)
+         state%separation = level%state%separation(:)
+      end if
       state%roughness_1 = surface_height(contact%surface_1, level%direction*level%x, time)
       state%roughness_2 = surface_height(contact%surface_2, level%direction*level%x, time)
       state%moment = level%moment

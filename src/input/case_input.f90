@@ -1,9 +1,10 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
+   use asperities_input, only: read_asperities
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t, path_from_namelist, set_effective
-   use case_validation, only: even_reason, validate
+   use case_validation, only: conserves_oil, even_reason, validate
    use dry_input, only: fill_dry_case
    use duty_input, only: complete_duty, read_duty
    use file_heights, only: check_files
@@ -108,6 +109,8 @@ contains
       call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
          case%load_per_length)
       call fill_lubricant(values, case%lubricant, case%materials)
+      call read_asperities(values, path_from_namelist(case, ''), case%bodies%reduced_modulus, &
+         case%contact%asperities)   ! in SI before it is planned
       call fill_numerics(values, case)
       if (values%has_group('moes')) then
          moes_m = values%real_value('moes', 'moes_m')
@@ -148,6 +151,8 @@ contains
          domain%has_tail = values%logical_value('time', 'transient') .and. domain%grid /= 'even' &
             .and. values%word_value('case', 'equations') /= 'stokes' .and. .not. &
             allocated(case%duty) .and. (domain%grid == 'graded' .or. .not. domain%has_inlet)
+         domain%has_tail = domain%has_tail .and. .not. (values%has_group('supply') &
+            .or. values%has_group('asperities'))
          if (even_reason(values) /= '') domain%grid = 'even'
          if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
             .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'
@@ -157,6 +162,8 @@ contains
          time%scheme = values%word_value('time', 'scheme')
          time%statistics_from = values%real_value('time', 'statistics_from', time%statistics_from)
       end associate
+      case%contact%conserves_oil = conserves_oil(values)
+      case%contact%supply = values%real_value('supply', 'film', case%contact%supply)   ! [m]
       associate (solver => case%solver)
          solver%method = values%word_value('solver', 'method')
          solver%smoother = values%word_value('solver', 'smoother')

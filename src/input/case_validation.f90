@@ -16,7 +16,7 @@ module case_validation
    implicit none (type, external)
    private
 
-   public :: check_times, even_reason, validate
+   public :: check_times, conserves_oil, even_reason, validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: max_steps = 1.0e8_wp
@@ -120,6 +120,7 @@ contains
       integer :: intervals, levels
 
       if (values%has_value('history', 'file')) call check_history(values)
+      if (conserves_oil(values)) call check_cavitation(values)
       if (values%word_value('case', 'equations') == 'stokes') then
          call check_equations(values)
          call check_kappa_scheme(values, "equations = 'stokes'")
@@ -180,8 +181,35 @@ contains
          end associate
       end do
       if (values%has_value('domain', 'intervals')) reason = 'intervals'
+      if (conserves_oil(values)) reason = "cavitation = 'mass_conserving'"
       if (values%word_value('case', 'equations') == 'stokes') reason = "equations = 'stokes'"
    end function even_reason
+
+   !> Whether oil is conserved where the film cavitates.
+   pure logical function conserves_oil(values)
+      type(input_values_t), intent(in) :: values
+
+      conserves_oil = values%word_value('lubricant', 'cavitation') == 'mass_conserving' &
+         .or. values%has_group('supply') .or. values%has_group('asperities')
+   end function conserves_oil
+
+   !> Finds what the conservation of oil does not go with.
+   subroutine check_cavitation(values)
+      type(input_values_t), intent(inout) :: values
+      character(:), allocatable :: method
+
+      method = trim(values%word_value('solver', 'method'))
+      if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
+         'lubricant', 'cavitation', "found 'reynolds' with &supply or &asperities, expected "// &
+         "'mass_conserving'")
+      if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
+         'equations', "found 'stokes' with cavitation = 'mass_conserving', expected 'reynolds'")
+      if (all(method /= ['auto         ', 'newton_krylov'])) call values%refuse('solver', &
+         'method', "found '"//method//"', expected 'auto' or 'newton_krylov' with cavitation = "// &
+         "'mass_conserving'")
+      if (values%word_value('solver', 'smoother') /= 'auto') call values%refuse_unused('solver', &
+         'smoother', "with cavitation = 'mass_conserving'")
+   end subroutine check_cavitation
 
    !> Finding: more intervals than the method is given, or than there is memory for.
    subroutine check_fineness(values)

@@ -1,15 +1,12 @@
 !> &history: the table of loads, radii and speeds over time, from its file to the values of a
 !> reference state and to rows in SI.
 module duty_input
+   use column_table, only: column_table_t, read_columns
    use duty, only: duty_rows_t, of_angle, of_load, of_radius, of_speeds, of_time
    use errors, only: error_t, fail, input_error
-   use file_bytes, only: checksum_t
-   use height_table, only: is_row, shown, split
    use input_values, only: input_values_t
    use kinds, only: wp
-   use number_text, only: read_real
-   use text, only: counted, joined, to_text
-   use text_file, only: open_lines, text_lines_t
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -24,8 +21,6 @@ module duty_input
    real(wp), parameter :: least(*) = [-1.0e9_wp, -1.0e12_wp, 1.0e-6_wp, 1.0e-9_wp, -1.0e4_wp, &
       -1.0e4_wp], largest(*) = [1.0e9_wp, 1.0e12_wp, 1.0e12_wp, 1.0e9_wp, 1.0e4_wp, 1.0e4_wp]
    real(wp), parameter :: usual(*) = [0.0_wp, 0.0_wp, 1.0e5_wp, 0.01_wp, 1.0_wp, 1.0_wp]
-   !> Most rows.
-   integer, parameter :: most_rows = 1000000
    !> Shortest table [s].
    real(wp), parameter :: shortest = 1.0e-12_wp
    real(wp), parameter :: degrees_of_a_turn = 360.0_wp, seconds_of_a_minute = 60.0_wp
@@ -50,7 +45,7 @@ contains
          call fail(error, input_error, 'found an empty text, expected the name of a file')
       else
          if (index(file, '/') /= 1) file = folder//file
-         call read_table(file, rows, error)
+         call read_rows(file, rows, error)
       end if
       if (.not. allocated(error)) call check_clock(values, rows, file, error)
       if (.not. allocated(error)) call check_other_ways(values, rows, file, error)
@@ -188,112 +183,19 @@ contains
       end associate
    end subroutine check_clock
 
-   !> Reads a table: comments (#), names with units, rows of numbers, separated by commas. Errors
-   !> (input_error), with the line: any other form; times that do not rise; numbers out of range.
-   subroutine read_table(file, rows, error)
+   !> Reads the table. Errors (input_error): those of `read_columns`.
+   subroutine read_rows(file, rows, error)
       character(*), intent(in) :: file
       type(duty_rows_t), intent(inout) :: rows
       type(error_t), allocatable, intent(out) :: error
-      type(text_lines_t) :: lines
-      type(checksum_t) :: checksum
-      character(:), allocatable :: fault
-      real(wp), allocatable :: numbers(:, :)
-      integer, allocatable :: column(:)
-      logical :: is_there
-      integer :: n
+      type(column_table_t) :: table
 
-      call open_lines(lines, file, error)
+      table = column_table_t(columns, least, largest, heads=2)
+      call read_columns(file, table, error)
       if (allocated(error)) return
-      fault = ''
-      n = -1
-      do
-         call lines%next(is_there, error)
-         if (allocated(error) .or. .not. is_there) exit
-         if (.not. is_row(lines)) cycle
-         n = n + 1
-         if (n == 0) then
-            call read_names(lines%line(:lines%length), rows, column, fault)
-            allocate (numbers(size(column), 1024))
-         else
-            call make_room(numbers, n)
-            call read_numbers(lines%line(:lines%length), column, numbers(:, n), fault)
-            if (fault == '' .and. n > 1) then
-               if (numbers(1, n) <= numbers(1, n - 1)) fault = 'found '//to_text(numbers(1, n))// &
-                  ' behind '//to_text(numbers(1, n - 1))//', expected rising '// &
-                  trim(columns(column(1)))
-            end if
-            if (n > most_rows) fault = 'found more than '//to_text(most_rows)//' rows'
-         end if
-         if (fault /= '') exit
-      end do
-      if (fault == '' .and. n < 2) fault = 'found '//counted(max(n, 0), 'row')//', expected '// &
-         'names with units and at least two rows'
-      if (fault /= '' .and. .not. allocated(error)) call fail(error, input_error, &
-         file//':'//to_text(lines%number)//': '//fault)
-      call lines%close()
-      if (allocated(error)) return
-      allocate (rows%values(n, size(columns)), source=0.0_wp)
-      rows%values(:, column) = transpose(numbers(:, :n))
-      call checksum%add(reshape(numbers(:, :n), [size(column)*n]))
-      rows%digits = checksum%digits()
-   end subroutine read_table
-
-   !> Makes room for row number `n`.
-   pure subroutine make_room(numbers, n)
-      real(wp), allocatable, intent(inout) :: numbers(:, :)
-      integer, intent(in) :: n
-      real(wp), allocatable :: more(:, :)
-
-      if (n <= size(numbers, 2)) return
-      allocate (more(size(numbers, 1), 2*n))
-      more(:, :n - 1) = numbers(:, :n - 1)
-      call move_alloc(more, numbers)
-   end subroutine make_room
-
-   !> The column of each field of a row of names.
-   pure subroutine read_names(row, rows, column, fault)
-      character(*), intent(in) :: row
-      type(duty_rows_t), intent(inout) :: rows
-      integer, allocatable, intent(out) :: column(:)
-      character(:), allocatable, intent(inout) :: fault
-      integer :: bounds(2, size(columns) + 1), fields, i
-
-      call split(',', row, bounds, fields)
-      fields = min(fields, size(bounds, 2))
-      column = [(findloc(columns == row(bounds(1, i):bounds(2, i)), .true., 1), i=1, fields)]
-      rows%has = [(any(column == i), i=1, size(columns))]
-      if (count(rows%has) == fields .and. fields > 1 .and. any(column(1) == [of_time, of_angle]) &
-         .and. count(rows%has([of_time, of_angle])) == 1) return
-      i = findloc(column, 0, 1)
-      fault = 'found '//shown(row)
-      if (i > 0) fault = 'found '//shown(row(bounds(1, i):bounds(2, i)))
-      fault = fault//', expected names with units: '//trim(columns(of_time))//' or '//trim( &
-         columns(of_angle))//', then any of '//joined(columns(of_load:), ', ')
-   end subroutine read_names
-
-   !> The numbers of a row.
-   pure subroutine read_numbers(row, column, numbers, fault)
-      character(*), intent(in) :: row
-      integer, intent(in) :: column(:)
-      real(wp), intent(out) :: numbers(:)
-      character(:), allocatable, intent(inout) :: fault
-      integer :: bounds(2, size(columns) + 1), fields, i
-      logical :: good
-
-      numbers = 0.0_wp
-      call split(',', row, bounds, fields)
-      if (fields /= size(column)) fault = 'found '//counted(fields, 'field')//', expected '// &
-         to_text(size(column))
-      do i = 1, merge(size(column), 0, fault == '')
-         associate (field => row(bounds(1, i):bounds(2, i)), c => column(i))
-            call read_real(field, numbers(i), good)
-            if (good) good = numbers(i) >= least(c) .and. numbers(i) <= largest(c)
-            if (good) cycle
-            fault = 'found '//shown(field)//', expected a number from '//to_text(least(c)) &
-               //' to '//to_text(largest(c))//' in '//trim(columns(c))
-         end associate
-         return
-      end do
-   end subroutine read_numbers
+      rows%has = table%has
+      call move_alloc(table%values, rows%values)
+      rows%digits = table%digits
+   end subroutine read_rows
 
 end module duty_input

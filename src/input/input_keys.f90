@@ -29,6 +29,10 @@ module input_keys
       group_row_t('moes', &
          'dimensionless smooth Newtonian studies: replaces bodies, load and viscosity'), &
       group_row_t('lubricant', 'the oil', is_needed=.true.), &
+      group_row_t('asperities', 'contact of the rough surfaces through the film', &
+         yields_to_moes=.true.), &
+      group_row_t('supply', 'oil that arrives, where it does not fill the inlet', &
+         yields_to_moes=.true.), &
       group_row_t('surface_1', &
          'roughness of surface 1, moving at speed_1; heights count positive out of the material', &
          every, yields_to_moes=.true.), &
@@ -223,6 +227,9 @@ module input_keys
          'tau_0 of the Eyring law', range='>= 1e3, <= 1e15', used='rheology = eyring', &
          needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8', &
          example='3.3e6'), &
+      key_row_t('lubricant', 'cavitation', word_kind, '', "'auto'", &
+         'reynolds: P >= 0 alone (thesis); mass_conserving: no oil is lost; auto: that with '// &
+         '&supply or &asperities', words='auto reynolds mass_conserving'), &
       key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
          'at ambient pressure, for kinematic_viscosity, Reynolds number and &film inertia; '// &
          'default: mineral oil', &
@@ -232,7 +239,40 @@ module input_keys
          used=in_metres, typical='0.05 to 2'), &
       key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
          '-d ln(viscosity)/dT, for estimates of what heat does; with temperature that of the oil', &
-         range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2')]
+         range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2'), &
+      key_row_t('asperities', 'law', word_kind, '', is_required, &
+         'pressure of the asperities over the separation of the mean planes: exponential '// &
+         'A exp(-h/l), greenwood_tripp, table', words='exponential greenwood_tripp table', &
+         example="'exponential'"), &
+      key_row_t('asperities', 'rms_height', real_kind, 'm', is_required, &
+         'rms height sigma of both surfaces together', range='>= 1e-12, <= 1e-3', &
+         typical='1e-9 to 5e-5', example='! 2e-7'), &
+      key_row_t('asperities', 'contact_pressure', real_kind, 'Pa', is_optional, 'A', &
+         range='>= 1, <= 1e13', used='law = exponential', needed='law = exponential', &
+         typical='1e6 to 1e11', example='! 1.2e9'), &
+      key_row_t('asperities', 'decay_length', real_kind, 'm', is_chosen, &
+         'l; chosen: 0.45 sigma', range='>= 1e-12, <= 1e-3', used='law = exponential', &
+         typical='1e-9 to 5e-5', example='! 9e-8'), &
+      key_row_t('asperities', 'density_radius_height', real_kind, '-', is_optional, &
+         'asperities per area times their radius times sigma', range='>= 1e-4, <= 1', &
+         used='law = greenwood_tripp', needed='law = greenwood_tripp', typical='0.02 to 0.1', &
+         example='! 0.05'), &
+      key_row_t('asperities', 'height_over_radius', real_kind, '-', is_optional, &
+         'sigma over the radius of the asperities', range='>= 1e-7, <= 1', &
+         used='law = greenwood_tripp', needed='law = greenwood_tripp', typical='1e-5 to 0.1', &
+         example='! 1e-2'), &
+      key_row_t('asperities', 'file', text_kind, '', is_optional, &
+         'table of gap [m] and pressure [Pa], or the result of a dry sweep', used='law = table', &
+         needed='law = table', example="! 'law.csv'"), &
+      key_row_t('asperities', 'flow', word_kind, '', "'none'", &
+         'flow past the asperities: patir_cheng, isotropic; none: that of the mean gap', &
+         words='none patir_cheng', example='!'), &
+      key_row_t('asperities', 'boundary_friction', real_kind, '-', '0.12', &
+         'friction coefficient of the asperities', range='>= 0, <= 1', typical='0.05 to 0.2', &
+         example='!'), &
+      key_row_t('supply', 'film', real_kind, 'm', is_required, &
+         'thickness of the oil that both surfaces bring, at (u1+u2)/2; no effect beyond what '// &
+         'the inlet holds', range='>= 1e-12, <= 1', typical=typical_film, example='! 5e-7')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &

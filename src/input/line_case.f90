@@ -3,6 +3,7 @@
 !> sinusoids and fit into memory. (The finest waves of measured and synthetic profiles may be noise:
 !> they get a note only.)
 module line_case
+   use asperities, only: scaled
    use case_record, only: case_t
    use case_validation, only: check_times
    use domain_choice, only: choose_domain
@@ -95,6 +96,9 @@ contains
             contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
             contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
             contact%slope = case%scaling%slope
+            contact%supply = contact%supply/case%scaling%film
+            if (allocated(contact%asperities)) contact%asperities = scaled(contact%asperities, &
+               case%scaling%film, case%scaling%hertz_pressure)
          else
             allocate (contact%surface_1%features(0), contact%surface_2%features(0))
             contact%surface_1%speed = 1.0_wp

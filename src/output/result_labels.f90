@@ -27,6 +27,11 @@ module result_labels
       row_t('film_thickness', 'film', 'film thickness', ', H = h R/b^2'), &
       row_t('viscosity', 'viscosity', 'viscosity', ' over ambient viscosity, mu/mu_0'), &
       row_t('density', '1', 'density', ' over ambient density, rho/rho_0'), &
+      row_t('asperity_pressure', 'hertz_pressure', 'pressure of asperities, part of the pressure', &
+      ', over p_h'), &
+      row_t('separation', 'film', 'separation of the mean planes; the film is the mean gap', &
+      ', H of (2.58)'), &
+      row_t('saturation', '1', 'share of the film that oil fills'), &
       row_t('slip_factor', '1', 'Eyring slip factor S', '; 1 for a Newtonian fluid'), &
       row_t('roughness_1', 'film', 'height of surface 1, positive out of its material', &
       ', psi_1 R/b^2'), &
@@ -51,8 +56,9 @@ module result_labels
       row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)')]
 
    !> Names of the fields.
-   character(len=*), parameter, public :: field_names(11) = [character(len=17) :: 'x', &
-      'pressure', 'film_thickness', 'viscosity', 'density', 'slip_factor', 'roughness_1', &
+   character(len=*), parameter, public :: field_names(14) = [character(len=17) :: 'x', &
+      'pressure', 'film_thickness', 'asperity_pressure', 'separation', 'saturation', 'viscosity', &
+      'density', 'slip_factor', 'roughness_1', &
       'roughness_2', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2']
 
 contains
@@ -109,12 +115,19 @@ contains
          if (allocated(state%x)) values = state%x
       case ('pressure')
          if (allocated(state%pressure)) values = state%pressure
+         if (allocated(state%asperity_pressure)) values = values + state%asperity_pressure
       case ('film_thickness')
          if (allocated(state%film_thickness)) values = state%film_thickness
       case ('viscosity')
          if (allocated(state%viscosity)) values = state%viscosity
       case ('density')
          if (allocated(state%density)) values = state%density
+      case ('asperity_pressure')
+         if (allocated(state%asperity_pressure)) values = state%asperity_pressure
+      case ('separation')
+         if (allocated(state%separation)) values = state%separation
+      case ('saturation')
+         if (allocated(state%saturation)) values = state%saturation
       case ('slip_factor')
          if (allocated(state%slip_factor)) values = state%slip_factor
       case ('roughness_1')
