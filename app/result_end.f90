@@ -72,10 +72,11 @@ contains
       of%has_momentum = case%layers > 0
       listener%writer%limits = limits_of(of, state)
       associate (ratio => listener%writer%limits(mixed_lubrication)%value)
-         report%is_mixed = exceeds(-ratio, -least_lambda_ratio)
+         report%is_mixed = exceeds(-ratio, -least_lambda_ratio) .and. .not. &
+            allocated(case%contact%asperities)
          if (report%is_mixed) report%reason = is_outside//' lubrication, the smallest film is '// &
-            number_text(ratio, 2)//' times the composite roughness; asperities carry load that '// &
-            'is not computed'
+            number_text(ratio, 2)//' times the composite roughness; &asperities computes the '// &
+            'load that asperities carry'
       end associate
       if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits

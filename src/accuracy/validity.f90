@@ -140,6 +140,10 @@ contains
          select case (i)
          case (mixed_lubrication)
             length = hypot(composite_rms(of%contact), norm2(given%roughness)/scaling%film)
+            if (allocated(of%contact%asperities)) then   ! the model has it
+               length = of%contact%asperities%roughness
+               limit%threshold = 0.0_wp
+            end if
             if (length > 0.0_wp) limit%value = summary%of(h_min)%value/length
             if (.not. length > 0.0_wp) limit%missing = &
                'no roughness: neither sinusoid nor profile, nor &bodies roughness_1, roughness_2'

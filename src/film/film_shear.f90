@@ -9,6 +9,7 @@
 !> of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use film_equation, only: total_pressure
    use flow_law, only: block_size => slip_block
    use friction_sums, only: friction_t, stressed_share
    use inlet_friction, only: oil_in_front
@@ -17,7 +18,7 @@ module film_shear
    use missing_value, only: not_known
    use quantities, only: bend_of, exit_between_nodes, node_spacings
    use reynolds_line, only: mass_flux
-   use rheology, only: evaluate_stress
+   use rheology, only: evaluate_stress, limited_stress
    use shear_stresses, only: evaluate_drive
    implicit none (type, external)
    private
@@ -71,7 +72,8 @@ contains
             call evaluate_stress(level%fluid, level%lambda*level%slide_to_roll/12, &
                drive(first:last), inverse_film(first:last), level%oil%ln_mu(first:last), &
                stress(first:last))
-            stress(first:last) = merge(stress(first:last), 0.0_wp, weights(first:last) > 0.0_wp)
+            stress(first:last) = merge(limited_stress(level%fluid, p(first:last), &
+               stress(first:last)), 0.0_wp, weights(first:last) > 0.0_wp)
             if (last == exit_node) weights(last) = 0.5_wp*gap(max(last, 1)) &
                + weight_behind(level, last, flux(max(last, 1))/max(speed, tiny(speed)))
             friction%sliding = friction%sliding + sum(weights(first:last)*stress(first:last))
@@ -88,6 +90,16 @@ contains
          end do
       end associate
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
+      if (allocated(level%rough)) then
+         friction%has_asperities = .true.
+         friction%asperity_share = sum(level%state%asperity_pressure)/sum(total_pressure(level))
+         if (abs(friction%sliding_speed) > 0.0_wp) friction%boundary = sign(level%rough%friction &
+            *level%dx*sum(level%state%asperity_pressure), friction%sliding_speed)
+      end if
+      if (allocated(level%oil%saturation)) then
+         first = findloc(level%state%pressure > 0.0_wp, .true., 1) - 1
+         if (first > 1) friction%meniscus = level%x(first)
+      end if
       if (.not. has_speeds) friction%stress_share = not_known()
    end subroutine evaluate_friction
 

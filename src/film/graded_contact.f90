@@ -137,7 +137,7 @@ contains
       type(line_state_t), intent(in) :: state
       real(wp) :: errors(quantity_count), values(2), part
       integer, parameter :: functionals(quantity_count) = [least_film, least_film, middle_film, &
-         top, middle_pressure, 0, sliding, rolling, sliding, rolling_power]
+         top, middle_pressure, 0, sliding, rolling, sliding, rolling_power, 0, 0, 0, 0]
       integer :: i, j
 
       do i = 1, quantity_count

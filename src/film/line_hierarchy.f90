@@ -96,6 +96,8 @@ module line_hierarchy
 
    !> Bounds of the coarsest grid of the cycles (intervals).
    integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
+   !> Fewest intervals on which asperities share the load.
+   integer, parameter :: smallest_rough = 128
    !> Fewest intervals of a grid.
    integer, parameter :: smallest_grid = 8
 
@@ -112,7 +114,7 @@ contains
       film = film_estimate(contact)
       largest_dx = min(sqrt(film/(1.7_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)), &
          0.5_wp*max(1.0_wp, sqrt(2*film)))
-      intervals = 32
+      intervals = merge(smallest_rough, 32, allocated(contact%asperities))
       if (present(fewest)) intervals = fewest
       do while ((contact%domain%x_outlet - contact%domain%x_inlet)/intervals > largest_dx &
          .and. intervals < 2**24)

@@ -8,7 +8,7 @@ module line_summary
    use kinds, only: wp
    use line_state, only: line_state_t, turned
    use missing_value, only: larger, not_known
-   use quantities, only: parabola_extreme, quantity_count, quantity_rows, quantity_values, &
+   use quantities, only: p_central, p_max, parabola_extreme, quantity_count, quantity_rows, quantity_values, &
       rolling_power, rule_between, rule_crest, rule_node, rule_value, sliding_power
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
@@ -85,25 +85,30 @@ contains
          return
       end if
       summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time, &
-         state%friction)
+         state%friction, state%asperity_pressure)
       if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of
 
    !> Quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
-   !> (nx), and of their friction if known.
-   pure function summary_of_fields(x, p, h, time, friction) result(summary)
+   !> (nx), of their friction if known, and of the pressure `solid` of asperities (nx).
+   pure function summary_of_fields(x, p, h, time, friction, solid) result(summary)
       real(wp), intent(in) :: x(:), p(:), h(:), time
       type(friction_t), intent(in), optional :: friction
+      real(wp), intent(in), optional :: solid(:)
       type(line_summary_t) :: summary
       type(friction_t) :: forces
+      real(wp) :: total(size(p))
       integer :: i
 
+      total = p
+      if (present(solid)) total = p + solid
       forces = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
       if (present(friction)) forces = friction
       do i = 1, quantity_count
-         summary%of(i) = new_quantity(i, quantity_values(i, x, p, h, forces), time)
+         summary%of(i) = new_quantity(i, quantity_values(i, x, merge(total, p, i == p_max &
+            .or. i == p_central), h, forces), time)
       end do
-      summary%crests = crests_of(x, p, h)
+      summary%crests = crests_of(x, total, h)
       summary%limits = unknown_limits()
       summary%power = summary%of(sliding_power)%value + summary%of(rolling_power)%value
       summary%last_time = time

@@ -304,8 +304,8 @@ contains
       newton%before = level%state
       associate (new => level%state, old => newton%before)
          do halving = 1, max_halvings
-            new%pressure = total + share*change
-            new%asperity_pressure = 0.0_wp
+            new%pressure = max(old%pressure + share*oil, 0.0_wp)
+            new%asperity_pressure = max(old%asperity_pressure + share*(change - oil), 0.0_wp)
             new%rigid_displacement = old%rigid_displacement + share*newton%step(n)
             call set_film(level)
             if (all(new%film > smallest_gap_share*old%film)) exit
@@ -316,8 +316,6 @@ contains
             share = 0.0_wp
             return
          end if
-         new%pressure = max(old%pressure + share*oil, 0.0_wp)
-         new%asperity_pressure = total + share*change - new%pressure
          newton%last_film_step = maxval(abs(new%film - old%film)/old%film)
          newton%last_step = share*max(maxval(abs(change)), abs(newton%step(n)))
       end associate

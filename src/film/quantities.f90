@@ -20,7 +20,8 @@ module quantities
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
       p_central = 5, x_cavitation = 6, friction_coefficient = 7, rolling_coefficient = 8, &
-      sliding_power = 9, rolling_power = 10
+      sliding_power = 9, rolling_power = 10, asperity_share = 11, oil_friction = 12, &
+      boundary_friction = 13, meniscus = 14
 
    !> How the error of a quantity is estimated from other grids. `rule_value`: by its values, in a
    !> transient by those between the nodes. `rule_node`: by both, plus their distance.
@@ -32,7 +33,7 @@ module quantities
    !> One quantity.
    type, public :: quantity_row_t
       !> Name in the result.
-      character(len=28) :: name
+      character(len=29) :: name
       !> Name in the closing table; empty: not there.
       character(len=9) :: short
       !> The field of /solution whose unit it has; the effect of an inlet too near follows from it,
@@ -73,12 +74,23 @@ module quantities
       quantity_row_t('sliding_power', '', 'power', 'largest', rule_value, &
          [1.0_wp, 2.0_wp], 1.0_wp, 'power that sliding turns into heat, per length'), &
       quantity_row_t('rolling_power', '', 'power', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat, per length')]
+         [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat, per length'), &
+      quantity_row_t('asperity_load_share', '', '1', 'largest', rule_value, &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'share of the load that asperities bear'), &
+      quantity_row_t('friction_coefficient_oil', '', 'friction_coefficient', 'largest', &
+         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of the oil'), &
+      quantity_row_t('friction_coefficient_boundary', '', 'friction_coefficient', 'largest', &
+         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of asperities'), &
+      quantity_row_t('x_meniscus', '', 'x', 'largest', rule_value, &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'first node where oil fills the gap')]
 
    integer, parameter, public :: quantity_count = size(quantity_rows)
 
    !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
+   !> Rows that are known of contacts with asperities, or that starve, alone.
+   integer, parameter, public :: mixed_rows(*) = [asperity_share, oil_friction, &
+      boundary_friction, meniscus]
 
 contains
 
@@ -113,13 +125,23 @@ contains
       case (x_cavitation)
          values = [exit_position(x, p), exit_between_nodes(x, p)]
       case (friction_coefficient)
-         values = abs(friction%sliding)*2/pi/friction%load
+         values = abs(friction%sliding + friction%boundary)*2/pi/friction%load
       case (rolling_coefficient)
          values = friction%rolling*2/pi/friction%load
       case (sliding_power)
-         values = friction%sliding_speed*friction%sliding
+         values = friction%sliding_speed*(friction%sliding + friction%boundary)
       case (rolling_power)
          values = friction%rolling_power
+      case (asperity_share)
+         values = merge(friction%asperity_share, not_known(), friction%has_asperities)
+      case (oil_friction)
+         values = merge(abs(friction%sliding)*2/pi/friction%load, not_known(), &
+            friction%has_asperities)
+      case (boundary_friction)
+         values = merge(abs(friction%boundary)*2/pi/friction%load, not_known(), &
+            friction%has_asperities)
+      case (meniscus)
+         values = merge(friction%meniscus, not_known(), friction%meniscus > -huge(1.0_wp))
       case default
          error stop 'quantity_values: a quantity without its case'
       end select

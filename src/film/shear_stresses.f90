@@ -10,7 +10,7 @@ module shear_stresses
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
    use quantities, only: node_spacings
-   use rheology, only: evaluate_stress, flow_shapes, ln_slip
+   use rheology, only: evaluate_stress, flow_shapes, limited_stress, ln_slip
    implicit none (type, external)
    private
 
@@ -37,6 +37,7 @@ contains
          call evaluate_stress(fluid, lambda*slide_to_roll/12, drive(first:last), &
             inverse_film(first:last), ln_mu(first:last), stresses(first:last, 2))
       end do
+      stresses(:, 2) = limited_stress(fluid, p, stresses(:, 2))
       stresses(:, 1) = stresses(:, 2) - 0.5_wp*drive
       stresses(:, 3) = stresses(:, 2) + 0.5_wp*drive
       do last = 2, size(x)

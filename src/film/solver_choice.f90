@@ -77,6 +77,7 @@ contains
             with_sweeps(stated_way(settings, is_heavy=.true.), 0.2_wp, 10, 3.0_wp)]
          attempts%start_film = film
       end if
+      if (allocated(contact%asperities)) attempts = attempts(:1)
       if (settings%space_scheme == 'kappa') then
          attempts = [attempts(1), attempts]
          attempts(2:)%thesis_first = .true.

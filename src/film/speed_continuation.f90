@@ -9,6 +9,7 @@ module speed_continuation
    use listener, only: is_stopped, listener_t
    use newton_line, only: solve_newton
    use newton_work, only: newton_t
+   use reynolds_line, only: mass_flux
    implicit none (type, external)
    private
 
@@ -18,9 +19,11 @@ module speed_continuation
    real(wp), parameter :: growth = 0.7_wp, first_share = 2.0_wp
    !> Most steps for a first solution and for a further one; steps of an easy one.
    integer, parameter :: first_steps = 60, next_steps = 25, easy_steps = 8
-   !> Speeds to start from, at most; factor from speed to speed: first, largest, smallest.
+   !> Speeds to start from, at most; factor from speed to speed: first, and from supply to supply,
+   !> largest, smallest.
    integer, parameter :: most_starts = 5
-   real(wp), parameter :: first_ratio = 4.0_wp, largest_ratio = 100.0_wp, smallest_ratio = 1.05_wp
+   real(wp), parameter :: first_ratio = 4.0_wp, supply_ratio = 1.25_wp, largest_ratio = 100.0_wp, &
+      smallest_ratio = 1.02_wp
    !> Accuracy of the solutions.
    real(wp), parameter :: tolerance = 1.0e-3_wp
 
@@ -36,7 +39,8 @@ module speed_continuation
 
 contains
 
-   !> Solves a level, flooded while the speed is another, from a first `guess`.
+   !> Solves a level: from a first `guess` at the speed that clears the asperities down to its own,
+   !> flooded, and then from what flows there down to what arrives.
    subroutine reach_speed(newton, level, contact, guess, is_solved, listener)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
@@ -45,54 +49,69 @@ contains
       logical, intent(out) :: is_solved
       class(listener_t), intent(inout), optional :: listener
       type(film_state_t) :: good
-      real(wp) :: film, factor, good_factor, ratio
-      integer :: starts
+      real(wp) :: factor, film
+      integer :: start
 
       film = flooded_film(contact)
       factor = max(1.0_wp, (clearing_film(contact)/film)**(1/growth))
-      ratio = first_ratio
-      good_factor = 0.0_wp
-      starts = 0
-      do
-         if (.not. good_factor > 0.0_wp) then
-            starts = starts + 1
-            call guess(level, film*factor**growth, first_share)
-         end if
-         call set_speed(factor)
-         call solve_newton(newton, level, tolerance, merge(next_steps, first_steps, good_factor &
-            > 0.0_wp), listener)
-         is_solved = newton%is_converged
-         if (is_stopped(listener)) exit
-         if (is_solved) then
-            if (.not. factor > 1.0_wp) exit
-            good = level%state
-            good_factor = factor
-            if (newton%steps < easy_steps) ratio = min(2*ratio, largest_ratio)
-         else if (good_factor > 0.0_wp) then
-            if (ratio < smallest_ratio) exit
-            level%state = good
-            ratio = sqrt(ratio)
-         else
-            if (starts == most_starts) exit
-            factor = 2*factor
-            cycle
-         end if
-         factor = max(1.0_wp, good_factor/ratio)
+      level%oil%supply = huge(1.0_wp)
+      do start = 1, most_starts
+         call guess(level, film*factor**growth, first_share)
+         call solve_at(factor, .false., first_steps)
+         if (is_solved .or. is_stopped(listener)) exit
+         factor = 2*factor
       end do
-      call set_speed(1.0_wp)
+      if (is_solved) call descend(factor, .false.)
+      if (is_solved .and. contact%supply < huge(1.0_wp)) then
+         associate (flux => mass_flux(level))
+            call descend(maxval(flux)/(level%entrainment*contact%supply), .true.)
+         end associate
+      end if
+      level%oil%supply = contact%supply
 
    contains
 
-      !> Sets the speed over that of the contact.
-      subroutine set_speed(factor)
+      !> Solves with so many times the speed, or with the supply where it `is_supply`.
+      subroutine solve_at(factor, is_supply, steps)
          real(wp), intent(in) :: factor
+         logical, intent(in) :: is_supply
+         integer, intent(in) :: steps
 
-         level%lambda = factor*contact%lambda
-         level%fluid = contact%fluid
-         if (allocated(level%fluid%rheology)) level%fluid%rheology%ln_b_scale = &
-            contact%fluid%rheology%ln_b_scale + log(factor)
-         level%oil%supply = merge(huge(1.0_wp), contact%supply, factor > 1.0_wp)
-      end subroutine set_speed
+         if (is_supply) then
+            level%oil%supply = factor*contact%supply
+         else
+            level%lambda = factor*contact%lambda
+            level%fluid = contact%fluid
+            if (allocated(level%fluid%rheology)) level%fluid%rheology%ln_b_scale = &
+               contact%fluid%rheology%ln_b_scale + log(factor)
+         end if
+         call solve_newton(newton, level, tolerance, steps, listener)
+         is_solved = newton%is_converged
+      end subroutine solve_at
+
+      !> Goes from the solution with a factor above 1 to that with 1.
+      subroutine descend(first, is_supply)
+         real(wp), intent(in) :: first
+         logical, intent(in) :: is_supply
+         real(wp) :: reached, ratio, next
+
+         reached = first
+         ratio = merge(supply_ratio, first_ratio, is_supply)
+         do while (reached > 1.0_wp)
+            good = level%state
+            next = max(1.0_wp, reached/ratio)
+            call solve_at(next, is_supply, next_steps)
+            if (is_stopped(listener)) exit
+            if (is_solved) then
+               reached = next
+               if (newton%steps < easy_steps) ratio = min(2*ratio, largest_ratio)
+            else
+               level%state = good
+               ratio = sqrt(ratio)
+               if (ratio < smallest_ratio) exit
+            end if
+         end do
+      end subroutine descend
 
    end subroutine reach_speed
 

@@ -121,7 +121,7 @@ contains
       type(line_summary_t) :: summary
 
       summary = summary_of_fields(level%x, level%state%pressure, level%state%film, 0.0_wp, &
-         friction_of(level))
+         friction_of(level), level%state%asperity_pressure)
    end function level_summary
 
 end module state_output

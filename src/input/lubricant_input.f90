@@ -232,6 +232,8 @@ contains
       type(error_t), allocatable :: error
 
       oil%viscosity = values%real_value('lubricant', 'viscosity')
+      oil%limit_ratio = values%real_value('lubricant', 'limit_ratio')
+      oil%is_cut = values%word_value('lubricant', 'shear_limit') == 'cut'
       oil%pressure_viscosity = values%real_value('lubricant', 'pressure_viscosity')
       oil%roelands_p0 = values%real_value('lubricant', 'roelands_p0')
       oil%roelands_z = values%real_value('lubricant', 'roelands_z')

@@ -25,11 +25,10 @@ module value_hints
       answer_t('temperature', 'give temperature [degC] of the inlet in &lubricant, with '// &
          'viscosity_grade; heat is not built'), &
       answer_t('grade', 'give viscosity_grade in &lubricant, the ISO VG class, with temperature'), &
-      answer_t('mixed', 'mixed lubrication is not built: with roughness_1 and roughness_2 the '// &
-         'result says where it begins'), &
+      answer_t('mixed', 'give the law of the rough surfaces in &asperities'), &
       answer_t('friction', 'friction is a result: /summary/friction_coefficient'), &
-      answer_t('grease', 'grease is not built: give the base oil, and x_inlet for starvation'), &
-      answer_t('load_', 'varying loads are not built: run a sweep with a case for each load'), &
+      answer_t('grease', 'grease is not built: give the base oil, and &supply for starvation'), &
+      answer_t('load_', 'give loads that vary in a table, &history file'), &
       answer_t('wear', 'wear and running-in are not built'), &
       answer_t('rpm', 'give the speeds of the surfaces [m/s]: 2 pi rpm/60 times the radius'), &
       answer_t('omega', 'give the speeds of the surfaces [m/s]: omega times the radius'), &

@@ -8,7 +8,8 @@ module closing_table
    use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
-   use quantities, only: friction_coefficient, h_central, h_min, p_central, p_max, quantity_rows
+   use quantities, only: asperity_share, boundary_friction, friction_coefficient, h_central, &
+      h_min, oil_friction, p_central, p_max, quantity_rows
    use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
@@ -72,6 +73,10 @@ contains
       body = ''
       if (log%in_seconds) call add_words(body, 'power     '//prefixed_text(mean_power(summary) &
          *log%scaling%power, 'W/m')//' of sliding and rolling on average')
+      if (ieee_is_finite(summary%of(asperity_share)%value)) call add_words(body, 'asperities bear ' &
+         //number_text(100*summary%of(asperity_share)%value, 3)//' % of the load; friction '// &
+         number_text(log%scaling%slope*summary%of(oil_friction)%value, 3)//' by oil, '// &
+         number_text(log%scaling%slope*summary%of(boundary_friction)%value, 3)//' by asperities')
       call add_words(body, words%spike)
       call add_words(body, words%formulas)
       if (present(limits)) body = body//limit_lines(limits, report%is_mixed)

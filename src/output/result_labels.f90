@@ -47,6 +47,7 @@ module result_labels
       row_t('rigid_displacement', 'film', 'rigid displacement', ' H0 of (2.58)'), &
       row_t('friction_coefficient', 'slope', 'force over the load'), &
       row_t('power', 'power', 'power per length'), &
+      row_t('1', '1', 'pure number'), &
       row_t('load_per_length', 'load', 'load per length', ', w/w_ref'), &
       row_t('reduced_radius', 'radius', 'reduced radius', ', R/R_ref'), &
       row_t('speed_1', 'speed_sum', 'speed of surface 1', ', u_1/u_ref'), &

@@ -48,6 +48,9 @@ module lubricant
       integer :: rheology
       !> tau_0 [Pa] > 0 of a shear-thinning law.
       real(wp) :: stress_scale
+      !> Limiting shear stress over the pressure [-]; 0: none. Whether it cuts the stress off.
+      real(wp) :: limit_ratio = 0.0_wp
+      logical :: is_cut = .false.
    end type lubricant_t
 
    !> The lubricant in the dimensionless equations; made by `scaled_fluid` of module scaling.
@@ -62,6 +65,9 @@ module lubricant
       real(wp) :: z = 1.0_wp
       !> C1/p_h [-] > 0; Dowson and Higginson.
       real(wp) :: c1 = 1.0_wp
+      !> Limiting shear stress over the pressure, Lambda R/b; 0: none. Whether it cuts the stress off.
+      real(wp) :: stress_limit = 0.0_wp
+      logical :: is_cut = .false.
       !> Its shear thinning (module rheology); not allocated: Newtonian.
       class(flow_law_t), allocatable :: rheology
    end type fluid_t

@@ -7,7 +7,7 @@ module rheology
    implicit none (type, external)
    private
 
-   public :: eased_fluid, evaluate_stress, evaluate_stress_rise, flow_shapes, ln_slip, &
+   public :: eased_fluid, evaluate_stress, limited_stress, evaluate_stress_rise, flow_shapes, ln_slip, &
       sliding_number, slide_to_roll, thins, wall_stress
 
 contains
@@ -44,6 +44,24 @@ contains
          stress = couette*exp(min(ln_mu, largest_exponent))*inverse_film
       end if
    end subroutine evaluate_stress
+
+   !> A mean stress within the limit tau_L = Lambda p of the oil: at most that, or by tau_L (1 -
+   !> exp(-tau/tau_L)) (S. Bair and W. O. Winer, J. Lubr. Technol. 101, 1979, 251; with a thinning
+   !> oil a composite law). The limit changes friction alone, not the film.
+   pure elemental real(wp) function limited_stress(fluid, pressure, stress) result(limited)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: pressure, stress
+      real(wp) :: most
+
+      limited = stress
+      if (.not. fluid%stress_limit > 0.0_wp) return
+      most = max(fluid%stress_limit*pressure, tiny(1.0_wp))
+      if (fluid%is_cut) then
+         limited = sign(min(abs(stress), most), stress)
+      else
+         limited = sign(most*(1 - exp(-abs(stress)/most)), stress)
+      end if
+   end function limited_stress
 
    !> Computes d tau/dp of sliding alone at a given shear rate at m points, in the unit b/R, >= 0,
    !> from the film H, ln(mu/mu_0) and its `slope` by P; `couette` as in `evaluate_stress`.

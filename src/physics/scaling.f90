@@ -156,7 +156,10 @@ contains
       fluid%c1 = 1.0_wp
       if (fluid%density_law == density_dowson_higginson) fluid%c1 = dowson_higginson_c1 &
          /scaling%hertz_pressure
-      if (lubricant%rheology == rheology_newtonian .or. .not. scaling%is_dimensional) return
+      if (.not. scaling%is_dimensional) return
+      fluid%stress_limit = lubricant%limit_ratio/scaling%slope
+      fluid%is_cut = lubricant%is_cut
+      if (lubricant%rheology == rheology_newtonian) return
       ln_b_scale = ln_b_of_no_sliding
       sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%stress_scale &
          *scaling%film)
