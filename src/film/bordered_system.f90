@@ -23,18 +23,22 @@ module bordered_system
       real(wp) :: slots(-2:1, -2:2) = 0.0_wp
    end type kernel_rows_t
 
+   !> What cavitated rows do besides.
+   type, abstract, extends(krylov_system_t) :: cavitated_system_t
+      !> Diagonals by which rows are divided, and what cavitated rows pass on to the next (0:n)
+      !> (module reynolds_jacobian); null: nothing. The factors leave it out.
+      real(wp), pointer, contiguous :: diagonal(:) => null(), carry(:) => null()
+      !> Weights y of H in cavitated rows, P + y H = ... (n-1); not allocated: 0.
+      real(wp), allocatable :: yields(:)
+   end type cavitated_system_t
+
    !> A system of n unknowns.
-   type, abstract, extends(krylov_system_t) :: bordered_system_t
+   type, abstract, extends(cavitated_system_t) :: bordered_system_t
       integer :: n = 0
       logical :: is_transposed = .false.
       !> Bands of the rows over their diagonals (-2:2, n-1), (-2:1, n-1): of the caller.
       real(wp), pointer, contiguous :: by_pressure(:, :) => null(), by_film(:, :) => null()
-      !> Diagonals by which they are divided, and what cavitated rows pass on to the next (0:n)
-      !> (module reynolds_jacobian); null: nothing. The factors leave it out.
-      real(wp), pointer, contiguous :: diagonal(:) => null(), carry(:) => null()
       logical, allocatable :: is_cavitated(:)
-      !> Weights y of H in cavitated rows, P + y H = ... (n-1); not allocated: 0.
-      real(wp), allocatable :: yields(:)
       !> Weights of Int P dX (n-1).
       real(wp), allocatable :: weights(:)
       !> Rows of the kernel (n-1), or one where all are alike; constant part of -K over the weights.

@@ -241,8 +241,8 @@ contains
       end if
    end function round_off
 
-   !> Pressure (0:n) whose rounding is that of the pressure of the oil: where asperities touch that is
-   !> the difference of their law, at a separation of rounded deflections, from the total.
+   !> Pressure (0:n) whose rounding is that of the oil pressure: where asperities touch that is the
+   !> difference of their law, at a separation of rounded deflections, from the total.
    pure function rounded_pressure(level) result(p)
       type(line_level_t), intent(in) :: level
       real(wp) :: p(0:level%n)

@@ -99,7 +99,7 @@ contains
          seconds(phase_steady) = seconds(phase_steady) + wall_seconds() - start &
             - hierarchy%setup_seconds
          if (.not. is_resumed) then
-            if (allocated(level%oil%saturation)) then   ! where oil fills the gap inside, that counts
+            if (allocated(level%oil%saturation)) then   ! the gap fills behind the first node
                if (level%oil%saturation(1) < 1.0_wp) report%fit%inlet_error = 0.0_wp
             end if
             call fill_state(contact, level, 0.0_wp, state)

@@ -107,17 +107,8 @@ contains
             history = time%resume_from
             steps = max(steps, history%steps)
             if (abs(history%direction - level%direction) > 1.0_wp) call turn(level)
-            level%state%pressure = history%pressure(:, 1)
-            level%state%film = history%film
-            if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
-            level%state%rigid_displacement = history%rigid_displacement(1)
-            if (allocated(level%rough)) then
-               level%rhs_film = level%gap - roughness_at(contact, level, history%step*plan%length)
-               call share_anew(level)
-            end if
-            call evaluate_coefficients(level)
-            if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
-               /(level%oil%density*level%state%film)
+            level%rhs_film = level%gap - roughness_at(contact, level, history%step*plan%length)
+            call restore(level, history)
             call fill_state(contact, level, history%step*plan%length, state)
          else
             level%rhs_film = level%gap - roughness_at(contact, level, 0.0_wp)
@@ -195,6 +186,21 @@ contains
          .and. steps < most_cycles*cycle_steps) steps = steps + cycle_steps
       history%steps = steps
    end subroutine look_back
+
+   !> Restores the last solution of a history on its level.
+   subroutine restore(level, history)
+      type(line_level_t), intent(inout) :: level
+      type(march_state_t), intent(in) :: history
+
+      level%state%pressure = history%pressure(:, 1)
+      level%state%film = history%film
+      if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
+      level%state%rigid_displacement = history%rigid_displacement(1)
+      if (allocated(level%rough)) call share_anew(level)
+      call evaluate_coefficients(level)
+      if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
+         /(level%oil%density*level%state%film)
+   end subroutine restore
 
    !> Starts the additional equations of a follower, if any. If it fails, the report is not
    !> converged.

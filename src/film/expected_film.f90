@@ -26,7 +26,8 @@ module expected_film
    implicit none (type, external)
    private
 
-   public :: clearing_film, film_estimate, flooded_film, newtonian_film, share_with_viscosity, thinned_central_film
+   public :: clearing_film, film_estimate, film_with_viscosity, newtonian_film, &
+      share_with_viscosity, thinned_central_film
 
    !> Fitted values of pressure, flow over P' lambda, and the power that joins the limits.
    real(wp), parameter :: pressure_share = 0.75_wp, flow_share = 0.7_wp, power = 0.7_wp
@@ -69,8 +70,17 @@ contains
    end function newtonian_film
 
    !> Central film of a contact with `factor` > 0 times its viscosity, relative to that at its full
-   !> viscosity: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
+   !> viscosity.
    pure real(wp) function share_with_viscosity(contact, factor) result(share)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: factor
+
+      share = film_with_viscosity(contact, factor)/flooded_film(contact)
+   end function share_with_viscosity
+
+   !> Central film of a contact with `factor` > 0 times its viscosity, or speeds: M ~ mu_0^(-1/2), L
+   !> ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
+   pure real(wp) function film_with_viscosity(contact, factor) result(film)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor
       type(line_contact_t) :: other
@@ -82,8 +92,8 @@ contains
       other%lambda = factor*contact%lambda
       other%moes_m_sum = contact%moes_m_sum/sqrt(factor)
       other%moes_l_sum = contact%moes_l_sum*sqrt(sqrt(factor))
-      share = film_estimate(other)/film_estimate(contact)
-   end function share_with_viscosity
+      film = flooded_film(other)
+   end function film_with_viscosity
 
    !> Central film [b^2/R] of a contact with the speed parameter `lambda` > 0, whose Newtonian film
    !> is `newtonian` > 0 [b^2/R]: never more than that.

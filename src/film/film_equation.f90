@@ -4,7 +4,7 @@
 !> Force balance (2.60) by the trapezoidal rule, P = 0 at both ends: dX sum P = `rhs_load`, which is
 !> pi/2, or on a coarse grid the load of the coarse problem.
 !>
-!> Where asperities touch, P is the sum of their pressure and that of the oil, and H of (2.58) is the
+!> Where asperities touch, P is the sum of their pressure and that of the oil, and H of (2.58) the
 !> separation of the mean planes: the film is the mean gap that belongs to it (module asperities).
 module film_equation
    use asperities, only: asperity_pressure, flow_factor, mean_gap

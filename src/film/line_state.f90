@@ -10,8 +10,17 @@ module line_state
 
    public :: all_finite, line_state_t, turned
 
+   !> Fields of mixed lubrication, each (nx).
+   type :: mixed_fields_t
+      !> Pressure of asperities, and separation of the mean planes, over p_h and b^2/R; the film is
+      !> then the mean gap. Not allocated where none touch.
+      real(wp), allocatable :: asperity_pressure(:), separation(:)
+      !> Share of the film that oil fills, where it is conserved; else not allocated.
+      real(wp), allocatable :: saturation(:)
+   end type mixed_fields_t
+
    !> Dimensionless fields on the nodes of the finest grid, each (nx).
-   type :: line_state_t
+   type, extends(mixed_fields_t) :: line_state_t
       !> X = x/b, rising.
       real(wp), allocatable :: x(:)
       !> P = p/p_h, never negative; of the oil where asperities touch.
@@ -22,11 +31,6 @@ module line_state
       real(wp), allocatable :: viscosity(:)
       !> rho/rho_0.
       real(wp), allocatable :: density(:)
-      !> Pressure of asperities, part of P, and separation of the mean planes, over p_h and b^2/R; the
-      !> film is then the mean gap. Not allocated where none touch.
-      real(wp), allocatable :: asperity_pressure(:), separation(:)
-      !> Share of the film that oil fills, where it is conserved; else not allocated.
-      real(wp), allocatable :: saturation(:)
       !> Eyring slip factor S; 1 for a Newtonian fluid.
       real(wp), allocatable :: slip_factor(:)
       !> Shear stress at the wall of surface 1, mean across the film, and at the wall of surface 2,

@@ -8,8 +8,8 @@ module line_summary
    use kinds, only: wp
    use line_state, only: line_state_t, turned
    use missing_value, only: larger, not_known
-   use quantities, only: p_central, p_max, parabola_extreme, quantity_count, quantity_rows, quantity_values, &
-      rolling_power, rule_between, rule_crest, rule_node, rule_value, sliding_power
+   use quantities, only: p_central, p_max, parabola_extreme, quantity_count, quantity_rows, &
+      quantity_values, rolling_power, rule_between, rule_crest, rule_node, rule_value, sliding_power
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private

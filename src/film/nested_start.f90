@@ -99,7 +99,8 @@ contains
          if (k > first) then
             call refine(hierarchy, k)
          else if (allocated(contact%asperities)) then
-            call reach_speed(hierarchy%newton, hierarchy%levels(k), contact, bump, is_sound, listener)
+            call reach_speed(hierarchy%newton, hierarchy%levels(k), contact, bump, is_sound, &
+               listener)
             if (.not. is_sound) return
          else
             call bump_start(hierarchy, contact, k)
@@ -266,7 +267,7 @@ contains
       level%state%rigid_displacement = 0.0_wp
       call evaluate_deflection(level)
       associate (h => elastic_film(level))
-         level%state%rigid_displacement = share*film - h(centre)
+         level%state%rigid_displacement = share*film - h(centre + 1)   ! h(1) is that of node 0
          level%state%film = h + level%state%rigid_displacement
       end associate
       if (.not. allocated(level%rough)) return

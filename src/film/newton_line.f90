@@ -82,16 +82,9 @@ contains
          call evaluate_jacobian(level, newton%jacobian)
          call prepare_system(newton, level)
          newton%linear%goal = linear_goal(newton%residual, level%lambda, goal)
-         if (allocated(level%rough)) newton%linear%tolerance = shared_tolerance
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, &
             is_solved)
          if (.not. is_solved) return
-         ! an iterative solution misses this by its tolerance, and the node would count as one with
-         ! pressure
-         if (.not. allocated(level%rough)) then
-            where (newton%is_cavitated) newton%step(1:level%n - 1) = &
-               -level%state%pressure(1:level%n - 1)
-         end if
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
          if (newton%is_bent) call bend_step(newton, level)
          call apply_step(newton, level, share)
@@ -142,8 +135,9 @@ contains
       end associate
       newton%step(level%n) = load_defect(level)
       call settle_thick_film(newton, level)
-      if (allocated(level%rough)) call share_rows(level, newton%jacobian, newton%is_cavitated, &
-         newton%step(:level%n - 1))
+      if (.not. allocated(level%rough)) return
+      newton%linear%tolerance = shared_tolerance
+      call share_rows(level, newton%jacobian, newton%is_cavitated, newton%step(:level%n - 1))
    end subroutine prepare_system
 
    !> Finds which nodes of thick film cavitate, if the ends of the pressure creep: the conditions
@@ -246,6 +240,9 @@ contains
          return
       end if
       n = level%n
+      ! an iterative solution misses this by its tolerance, and the node would count as one with
+      ! pressure
+      where (newton%is_cavitated) newton%step(1:n - 1) = -level%state%pressure(1:n - 1)
       share = maxval(abs(newton%step(1:n - 1))/max(1.0_wp, level%state%pressure(1:n - 1)))
       if (.not. share < huge(1.0_wp)) then
          share = 0.0_wp
@@ -277,8 +274,8 @@ contains
       end associate
    end subroutine apply_step
 
-   !> The same where asperities touch: the step is that of the total pressure, whose share of the oil
-   !> changes by no more than the others do, and the mean gap falls to no less than a fifth.
+   !> The same where asperities touch: the step is that of the total pressure, and the share of the
+   !> oil changes by no more than the whole does; the mean gap falls to no less than a fifth.
    subroutine apply_shared_step(newton, level, share)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
@@ -321,8 +318,8 @@ contains
       end associate
    end subroutine apply_shared_step
 
-   !> Largest change of Sigma in a full `step` of the oil: the slip factor grows as exp(|Sigma|), and a Newton
-   !> step must not run ahead of it.
+   !> Largest change of Sigma in a full `step` of the oil: the slip factor grows as exp(|Sigma|),
+   !> and a Newton step must not run ahead of it.
    pure real(wp) function slip_step(newton, level, step) result(largest)
       type(newton_t), intent(in) :: newton
       type(line_level_t), intent(in) :: level

@@ -25,9 +25,9 @@ module reynolds_jacobian
 
 contains
 
-   !> Turns rows, divided by their diagonals, that stand for oil pressure and mean gap into those for
-   !> total pressure and separation, where asperities touch: dP_oil = dP - pc' dH where oil fills the
-   !> gap, else -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). (The
+   !> Turns rows, divided by their diagonals, from oil pressure and mean gap to total pressure and
+   !> separation, where asperities touch: dP_oil = dP - pc' dH where oil fills the gap; elsewhere it
+   !> is -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). (The
    !> change of H two nodes downstream, with a thinning oil, is taken one node nearer.)
    pure subroutine share_rows(level, jacobian, is_cavitated, step)
       type(line_level_t), intent(in) :: level
@@ -136,7 +136,8 @@ contains
             associate (j => max(i - 2, 0))
                jacobian%by_pressure(j - i:0, i) = jacobian%by_pressure(j - i:0, i) &
                   - weights(j - i:)*rho_p(j:i)*h(j:i)
-               jacobian%by_film(j - i:0, i) = jacobian%by_film(j - i:0, i) - weights(j - i:)*rho(j:i)
+               jacobian%by_film(j - i:0, i) = jacobian%by_film(j - i:0, i) &
+                  - weights(j - i:)*rho(j:i)
             end associate
          end do
       end associate

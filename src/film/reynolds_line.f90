@@ -29,8 +29,9 @@ module reynolds_line
    implicit none (type, external)
    private
 
-   public :: apply_flow_factor, apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
-      is_third_order, reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
+   public :: apply_flow_factor, apply_reynolds, evaluate_coefficients, evaluate_reynolds, &
+      is_third_order, mass_flux, reynolds_diagonals, third_order_share, third_order_slope, &
+      wedge_weights
 
    !> Curvature c that halves the third order in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
@@ -164,7 +165,8 @@ contains
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density, &
          flow => level%operator, theta => level%oil%saturation, lambda => level%lambda)
          theta = 1.0_wp
-         missing = level%entrainment*max(0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) - level%oil%supply, 0.0_wp)
+         missing = level%entrainment*max(0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) - level%oil%supply, &
+            0.0_wp)
          do i = 1, level%n - 1
             flow(i) = flow(i) - lambda/level%dx*missing
             missing = 0.0_wp

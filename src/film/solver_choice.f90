@@ -119,8 +119,9 @@ contains
             attempts = attempts([1, 1])
             attempts(2)%thesis_first = .true.
          end if
-         if (contact%domain%intervals <= largest_dense .and. .not. contact%conserves_oil) &
+         if (contact%domain%intervals <= largest_dense .and. .not. contact%conserves_oil) then
             attempts = [attempts, one_level(method_newton_dense)]
+         end if
       else if (settings%smoother == 'gauss_seidel') then
          attempts = [with_sweeps(base, 0.8_wp, 2, 0.0_wp)]
       else

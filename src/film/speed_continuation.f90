@@ -1,7 +1,7 @@
 !> The first solution of a contact whose asperities touch: from the speed at which the film clears
 !> them, down to its own.
 module speed_continuation
-   use expected_film, only: clearing_film, flooded_film
+   use expected_film, only: clearing_film, film_with_viscosity
    use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -15,8 +15,9 @@ module speed_continuation
 
    public :: reach_speed
 
-   !> Power of the speed with which films grow; the first film over its estimate.
-   real(wp), parameter :: growth = 0.7_wp, first_share = 2.0_wp
+   !> Power of the speed with which films grow, and a factor beside it; the first film over its
+   !> estimate.
+   real(wp), parameter :: growth = 0.7_wp, slack = 1.01_wp, first_share = 2.0_wp
    !> Most steps for a first solution and for a further one; steps of an easy one.
    integer, parameter :: first_steps = 60, next_steps = 25, easy_steps = 8
    !> Speeds to start from, at most; factor from speed to speed: first, and from supply to supply,
@@ -52,11 +53,15 @@ contains
       real(wp) :: factor, film
       integer :: start
 
-      film = flooded_film(contact)
-      factor = max(1.0_wp, (clearing_film(contact)/film)**(1/growth))
+      factor = 1.0_wp
+      do
+         film = film_with_viscosity(contact, factor)
+         if (film >= clearing_film(contact)) exit
+         factor = factor*(clearing_film(contact)/film)**(1/growth)*slack
+      end do
       level%oil%supply = huge(1.0_wp)
       do start = 1, most_starts
-         call guess(level, film*factor**growth, first_share)
+         call guess(level, film_with_viscosity(contact, factor), first_share)
          call solve_at(factor, .false., first_steps)
          if (is_solved .or. is_stopped(listener)) exit
          factor = 2*factor

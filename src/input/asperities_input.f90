@@ -48,6 +48,7 @@ contains
          call read_law(folder, trim(values%text_value('asperities', 'file')), rows, error)
          if (allocated(error)) then
             call values%refuse('asperities', 'file', error%message)
+            deallocate (law)
             return
          end if
          law = new_law(roughness, rows(:, 1), rows(:, 2))

@@ -1,6 +1,5 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
-   use asperities_input, only: read_asperities
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t, path_from_namelist, set_effective
@@ -109,8 +108,6 @@ contains
       call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
          case%load_per_length)
       call fill_lubricant(values, case%lubricant, case%materials)
-      call read_asperities(values, path_from_namelist(case, ''), case%bodies%reduced_modulus, &
-         case%contact%asperities)   ! in SI before it is planned
       call fill_numerics(values, case)
       if (values%has_group('moes')) then
          moes_m = values%real_value('moes', 'moes_m')

@@ -31,8 +31,8 @@ module column_table
 contains
 
    !> Reads a table: comments (#), names with units, rows of numbers, separated by commas. Errors
-   !> (input_error), with the line: any other form; a first column that does not rise; numbers out of
-   !> range.
+   !> (input_error), with the line: any other form; a first column that does not rise; numbers out
+   !> of range.
    subroutine read_columns(file, table, error)
       character(*), intent(in) :: file
       type(column_table_t), intent(inout) :: table

@@ -228,8 +228,8 @@ module input_keys
          needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8', &
          example='3.3e6'), &
       key_row_t('lubricant', 'shear_limit', word_kind, '', "'none'", &
-         'limiting shear stress tau_L in the friction: cut, at most tau_L; bair_winer, tau_L (1 - '// &
-         'exp(-tau/tau_L))', words='none cut bair_winer', used=no_moes), &
+         'limiting shear stress tau_L in the friction: cut, at most tau_L; bair_winer, tau_L '// &
+         '(1 - exp(-tau/tau_L))', words='none cut bair_winer', used=no_moes), &
       key_row_t('lubricant', 'limit_ratio', real_kind, '-', is_optional, &
          'tau_L over the pressure', range='>= 1e-3, <= 1', used='shear_limit = cut bair_winer', &
          needed='shear_limit = cut bair_winer', typical='0.03 to 0.12', example='! 0.05'), &

@@ -4,7 +4,8 @@
 !> they get a note only.)
 module line_case
    use asperities, only: scaled
-   use case_record, only: case_t
+   use asperities_input, only: read_asperities
+   use case_record, only: case_t, path_from_namelist
    use case_validation, only: check_times
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
@@ -38,6 +39,8 @@ contains
       type(case_t), intent(inout) :: case
       type(time_settings_t) :: given
 
+      call read_asperities(values, path_from_namelist(case, ''), case%bodies%reduced_modulus, &
+         case%contact%asperities)   ! in SI; scaled with the contact
       call build_contact(case)
       if (values%is_given('time', 'duration')) case%time%end_time = values%real_value('time', &
          'duration')/case%scaling%time

@@ -4,11 +4,11 @@
 !> The logarithm of the pressure is a cubic between the rows of a table, and a straight line beyond
 !> both ends: the pressure is positive and falls. Its laws:
 !>
-!>     exponential      A exp(-H/l)               B. N. J. Persson, Phys. Rev. Lett. 99, 2007, 125502
-!>     greenwood_tripp  K E'/2 F_5/2(H/sigma),  K = (16 sqrt(2) pi/15) (eta beta sigma)^2
-!>                      sqrt(sigma/beta)          J. A. Greenwood and J. H. Tripp, Proc. Instn Mech.
-!>                                                Engrs 185, 1970, 625
-!>     table            monotone cubics           measured, or by a dry contact of these surfaces
+!>     exponential      A exp(-H/l)              B. N. J. Persson, Phys. Rev. Lett. 99, 2007, 125502
+!>     greenwood_tripp  K E'/2 F_5/2(H/sigma), K = (16 sqrt(2) pi/15) (eta beta sigma)^2
+!>                      sqrt(sigma/beta)         J. A. Greenwood and J. H. Tripp, Proc. Instn Mech.
+!>                                               Engrs 185, 1970, 625
+!>     table            monotone cubics          measured, or by a dry contact of these surfaces
 !>
 !> with F_n(u) = Int_u^inf (t - u)^n phi(t) dt of the Gaussian phi, F_n' = -n F_(n-1). Oil fills the
 !> mean gap: F_1(-H/sigma) sigma of Gaussian heights; with the other laws H is a mean gap already,
@@ -23,7 +23,8 @@ module asperities
    implicit none (type, external)
    private
 
-   public :: asperities_t, asperity_pressure, flow_factor, greenwood_tripp, mean_gap, new_law, scaled
+   public :: asperities_t, asperity_pressure, flow_factor, greenwood_tripp, mean_gap, new_law, &
+      scaled
 
    !> A pair of rough surfaces.
    type :: asperities_t

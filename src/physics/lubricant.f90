@@ -65,7 +65,7 @@ module lubricant
       real(wp) :: z = 1.0_wp
       !> C1/p_h [-] > 0; Dowson and Higginson.
       real(wp) :: c1 = 1.0_wp
-      !> Limiting shear stress over the pressure, Lambda R/b; 0: none. Whether it cuts the stress off.
+      !> Limiting shear stress over the pressure, Lambda R/b; 0: none. Whether it cuts the stress.
       real(wp) :: stress_limit = 0.0_wp
       logical :: is_cut = .false.
       !> Its shear thinning (module rheology); not allocated: Newtonian.

@@ -7,8 +7,8 @@ module rheology
    implicit none (type, external)
    private
 
-   public :: eased_fluid, evaluate_stress, limited_stress, evaluate_stress_rise, flow_shapes, ln_slip, &
-      sliding_number, slide_to_roll, thins, wall_stress
+   public :: eased_fluid, evaluate_stress, evaluate_stress_rise, flow_shapes, limited_stress, &
+      ln_slip, sliding_number, slide_to_roll, thins, wall_stress
 
 contains
 
