@@ -30,7 +30,7 @@ module nested_start
 
    !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
-   integer, parameter :: nested_steps = 60
+   integer, parameter :: nested_steps = 60, starved_steps = 400
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
    !> Accuracy where asperities bear a share of the load that leaves the oil hardly any.
@@ -158,7 +158,8 @@ contains
 
       associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
          level%is_kappa = .false.
-         call solve_newton(hierarchy%newton, level, tolerance, nested_steps, listener)
+         call solve_newton(hierarchy%newton, level, tolerance, merge(starved_steps, nested_steps, &
+            allocated(level%oil%saturation)), listener)
          is_sound = is_solved
          level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
          if (level%is_coarse_run .and. hierarchy%is_kappa) then

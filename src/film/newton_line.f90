@@ -94,9 +94,10 @@ contains
             previous_step = huge(1.0_wp)
             cycle
          end if
-         newton%is_converged = (newton%last_step < tolerance &
+         newton%is_converged = ((newton%last_step < tolerance &
             .and. newton%last_film_step < film_share*tolerance) &
-            .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step)
+            .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step)) &
+            .and. .not. newton%has_moved
          if (newton%is_converged) return
          previous_step = newton%last_step
       end do
@@ -134,6 +135,11 @@ contains
          end do
       end associate
       newton%step(level%n) = load_defect(level)
+      if (allocated(level%oil%saturation)) then
+         ! a front of oil in the inlet moves far while hardly any pressure changes
+         newton%has_moved = newton%active /= count(.not. newton%is_cavitated)
+         newton%active = count(.not. newton%is_cavitated)
+      end if
       call settle_thick_film(newton, level)
       if (.not. allocated(level%rough)) return
       newton%linear%tolerance = shared_tolerance

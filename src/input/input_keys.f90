@@ -15,7 +15,7 @@ module input_keys
 
    !> A word of a key that has got another name.
    type, public :: renamed_word_t
-      character(len=20) :: key
+      character(len=22) :: key
       character(len=16) :: old, new
    end type renamed_word_t
 
@@ -249,7 +249,7 @@ module input_keys
       key_row_t('asperities', 'law', word_kind, '', is_required, &
          'pressure of the asperities over the separation of the mean planes: exponential '// &
          'A exp(-h/l), greenwood_tripp, table', words='exponential greenwood_tripp table', &
-         example="'exponential'"), &
+         example="! 'exponential'"), &
       key_row_t('asperities', 'rms_height', real_kind, 'm', is_required, &
          'rms height sigma of both surfaces together', range='>= 1e-12, <= 1e-3', &
          typical='1e-9 to 5e-5', example='! 2e-7'), &
@@ -257,7 +257,7 @@ module input_keys
          range='>= 1, <= 1e13', used='law = exponential', needed='law = exponential', &
          typical='1e6 to 1e11', example='! 1.2e9'), &
       key_row_t('asperities', 'decay_length', real_kind, 'm', is_chosen, &
-         'l; chosen: 0.45 sigma', range='>= 1e-12, <= 1e-3', used='law = exponential', &
+         'l; chosen: 0.45 sigma', range='>= 1e-12, <= 1e-3', used='law, law = exponential', &
          typical='1e-9 to 5e-5', example='! 9e-8'), &
       key_row_t('asperities', 'density_radius_height', real_kind, '-', is_optional, &
          'asperities per area times their radius times sigma', range='>= 1e-4, <= 1', &
@@ -272,9 +272,10 @@ module input_keys
          needed='law = table', example="! 'law.csv'"), &
       key_row_t('asperities', 'flow', word_kind, '', "'none'", &
          'flow past the asperities: patir_cheng, isotropic; none: that of the mean gap', &
-         words='none patir_cheng', example='!'), &
+         words='none patir_cheng', used='law', example='!'), &
       key_row_t('asperities', 'boundary_friction', real_kind, '-', '0.12', &
-         'friction coefficient of the asperities', range='>= 0, <= 1', typical='0.05 to 0.2', &
+         'friction coefficient of the asperities', range='>= 0, <= 1', used='law', &
+         typical='0.05 to 0.2', &
          example='!'), &
       key_row_t('supply', 'film', real_kind, 'm', is_required, &
          'thickness of the oil that both surfaces bring, at (u1+u2)/2; no effect beyond what '// &
