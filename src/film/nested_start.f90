@@ -266,7 +266,7 @@ contains
       level%state%rigid_displacement = 0.0_wp
       call evaluate_deflection(level)
       associate (h => elastic_film(level))
-         level%state%rigid_displacement = share*film - h(centre)
+         level%state%rigid_displacement = share*film - h(centre + 1)   ! h begins with 1
          level%state%film = h + level%state%rigid_displacement
       end associate
       if (.not. allocated(level%rough)) return
