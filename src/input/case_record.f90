@@ -22,7 +22,7 @@ module case_record
    !> numbers, an integer or a text, the one that is allocated.
    type :: effective_t
       character(len=12) :: group
-      character(len=22) :: key
+      character(len=24) :: key
       real(wp), allocatable :: reals(:)
       integer, allocatable :: integer
       character(:), allocatable :: text

@@ -40,7 +40,7 @@ module key_row
    !> One key.
    type, public :: key_row_t
       character(len=12) :: group
-      character(len=22) :: key
+      character(len=24) :: key
       !> One of the kinds above.
       integer :: kind
       !> SI unit; '-' for a pure number, 'half-widths' for X; empty for words and texts.

@@ -43,7 +43,7 @@ module key_rules
       !> 'with' or 'without' a key or group, or '=' or '/='.
       character(len=8) :: relation
       !> The group, 'surface' for either surface; the key, empty for the group as a whole.
-      character(len=22) :: group, key
+      character(len=24) :: group, key
       !> What follows '=' or '/='.
       character(len=80) :: values = ''
       !> What follows the colon.

@@ -1,0 +1,115 @@
+"""Mixed lubrication from the namelist on: numbers of an independent prototype, histories, dry results as laws, refusals."""
+
+import h5py
+import numpy as np
+import pytest
+from cases import STEADY, ended, write
+from dry_cases import LEAN, case_text
+
+# Case 1 with the constants of the prototype, whose inputs have eight digits; EXPONENTIAL: A = 2 p_h, l = 0.45 sigma.
+CASE = """&case problem = 'ehl_line' /
+&bodies reduced_radius = 0.0099502488, reduced_modulus = 226373630000.0, speed_1 = {slow}, speed_2 = {fast} /
+&load load_per_length = 1e5 /
+&lubricant viscosity = 0.14, viscosity_law = 'roelands', roelands_z = 0.6, roelands_p0 = 1.98e8,
+           density_law = 'dowson_higginson', rheology = 'eyring', eyring_stress = 3.3e6 /
+&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
+&solver space_scheme = 'upwind2', tolerance = 1e-9 /
+"""
+P_H, FILM, TIME = 601736020.0, 1.124901e-06, 0.021484375
+EXPONENTIAL = f"&asperities law = 'exponential', rms_height = 2e-7, contact_pressure = {2 * P_H}, decay_length = 9e-8 /\n"
+TRIPP = "&asperities law = 'greenwood_tripp', rms_height = 2e-7, density_radius_height = 0.05, height_over_radius = 0.01, "
+TABLE = "&asperities law = 'table', rms_height = 1.8e-7, file = 'law.csv' /\n"
+GAPS = "1.475926 1.5332689 1.598324 1.6658249 1.7604534 1.937559 2.1969078 2.5292601 2.7394507 2.9985575 3.3345119 3.7009375 4.1409305"
+PRESSURES = "250 225 200 175 150 125 100 75 62.5 50 37.5 25 12.5"
+LAW = "gap [m],pressure [Pa]\n" + "".join(f"{g}e-7,{p}e6\n" for g, p in zip(GAPS.split(), PRESSURES.split(), strict=True))
+# Speed, the groups; H at X = 0 (separation), smallest mean gap, largest total pressure, share of the load; first and last full node.
+PROTOTYPE = {
+    "exponential": (0.1, EXPONENTIAL, (0.12440346, 0.10843424, 0.96924398, 0.55892804), (-3.9785156, 0.8984375)),
+    "greenwood_tripp": (
+        *(0.1, TRIPP + "flow = 'patir_cheng' /\n"),
+        *((0.11676002, 0.13974495, 0.98194099, 0.053318508), (-3.9785156, 1.0703125)),
+    ),
+    "table": (0.1, TABLE, (0.12464092, 0.11199038, 0.97162379, 0.61771586), (-3.9785156, 0.8984375)),
+    "starved": (
+        *(0.3, EXPONENTIAL + f"&supply film = {0.1 * FILM} /\n"),
+        *((0.092106616, 0.090660133, 0.96106156, 0.78825144), (-0.84179688, 0.70507812)),
+    ),
+}
+
+
+def case_of(speed, groups):
+    return CASE.format(slow=0.1 * speed, fast=1.1 * speed) + groups
+
+
+@pytest.mark.parametrize("name", PROTOTYPE)
+def test_numbers_of_the_prototype(solved_case, tmp_path, name):
+    speed, groups, expected, ends = PROTOTYPE[name]
+    write(tmp_path, "law.csv", LAW)
+    with solved_case(case_of(speed, groups) + LEAN) as file:
+        fields = {key: value[()] for key, value in file["solution"].items() if value.ndim == 1}
+        summary = {key: value[()] * value.attrs.get("si_scale", 1) for key, value in file["summary"].items()}
+    x, solid = fields["x"], fields["asperity_pressure"]
+    full = x[fields["pressure"] > solid]
+    central = np.interp(0, x, fields["separation"])
+    share = solid.sum() / fields["pressure"].sum()
+    np.testing.assert_allclose((central, fields["film_thickness"].min(), fields["pressure"].max(), share), expected, rtol=1e-6)
+    np.testing.assert_allclose((full.min(), full.max()), ends, atol=1e-6)
+    assert summary["asperity_load_share"] == pytest.approx(share, rel=1e-9)
+    assert summary["friction_coefficient_boundary"] == pytest.approx(0.12 * share, rel=1e-6)
+    parts = summary["friction_coefficient_oil"] + summary["friction_coefficient_boundary"]
+    assert summary["friction_coefficient"] == pytest.approx(parts, rel=1e-12)
+    assert (fields["saturation"] > 0).all()
+    assert (fields["saturation"] <= 1).all()
+
+
+def test_ridge_of_the_prototype(solved_case):
+    rough = f"&asperities law = 'exponential', rms_height = 5e-8, contact_pressure = {4 * P_H}, decay_length = 2.25e-8 /\n"
+    ridge = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4, position = -2.5 /\n"
+    time = f"&time transient = .true., end_time = {100 * TIME}, time_step = {TIME} /\n"
+    with solved_case(case_of(0.3, rough) + ridge + time + LEAN) as file:
+        assert file["transient/film_thickness"][()].min() == pytest.approx(0.0884009, rel=1e-5)
+        assert file["transient/pressure"][()].max() == pytest.approx(1.7713565, rel=1e-5)
+
+
+def test_a_dry_sweep_is_a_law(run_case, asperity, tmp_path):
+    """What the dry contact of a profile bears, at its mean gap: the same rows as a table in CSV."""
+    loads = [2e6, 1e7, 5e7, 2e8]
+    wave = "shape = 'sinusoid', amplitude = 4e-7, wavelength = 1e-4"
+    write(tmp_path, "dry.nml", case_text(wave, loads, more="&domain length = 1e-4, intervals = 256 /\n" + LEAN))
+    ended(asperity("dry.nml", "--quiet"))
+    with h5py.File(tmp_path / "dry.h5") as file:
+        gaps, pressures = (file["sweep"][key][()][::-1].tolist() for key in ("mean_separation", "mean_pressure"))
+    write(tmp_path, "law.csv", "gap [m],pressure [Pa]\n" + "".join(f"{g!r},{p!r}\n" for g, p in zip(gaps, pressures, strict=True)))
+    fields = []
+    for law in ("dry.h5", "law.csv"):
+        run_case(case_of(0.1, TABLE.replace("law.csv", law)) + LEAN, "--quiet")
+        with h5py.File(tmp_path / "case.h5") as file:
+            fields.append([file["solution"][key][()] for key in ("asperity_pressure", "separation", "pressure")])
+    assert all(np.array_equal(*pair) for pair in zip(*fields, strict=True))
+    solid, gap, total = fields[0]
+    assert 0.05 < solid.sum() / total.sum() < 1
+    inside = (solid > 0) & (solid * P_H < pressures[0]) & (gap * FILM < gaps[-1])  # between the rows ln p is close to lines
+    assert np.count_nonzero(inside) > 10
+    lines = np.interp(gap[inside] * FILM, gaps, np.log(pressures))
+    np.testing.assert_allclose(np.log(solid[inside] * P_H), lines, atol=0.3)
+
+
+TABLES = {
+    "rises": ("1e-7,2e8\n2e-7,3e8\n", "found 3.000E+08 Pa at 2.000E-07 m behind 2.000E+08 Pa at 1.000E-07 m, expected a"),
+    "one row": ("1e-7,2e8\n", "found 1 row, expected names with units and at least two rows"),
+    "negative": ("1e-7,2e8\n2e-7,-1\n", "found '-1', expected a number from"),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_bad_table_is_refused(run_case, tmp_path, name):
+    rows, reason = TABLES[name]
+    write(tmp_path, "law.csv", "gap [m],pressure [Pa]\n" + rows)
+    assert reason in run_case(case_of(1, TABLE), "--check", status=1).stderr
+
+
+def test_files_that_hold_no_law_are_refused(run_case, solved_case, tmp_path):
+    told = run_case(case_of(1, TABLE), "--check", status=1).stderr
+    assert told == "case.nml:8: &asperities file: law.csv: no such file\n"
+    solved_case(STEADY + LEAN, name="film").close()
+    assert "film.h5" in run_case(case_of(1, TABLE.replace("law.csv", "film.h5")), "--check", status=1).stderr
