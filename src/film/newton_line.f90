@@ -97,11 +97,22 @@ contains
          newton%is_converged = ((newton%last_step < tolerance &
             .and. newton%last_film_step < film_share*tolerance) &
             .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step)) &
-            .and. .not. newton%has_moved
+            .and. .not. has_moved(newton, level)
          if (newton%is_converged) return
          previous_step = newton%last_step
       end do
    end subroutine solve_newton
+
+   !> Whether the last step has made or filled a cavity that conserves its oil: in the inlet a front
+   !> moves far while hardly any pressure changes.
+   pure logical function has_moved(newton, level)
+      type(newton_t), intent(in) :: newton
+      type(line_level_t), intent(in) :: level
+
+      has_moved = allocated(level%oil%saturation)
+      if (has_moved) has_moved = any(newton%is_cavitated .eqv. level%state%pressure(1:level%n - 1) &
+         > 0.0_wp)
+   end function has_moved
 
    !> Bound on the |r| left by the linear solution if Newton's method must reach `goal` of
    !> |r|/lambda.
@@ -135,11 +146,6 @@ contains
          end do
       end associate
       newton%step(level%n) = load_defect(level)
-      if (allocated(level%oil%saturation)) then
-         ! a front of oil in the inlet moves far while hardly any pressure changes
-         newton%has_moved = newton%active /= count(.not. newton%is_cavitated)
-         newton%active = count(.not. newton%is_cavitated)
-      end if
       call settle_thick_film(newton, level)
       if (.not. allocated(level%rough)) return
       newton%linear%tolerance = shared_tolerance

@@ -55,10 +55,8 @@ module newton_work
       real(wp) :: residual = 0.0_wp
       !> Newton steps of the last call, and steps of the linear solver in all calls.
       integer :: steps = 0, linear_iterations = 0
-      !> Nodes with pressure at the last step, and steps in a row in which few have come or gone;
-      !> whether any have, where oil is conserved.
+      !> Nodes with pressure at the last step, and steps in a row in which few have come or gone.
       integer :: active = 0, creeping = 0
-      logical :: has_moved = .false.
       !> Size of the last step in P and H0; below `tolerance` when converged.
       real(wp) :: last_step = huge(1.0_wp)
       !> Largest relative change of a film in the last step.
