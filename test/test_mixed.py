@@ -19,10 +19,12 @@ P_H, FILM, TIME = 601736020.0, 1.124901e-06, 0.021484375
 EXPONENTIAL = f"&asperities law = 'exponential', rms_height = 2e-7, contact_pressure = {2 * P_H}, decay_length = 9e-8 /\n"
 TRIPP = "&asperities law = 'greenwood_tripp', rms_height = 2e-7, density_radius_height = 0.05, height_over_radius = 0.01, "
 TABLE = "&asperities law = 'table', rms_height = 1.8e-7, file = 'law.csv' /\n"
-GAPS = "1.475926 1.5332689 1.598324 1.6658249 1.7604534 1.937559 2.1969078 2.5292601 2.7394507 2.9985575 3.3345119 3.7009375 4.1409305"
+GAPS = (
+    "1.475926 1.5332689 1.598324 1.6658249 1.7604534 1.937559 2.1969078 2.5292601 2.7394507 2.9985575 3.3345119 3.7009375 4.1409305"
+)
 PRESSURES = "250 225 200 175 150 125 100 75 62.5 50 37.5 25 12.5"
 LAW = "gap [m],pressure [Pa]\n" + "".join(f"{g}e-7,{p}e6\n" for g, p in zip(GAPS.split(), PRESSURES.split(), strict=True))
-# Speed, the groups; H at X = 0 (separation), smallest mean gap, largest total pressure, share of the load; first and last full node.
+# Speed, the groups; H at X = 0 (separation), smallest mean gap, largest total pressure, share of load; first and last full node.
 PROTOTYPE = {
     "exponential": (0.1, EXPONENTIAL, (0.12440346, 0.10843424, 0.96924398, 0.55892804), (-3.9785156, 0.8984375)),
     "greenwood_tripp": (
@@ -108,7 +110,7 @@ def test_a_bad_table_is_refused(run_case, tmp_path, name):
     assert reason in run_case(case_of(1, TABLE), "--check", status=1).stderr
 
 
-def test_files_that_hold_no_law_are_refused(run_case, solved_case, tmp_path):
+def test_files_that_hold_no_law_are_refused(run_case, solved_case):
     told = run_case(case_of(1, TABLE), "--check", status=1).stderr
     assert told == "case.nml:8: &asperities file: law.csv: no such file\n"
     solved_case(STEADY + LEAN, name="film").close()

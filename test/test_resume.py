@@ -96,7 +96,6 @@ METHODS = {
     "statistics": "&output film_thresholds = 3e-7, 4e-7, checkpoint_interval = 0.05 /\n",
     "breakdown": "&solver film_floor = 390e-9, on_film_breakdown = 'continue' /\n",
     "stride": "&output profile_stride = 7, fields = 'pressure', 'shear_stress_1', checkpoint_interval = 0.05 /\n",
-    "mixed": "&asperities law = 'exponential', rms_height = 1e-7, contact_pressure = 2e9 /\n",
 }
 
 
