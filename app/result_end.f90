@@ -78,8 +78,8 @@ contains
             number_text(ratio, 2)//' times the composite roughness; &asperities computes the '// &
             'load that asperities carry'
       end associate
-      if (.not. (case%time%is_transient .or. case%contact%supply < huge(case%contact%supply))) &
-         listener%writer%formulas = formulas_of(case%contact)
+      if (case%time%is_transient .or. case%contact%supply < huge(case%contact%supply)) return
+      listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits
 
    !> Writes the result and prints its closing table.

@@ -99,9 +99,6 @@ contains
          seconds(phase_steady) = seconds(phase_steady) + wall_seconds() - start &
             - hierarchy%setup_seconds
          if (.not. is_resumed) then
-            if (allocated(level%oil%saturation)) then   ! the gap fills behind the first node
-               if (level%oil%saturation(1) < 1.0_wp) report%fit%inlet_error = 0.0_wp
-            end if
             call fill_state(contact, level, 0.0_wp, state)
             report%fit%outlet_pressure = level%state%pressure(level%n - 1)
             if (report%converged .and. report%fit%outlet_pressure > 0.0_wp &
@@ -120,6 +117,9 @@ contains
          else if (report%converged) then
             listener%coarser = coarser_summaries(hierarchy)
             call check_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
+         end if
+         if (allocated(state%saturation)) then   ! the gap fills behind the first node
+            if (state%saturation(2) < 1.0_wp) report%fit%inlet_error = 0.0_wp
          end if
       end associate
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(at_moment(contact, &

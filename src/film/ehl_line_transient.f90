@@ -191,12 +191,15 @@ contains
    subroutine restore(level, history)
       type(line_level_t), intent(inout) :: level
       type(march_state_t), intent(in) :: history
+      integer :: products
 
       level%state%pressure = history%pressure(:, 1)
       level%state%film = history%film
       if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
       level%state%rigid_displacement = history%rigid_displacement(1)
+      products = level%elastic%products
       if (allocated(level%rough)) call share_anew(level)
+      level%elastic%products = products   ! counted where it was solved
       call evaluate_coefficients(level)
       if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
          /(level%oil%density*level%state%film)

@@ -33,7 +33,7 @@ module nested_start
    integer, parameter :: nested_steps = 60, starved_steps = 400
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
-   !> Accuracy where asperities bear a share of the load that leaves the oil hardly any.
+   !> Accuracy where oil bears hardly any of the load, or a front moves with hardly any pressure.
    real(wp), parameter :: shared_tolerance = 1.0e-7_wp
    !> Accuracy of a graded solution to start from.
    real(wp), parameter :: graded_target = 0.1_wp
@@ -108,7 +108,7 @@ contains
          if (k == hierarchy%top) return
          tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
             .and. k >= hierarchy%top - 2)
-         if (allocated(contact%asperities)) tolerance = shared_tolerance
+         if (contact%conserves_oil) tolerance = shared_tolerance
          call solve_level(hierarchy, k, tolerance, is_sound, listener)
          if (.not. is_sound) return
       end do

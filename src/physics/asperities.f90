@@ -224,7 +224,7 @@ contains
       missing = flow_c*exp(-flow_r*u)
       ln_slope = (3/u + flow_r*missing/(1 - missing))/law%roughness
       flow = (1 - missing)*(u*law%roughness)**3*exp(ln_slope*min(h - u*law%roughness, 0.0_wp))
-      factor = flow/gap**3
+      factor = flow/max(gap**3, tiny(1.0_wp))
       ln_slope = ln_slope - 3*gap_slope/gap
    end subroutine flow_factor
 
