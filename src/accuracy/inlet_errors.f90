@@ -28,7 +28,7 @@ module inlet_errors
    real(wp), parameter :: safety = 1.1_wp, doubt = 0.15_wp
 
    !> Fields whose quantities may be unknown or 0 in a solution.
-   character(len=*), parameter :: may_be_unknown(3) = [character(len=20) :: 'x', &
+   character(len=*), parameter :: may_be_unknown(4) = [character(len=20) :: '1', 'x', &
       'friction_coefficient', 'power']
 
    !> Quantities on the same and on the longer domain.
@@ -58,7 +58,8 @@ contains
 
       if (change%is_known) then
          shares = change_by_inlet(change)
-         where (quantity_rows%field == 'x') shares = shares/max(abs(summary%of%value), tiny(1.0_wp))
+         where (quantity_rows%field == 'x' .and. ieee_is_finite(summary%of%value)) shares = &
+            shares/max(abs(summary%of%value), tiny(1.0_wp))
          return
       end if
       shares = report%fit%inlet_error*min(1.0_wp, summary%of(h_central)%value)

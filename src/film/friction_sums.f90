@@ -25,8 +25,8 @@ module friction_sums
       !> touch at all.
       real(wp) :: boundary = 0.0_wp, asperity_share = 0.0_wp
       logical :: has_asperities = .false.
-      !> X of the first node where oil fills the gap, if that is not the first one; -huge: it is.
-      real(wp) :: meniscus = -huge(1.0_wp)
+      !> X of the first node where oil fills the gap, if that is not the first one; 0: it is.
+      real(wp) :: meniscus = 0.0_wp
    end type friction_t
 
 end module friction_sums

@@ -88,7 +88,7 @@ module quantities
 
    !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
-   !> Rows that are known of contacts with asperities, or that starve, alone.
+   !> Rows of contacts with asperities, or that starve, alone; 0 for others, and not reported.
    integer, parameter, public :: mixed_rows(*) = [asperity_share, oil_friction, &
       boundary_friction, meniscus]
 
@@ -133,15 +133,13 @@ contains
       case (rolling_power)
          values = friction%rolling_power
       case (asperity_share)
-         values = merge(friction%asperity_share, not_known(), friction%has_asperities)
+         values = friction%asperity_share
       case (oil_friction)
-         values = merge(abs(friction%sliding)*2/pi/friction%load, not_known(), &
-            friction%has_asperities)
+         values = merge(abs(friction%sliding)*2/pi/friction%load, 0.0_wp, friction%has_asperities)
       case (boundary_friction)
-         values = merge(abs(friction%boundary)*2/pi/friction%load, not_known(), &
-            friction%has_asperities)
+         values = abs(friction%boundary)*2/pi/friction%load
       case (meniscus)
-         values = merge(friction%meniscus, not_known(), friction%meniscus > -huge(1.0_wp))
+         values = friction%meniscus
       case default
          error stop 'quantity_values: a quantity without its case'
       end select

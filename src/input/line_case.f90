@@ -99,7 +99,7 @@ contains
             contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
             contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
             contact%slope = case%scaling%slope
-            contact%supply = contact%supply/case%scaling%film
+            if (contact%supply < huge(1.0_wp)) contact%supply = contact%supply/case%scaling%film
             if (allocated(contact%asperities)) contact%asperities = scaled(contact%asperities, &
                case%scaling%film, case%scaling%hertz_pressure)
          else

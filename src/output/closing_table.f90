@@ -73,7 +73,7 @@ contains
       body = ''
       if (log%in_seconds) call add_words(body, 'power     '//prefixed_text(mean_power(summary) &
          *log%scaling%power, 'W/m')//' of sliding and rolling on average')
-      if (ieee_is_finite(summary%of(asperity_share)%value)) call add_words(body, &
+      if (exceeds(summary%of(asperity_share)%value, 0.0_wp)) call add_words(body, &
          'asperities bear '//number_text(100*summary%of(asperity_share)%value, 3) &
          //' % of the load; friction '// &
          number_text(log%scaling%slope*summary%of(oil_friction)%value, 3)//' by oil, '// &

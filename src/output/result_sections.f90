@@ -9,7 +9,7 @@ module result_sections
    use iteration_report, only: breakdown_t, phase_names, report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t, mean_power, quantity_t
-   use missing_value, only: not_known
+   use missing_value, only: exceeds, not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
    use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows
@@ -79,7 +79,7 @@ contains
       do i = 1, quantity_count
          if (any(i == sliding_rows) .and. .not. ieee_is_finite(scaling%slide_to_roll)) cycle
          associate (row => quantity_rows(i), quantity => summary%of(i))
-            if (any(i == mixed_rows) .and. .not. ieee_is_finite(quantity%value)) cycle
+            if (any(i == mixed_rows) .and. .not. exceeds(abs(quantity%value), 0.0_wp)) cycle
             extreme = ''   ! where there are several times and the text does not say which it is
             if (is_transient .and. index(row%text, trim(row%extreme)) == 0) extreme = ', ' &
                //trim(row%extreme)//' over time'
