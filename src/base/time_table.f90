@@ -6,7 +6,7 @@ module time_table
    implicit none (type, external)
    private
 
-   public :: monotone_slopes, new_time_table, time_table_t
+   public :: monotone_slopes, new_time_table, row_below, time_table_t
 
    !> The slope changes at a row if a parabola through its shorter neighbour would miss the values
    !> by this share of the largest.
@@ -154,7 +154,7 @@ contains
       real(wp), intent(in) :: time
       integer, intent(out) :: i
       real(wp), intent(out) :: s, cycles
-      integer :: last, middle, n
+      integer :: n
 
       n = size(table%times)
       s = time
@@ -163,18 +163,26 @@ contains
          if (table%is_periodic) cycles = floor((time - first)/period)
          s = min(max(time - cycles*period, first), table%times(n))
       end associate
-      i = 1
-      last = n
-      do while (last - i > 1)
-         middle = (i + last)/2
-         if (table%times(middle) <= s) then
-            i = middle
-         else
-            last = middle
-         end if
-      end do
+      i = row_below(table%times, s)
       s = s - table%times(i)
    end subroutine find_piece
+
+   !> The row k < n of rising values next below `value`, by bisection.
+   pure integer function row_below(values, value) result(k)
+      real(wp), intent(in) :: values(:), value
+      integer :: above, middle
+
+      k = 1
+      above = size(values)
+      do while (above - k > 1)
+         middle = (k + above)/2
+         if (values(middle) <= value) then
+            k = middle
+         else
+            above = middle
+         end if
+      end do
+   end function row_below
 
    !> The integral of a piece up to the time `s` behind its row.
    pure real(wp) function piece_integral(c, s) result(integral)

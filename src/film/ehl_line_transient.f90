@@ -198,7 +198,7 @@ contains
       if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
       level%state%rigid_displacement = history%rigid_displacement(1)
       products = level%elastic%products
-      if (allocated(level%rough)) call share_anew(level)
+      if (allocated(level%rough)) call share_pressure(level)
       level%elastic%products = products   ! counted where it was solved
       call evaluate_coefficients(level)
       if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
@@ -441,7 +441,7 @@ contains
                state%rigid_displacement = history%rigid_displacement(1)
             end if
             if (allocated(state%separation)) then
-               call share_anew(hierarchy%levels(hierarchy%finest))
+               call share_pressure(hierarchy%levels(hierarchy%finest))
             else
                call set_film(hierarchy%levels(hierarchy%finest))
             end if
@@ -463,15 +463,6 @@ contains
          end do
       end associate
    end subroutine solve_step
-
-   !> Computes the gap of a total pressure, and what the asperities bear of it.
-   subroutine share_anew(level)
-      type(line_level_t), intent(inout) :: level
-
-      level%state%asperity_pressure = 0.0_wp
-      call set_film(level)
-      call share_pressure(level)
-   end subroutine share_anew
 
    !> Number of last solutions that best predict the next one: all, or only the newest if the line
    !> through the two before missed it (features that move by a spacing or more in a step). In 48

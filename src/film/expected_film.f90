@@ -23,6 +23,7 @@ module expected_film
    use line_contact, only: line_contact_t
    use lubricant, only: fluid_t, fluid_viscosity
    use moes, only: central_film
+   use rheology, only: faster_fluid
    implicit none (type, external)
    private
 
@@ -86,9 +87,7 @@ contains
       type(line_contact_t) :: other
 
       other%elasticity = contact%elasticity
-      other%fluid = contact%fluid
-      if (allocated(other%fluid%rheology)) other%fluid%rheology%ln_b_scale = &
-         contact%fluid%rheology%ln_b_scale + log(factor)
+      other%fluid = faster_fluid(contact%fluid, factor)
       other%lambda = factor*contact%lambda
       other%moes_m_sum = contact%moes_m_sum/sqrt(factor)
       other%moes_l_sum = contact%moes_l_sum*sqrt(sqrt(factor))

@@ -71,14 +71,15 @@ contains
       end associate
    end subroutine set_rough_gap
 
-   !> Shares the total pressure of the present gap: oil bears what the asperities do not.
-   pure subroutine share_pressure(level)
+   !> Sets film and gap of the level from `state%pressure` as the total, and shares that: oil bears
+   !> what the asperities do not.
+   subroutine share_pressure(level)
       type(line_level_t), intent(inout) :: level
 
-      associate (total => total_pressure(level))
-         level%state%pressure = max(total - level%rough%pressure, 0.0_wp)
-         level%state%asperity_pressure = total - level%state%pressure
-      end associate
+      level%state%asperity_pressure = 0.0_wp
+      call set_film(level)
+      level%state%asperity_pressure = min(level%state%pressure, level%rough%pressure)
+      level%state%pressure = level%state%pressure - level%state%asperity_pressure
    end subroutine share_pressure
 
    !> Sets the film from the present pressure and H0, but reduces it by at most half, so that it

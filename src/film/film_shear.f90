@@ -91,7 +91,6 @@ contains
       end associate
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
       if (allocated(level%rough)) then
-         friction%has_asperities = .true.
          friction%asperity_share = sum(level%state%asperity_pressure)/sum(total_pressure(level))
          if (abs(friction%sliding_speed) > 0.0_wp) friction%boundary = sign(level%rough%friction &
             *level%dx*sum(level%state%asperity_pressure), friction%sliding_speed)
@@ -113,8 +112,8 @@ contains
    end function friction_of
 
    !> Weight of the last node with P > 0 for the distance to the exit behind it, over which the
-   !> stress falls as the film grows. `flux`: mass flux in front of it over (u1
-   !> + u2)/u_ref.
+   !> stress falls as the film grows. `flux`: mass flux in front of it over
+   !> (u1 + u2)/u_ref.
    pure function weight_behind(level, node, flux) result(weight)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: node

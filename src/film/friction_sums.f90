@@ -21,10 +21,8 @@ module friction_sums
       real(wp) :: stress_share = 0.0_wp
       !> w/w_ref.
       real(wp) :: load = 1.0_wp
-      !> Force of the asperities, as `sliding`, and share of the load that they bear; whether they
-      !> touch at all.
+      !> Force of the asperities, as `sliding`, and share of the load that they bear; 0: none touch.
       real(wp) :: boundary = 0.0_wp, asperity_share = 0.0_wp
-      logical :: has_asperities = .false.
       !> X of the first node where oil fills the gap, if that is not the first one; 0: it is.
       real(wp) :: meniscus = 0.0_wp
    end type friction_t

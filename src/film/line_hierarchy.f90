@@ -191,14 +191,13 @@ contains
       level%oil%supply = contact%supply
       if (contact%conserves_oil) allocate (level%oil%saturation(0:n), source=1.0_wp)
       if (.not. allocated(contact%asperities)) return
-      allocate (level%rough, level%state%asperity_pressure(0:n), level%state%separation(0:n))
-      level%state%asperity_pressure = 0.0_wp
+      allocate (level%rough)
+      allocate (level%state%asperity_pressure(0:n), level%state%separation(0:n), source=0.0_wp)
       associate (rough => level%rough)
          rough%law = contact%asperities
          rough%friction = rough%law%boundary_friction/contact%slope
-         allocate (rough%pressure(0:n), rough%slope(0:n), rough%gap_slope(0:n), source=0.0_wp)
-         allocate (rough%factor(0:n), source=1.0_wp)
-         allocate (rough%ln_slope(0:n), source=0.0_wp)
+         allocate (rough%pressure(0:n), rough%slope(0:n), rough%gap_slope(0:n), &
+            rough%factor(0:n), rough%ln_slope(0:n), source=0.0_wp)
       end associate
    end subroutine new_level_of
 

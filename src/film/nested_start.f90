@@ -155,17 +155,18 @@ contains
       logical, intent(out) :: is_sound
       class(listener_t), intent(inout), optional :: listener
       type(film_state_t) :: thesis
+      integer :: steps
 
       associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
          level%is_kappa = .false.
-         call solve_newton(hierarchy%newton, level, tolerance, merge(starved_steps, nested_steps, &
-            allocated(level%oil%saturation)), listener)
+         steps = merge(starved_steps, nested_steps, allocated(level%oil%saturation))
+         call solve_newton(hierarchy%newton, level, tolerance, steps, listener)
          is_sound = is_solved
          level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
          if (level%is_coarse_run .and. hierarchy%is_kappa) then
             thesis = level%state
             level%is_kappa = .true.
-            call solve_newton(hierarchy%newton, level, tolerance, nested_steps, listener)
+            call solve_newton(hierarchy%newton, level, tolerance, steps, listener)
             level%is_kappa = is_solved
             level%is_coarse_run = is_solved
             if (.not. is_solved) level%state = thesis
@@ -271,9 +272,7 @@ contains
          level%state%rigid_displacement = share*film - h(centre + 1)   ! h(1) is that of node 0
          level%state%film = h + level%state%rigid_displacement
       end associate
-      if (.not. allocated(level%rough)) return
-      call set_film(level)
-      call share_pressure(level)
+      if (allocated(level%rough)) call share_pressure(level)
    end subroutine bump
 
 end module nested_start

@@ -5,7 +5,7 @@
 !> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
    use duty, only: is_reference
-   use film_equation, only: load_defect, set_film, total_pressure
+   use film_equation, only: load_defect, set_film
    use kinds, only: wp
    use line_level, only: line_level_t
    use listener, only: is_stopped, listener_t
@@ -19,9 +19,10 @@ module newton_line
    public :: rest_of_sum, solve_newton
 
    !> A step changes no pressure by more than the first share of max(1, P), a bent one by no more
-   !> than the second, and reduces no film below the third.
+   !> than the second, the total with that of asperities by no more than the third, and reduces no
+   !> film below the fourth, no gap where asperities touch below the fifth.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, &
-      smallest_film_share = 0.5_wp, smallest_gap_share = 0.2_wp
+      largest_shared_step = 1.0_wp, smallest_film_share = 0.5_wp, smallest_gap_share = 0.2_wp
    !> Largest change of Sigma of the slip factor in a step.
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> Most halvings of a step before the method gives up.
@@ -238,23 +239,23 @@ contains
       end associate
    end subroutine bend_step
 
-   !> Applies the step, shortened until no pressure moves too far and no film falls below half;
-   !> share = 0 if that fails.
+   !> Applies the step, shortened until no pressure moves too far and no film falls below its least
+   !> share; share = 0 if that fails.
    subroutine apply_step(newton, level, share)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: share
-      real(wp) :: longest
+      real(wp) :: solid(merge(level%n - 1, 0, allocated(level%rough))), least, longest
       integer :: halving, n
 
-      if (allocated(level%rough)) then
-         call apply_shared_step(newton, level, share)
-         return
-      end if
       n = level%n
-      ! an iterative solution misses this by its tolerance, and the node would count as one with
-      ! pressure
-      where (newton%is_cavitated) newton%step(1:n - 1) = -level%state%pressure(1:n - 1)
+      if (allocated(level%rough)) then
+         call split_step(newton, level, solid)
+      else
+         ! an iterative solution misses this by its tolerance, and the node would count as one with
+         ! pressure
+         where (newton%is_cavitated) newton%step(1:n - 1) = -level%state%pressure(1:n - 1)
+      end if
       share = maxval(abs(newton%step(1:n - 1))/max(1.0_wp, level%state%pressure(1:n - 1)))
       if (.not. share < huge(1.0_wp)) then
          share = 0.0_wp
@@ -262,14 +263,23 @@ contains
       end if
       longest = merge(largest_bent_step, largest_step, newton%is_bent)
       share = min(1.0_wp, longest/max(share, longest), &
-         largest_slip_step/max(slip_step(newton, level, newton%step), largest_slip_step))
+         largest_slip_step/max(slip_step(newton, level), largest_slip_step))
+      least = smallest_film_share
       newton%before = level%state
       associate (new => level%state, old => newton%before, step => newton%step)
+         if (allocated(level%rough)) then
+            least = smallest_gap_share
+            share = min(share, largest_shared_step/max(maxval(abs(step(1:n - 1) + solid) &
+               /max(1.0_wp, old%pressure(1:n - 1) + old%asperity_pressure(1:n - 1))), &
+               largest_shared_step))
+         end if
          do halving = 1, max_halvings
             new%pressure(1:n - 1) = max(old%pressure(1:n - 1) + share*step(1:n - 1), 0.0_wp)
+            if (allocated(level%rough)) new%asperity_pressure(1:n - 1) = &
+               max(old%asperity_pressure(1:n - 1) + share*solid, 0.0_wp)
             new%rigid_displacement = old%rigid_displacement + share*step(n)
             call set_film(level)
-            if (all(new%film > smallest_film_share*old%film)) exit
+            if (all(new%film > least*old%film)) exit
             share = 0.5_wp*share
          end do
          if (halving > max_halvings) then
@@ -283,70 +293,45 @@ contains
             old%pressure(1:n - 1), share*step(1:n - 1)), 0.0_wp, new%pressure(1:n - 1) > 0.0_wp)
          newton%last_film_step = maxval(abs(new%film - old%film)/old%film)
          newton%last_step = max(maxval(abs(new%pressure - old%pressure)), abs(share*step(n)))
+         if (allocated(level%rough)) newton%last_step = max(newton%last_step, &
+            maxval(abs(new%asperity_pressure - old%asperity_pressure)))
       end associate
    end subroutine apply_step
 
-   !> The same where asperities touch: the step is that of the total pressure, and the share of the
-   !> oil changes by no more than the whole does; the mean gap falls to no less than a fifth.
-   subroutine apply_shared_step(newton, level, share)
+   !> Splits the step of the total pressure, where asperities touch, into that of the oil, which
+   !> stays in `newton`, and that of the asperities, `solid` (1:n-1).
+   subroutine split_step(newton, level, solid)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(out) :: share
-      real(wp), dimension(0:level%n) :: total, change, oil
-      integer :: halving, n
+      real(wp), intent(out) :: solid(:)
+      real(wp), dimension(0:level%n) :: change, deflection
 
-      n = level%n
-      total = total_pressure(level)
-      change = 0.0_wp
-      change(1:n - 1) = newton%step(1:n - 1)
-      share = 0.0_wp
-      if (.not. maxval(abs(newton%step)) < huge(1.0_wp)) return
-      call level%elastic%apply(change, oil)
-      oil(1:n - 1) = merge(-level%state%pressure(1:n - 1), change(1:n - 1) &
-         - level%rough%slope(1:n - 1)*(newton%step(n) - oil(1:n - 1)) &
-         + level%state%asperity_pressure(1:n - 1) - level%rough%pressure(1:n - 1), &
-         newton%is_cavitated)
-      oil([0, n]) = 0.0_wp
-      share = min(1.0_wp, largest_step/max(maxval(abs(oil)/max(1.0_wp, level%state%pressure)), &
-         largest_step), 1/max(maxval(abs(change)/max(1.0_wp, total)), 1.0_wp), &
-         largest_slip_step/max(slip_step(newton, level, oil(1:n)), largest_slip_step))
-      newton%before = level%state
-      associate (new => level%state, old => newton%before)
-         do halving = 1, max_halvings
-            new%pressure = max(old%pressure + share*oil, 0.0_wp)
-            new%asperity_pressure = max(old%asperity_pressure + share*(change - oil), 0.0_wp)
-            new%rigid_displacement = old%rigid_displacement + share*newton%step(n)
-            call set_film(level)
-            if (all(new%film > smallest_gap_share*old%film)) exit
-            share = 0.5_wp*share
-         end do
-         if (halving > max_halvings) then
-            level%state = newton%before
-            share = 0.0_wp
-            return
-         end if
-         newton%last_film_step = maxval(abs(new%film - old%film)/old%film)
-         newton%last_step = share*max(maxval(abs(change)), abs(newton%step(n)))
+      associate (n => level%n, step => newton%step, rough => level%rough, state => level%state)
+         change = [0.0_wp, step(1:n - 1), 0.0_wp]
+         call level%elastic%apply(change, deflection)
+         step(1:n - 1) = merge(-state%pressure(1:n - 1), change(1:n - 1) - rough%slope(1:n - 1) &
+            *(step(n) - deflection(1:n - 1)) + state%asperity_pressure(1:n - 1) &
+            - rough%pressure(1:n - 1), newton%is_cavitated)
+         solid = change(1:n - 1) - step(1:n - 1)
       end associate
-   end subroutine apply_shared_step
+   end subroutine split_step
 
-   !> Largest change of Sigma in a full `step` of the oil: the slip factor grows as exp(|Sigma|),
-   !> and a Newton step must not run ahead of it.
-   pure real(wp) function slip_step(newton, level, step) result(largest)
+   !> Largest change of Sigma in a full step: the slip factor grows as exp(|Sigma|), and a Newton
+   !> step must not run ahead of it.
+   pure real(wp) function slip_step(newton, level) result(largest)
       type(newton_t), intent(in) :: newton
       type(line_level_t), intent(in) :: level
-      real(wp), intent(in), contiguous :: step(:)
       integer :: i
 
       largest = 0.0_wp
       if (level%is_kappa) then
          do i = 2, level%n - 1
-            largest = max(largest, abs(2*level%state%film(i)*(step(i) - step(i - 1))))
+            largest = max(largest, abs(2*level%state%film(i)*(newton%step(i) - newton%step(i - 1))))
          end do
       else
          do i = 2, level%n - 2
             largest = max(largest, &
-               abs(level%state%film(i)*(step(i + 1) - step(i - 1))))
+               abs(level%state%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
          end do
       end if
       largest = 0.5_wp*newton%stress_scale/level%dx*largest

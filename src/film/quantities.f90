@@ -135,7 +135,8 @@ contains
       case (asperity_share)
          values = friction%asperity_share
       case (oil_friction)
-         values = merge(abs(friction%sliding)*2/pi/friction%load, 0.0_wp, friction%has_asperities)
+         values = merge(abs(friction%sliding)*2/pi/friction%load, 0.0_wp, &
+            friction%asperity_share > 0.0_wp)
       case (boundary_friction)
          values = abs(friction%boundary)*2/pi/friction%load
       case (meniscus)

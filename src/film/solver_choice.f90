@@ -62,7 +62,7 @@ contains
       if (is_automatic(settings)) then
          attempts = newton_starts(film)
          if (contact%domain%intervals >= intervals_for_film(contact) &
-            .and. settings%space_scheme /= 'kappa' .and. .not. contact%conserves_oil) then
+            .and. settings%space_scheme /= 'kappa') then
             ! it is independent of Newton's method above the coarsest level
             cycles = cycle_with(merge(smoother_gauss_seidel, smoother_line, is_heavy), is_heavy)
             cycles%start_film = film
@@ -77,6 +77,8 @@ contains
             with_sweeps(stated_way(settings, is_heavy=.true.), 0.2_wp, 10, 3.0_wp)]
          attempts%start_film = film
       end if
+      if (contact%conserves_oil) attempts = pack(attempts, attempts%method &
+         == method_newton_krylov)
       if (allocated(contact%asperities)) attempts = attempts(:1)
       if (settings%space_scheme == 'kappa') then
          attempts = [attempts(1), attempts]
@@ -114,14 +116,14 @@ contains
          attempts = [one_level(method_newton_krylov), with_sweeps(base, 0.6_wp, 3, 0.0_wp), &
             with_sweeps(base, 0.5_wp, 5, 0.0_wp)]
          attempts(3)%visits = 2
-         if (contact%conserves_oil) attempts = attempts(:1)
          if (settings%space_scheme == 'kappa') then
             attempts = attempts([1, 1])
             attempts(2)%thesis_first = .true.
          end if
-         if (contact%domain%intervals <= largest_dense .and. .not. contact%conserves_oil) then
-            attempts = [attempts, one_level(method_newton_dense)]
-         end if
+         if (contact%domain%intervals <= largest_dense) attempts = [attempts, &
+            one_level(method_newton_dense)]
+         if (contact%conserves_oil) attempts = pack(attempts, attempts%method &
+            == method_newton_krylov)
       else if (settings%smoother == 'gauss_seidel') then
          attempts = [with_sweeps(base, 0.8_wp, 2, 0.0_wp)]
       else

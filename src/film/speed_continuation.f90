@@ -10,6 +10,7 @@ module speed_continuation
    use newton_line, only: solve_newton
    use newton_work, only: newton_t
    use reynolds_line, only: mass_flux
+   use rheology, only: faster_fluid
    implicit none (type, external)
    private
 
@@ -86,9 +87,7 @@ contains
             level%oil%supply = factor*contact%supply
          else
             level%lambda = factor*contact%lambda
-            level%fluid = contact%fluid
-            if (allocated(level%fluid%rheology)) level%fluid%rheology%ln_b_scale = &
-               contact%fluid%rheology%ln_b_scale + log(factor)
+            level%fluid = faster_fluid(contact%fluid, factor)
          end if
          call solve_newton(newton, level, tolerance, steps, listener)
          is_solved = newton%is_converged

@@ -21,11 +21,10 @@ module asperities_input
 
 contains
 
-   !> Reads &asperities, if any, with its table, a path relative to `folder` (with its slash);
-   !> `modulus` [Pa]. Findings: the table.
-   subroutine read_asperities(values, folder, modulus, law)
+   !> Reads &asperities, if any, with the table `file`; `modulus` [Pa]. Findings: the table.
+   subroutine read_asperities(values, file, modulus, law)
       type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: folder
+      character(*), intent(in) :: file
       real(wp), intent(in) :: modulus
       type(asperities_t), allocatable, intent(out) :: law
       type(error_t), allocatable :: error
@@ -45,7 +44,7 @@ contains
             'density_radius_height'), values%real_value('asperities', 'height_over_radius'), &
             modulus)
       case default
-         call read_law(folder, trim(values%text_value('asperities', 'file')), rows, error)
+         call read_law(file, rows, error)
          if (allocated(error)) then
             call values%refuse('asperities', 'file', error%message)
             deallocate (law)
@@ -59,16 +58,13 @@ contains
 
    !> Reads gaps [m], made rising, and pressures [Pa] (rows, 2). Errors: a file of another form; a
    !> pressure that does not fall.
-   subroutine read_law(folder, name, rows, error)
-      character(*), intent(in) :: folder, name
+   subroutine read_law(file, rows, error)
+      character(*), intent(in) :: file
       real(wp), allocatable, intent(out) :: rows(:, :)
       type(error_t), allocatable, intent(out) :: error
       type(column_table_t) :: table
-      character(:), allocatable :: file
       integer :: i
 
-      file = name
-      if (index(file, '/') /= 1) file = folder//name
       if (is_hdf5(file)) then
          call read_sweep(file, rows, error)
       else

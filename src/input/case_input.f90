@@ -147,9 +147,9 @@ contains
          domain%grid = values%word_value('domain', 'grid')
          domain%has_tail = values%logical_value('time', 'transient') .and. domain%grid /= 'even' &
             .and. values%word_value('case', 'equations') /= 'stokes' .and. .not. &
-            allocated(case%duty) .and. (domain%grid == 'graded' .or. .not. domain%has_inlet)
-         domain%has_tail = domain%has_tail .and. .not. (values%has_group('supply') &
-            .or. values%has_group('asperities'))
+            (allocated(case%duty) .or. values%has_group('supply') &
+            .or. values%has_group('asperities')) .and. (domain%grid == 'graded' &
+            .or. .not. domain%has_inlet)
          if (even_reason(values) /= '') domain%grid = 'even'
          if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
             .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'

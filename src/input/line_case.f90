@@ -39,8 +39,8 @@ contains
       type(case_t), intent(inout) :: case
       type(time_settings_t) :: given
 
-      call read_asperities(values, path_from_namelist(case, ''), case%bodies%reduced_modulus, &
-         case%contact%asperities)   ! in SI; scaled with the contact
+      call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
+         'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
       call build_contact(case)
       if (values%is_given('time', 'duration')) case%time%end_time = values%real_value('time', &
          'duration')/case%scaling%time

@@ -19,7 +19,7 @@
 module asperities
    use constants, only: pi
    use kinds, only: wp
-   use time_table, only: monotone_slopes
+   use time_table, only: monotone_slopes, row_below
    implicit none (type, external)
    private
 
@@ -171,23 +171,6 @@ contains
          slope(i) = d*pressure(i)
       end do
    end subroutine asperity_pressure
-
-   !> The row k < n of rising values next below `value`, by bisection.
-   pure integer function row_below(values, value) result(k)
-      real(wp), intent(in) :: values(:), value
-      integer :: above, middle
-
-      k = 1
-      above = size(values)
-      do while (above - k > 1)
-         middle = (k + above)/2
-         if (values(middle) > value) then
-            above = middle
-         else
-            k = middle
-         end if
-      end do
-   end function row_below
 
    !> Computes the mean gap at separations `h`, > 0, and its slope.
    pure elemental subroutine mean_gap(law, h, gap, slope)

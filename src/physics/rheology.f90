@@ -7,8 +7,8 @@ module rheology
    implicit none (type, external)
    private
 
-   public :: eased_fluid, evaluate_stress, evaluate_stress_rise, flow_shapes, limited_stress, &
-      ln_slip, sliding_number, slide_to_roll, thins, wall_stress
+   public :: eased_fluid, evaluate_stress, evaluate_stress_rise, faster_fluid, flow_shapes, &
+      limited_stress, ln_slip, sliding_number, slide_to_roll, thins, wall_stress
 
 contains
 
@@ -114,6 +114,18 @@ contains
       eased%rheology%sigma_scale = fluid%rheology%sigma_scale/factor
       eased%rheology%ln_b_scale = fluid%rheology%ln_b_scale - log(factor)
    end function eased_fluid
+
+   !> The fluid with `factor` > 0 times its ambient viscosity, or between walls that slide so many
+   !> times as fast.
+   pure function faster_fluid(fluid, factor) result(faster)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: factor
+      type(fluid_t) :: faster
+
+      faster = fluid
+      if (allocated(faster%rheology)) faster%rheology%ln_b_scale = fluid%rheology%ln_b_scale &
+         + log(factor)
+   end function faster_fluid
 
    !> B H/(mu/mu_0) of sliding [-]; 0 for a Newtonian fluid.
    pure real(wp) function sliding_number(fluid) result(number)
