@@ -108,7 +108,8 @@ contains
          if (k == hierarchy%top) return
          tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
             .and. k >= hierarchy%top - 2)
-         if (contact%conserves_oil) tolerance = shared_tolerance
+         if (allocated(contact%asperities) .or. contact%supply < huge(1.0_wp)) tolerance = &
+            shared_tolerance
          call solve_level(hierarchy, k, tolerance, is_sound, listener)
          if (.not. is_sound) return
       end do
