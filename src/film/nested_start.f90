@@ -108,8 +108,10 @@ contains
          if (k == hierarchy%top) return
          tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
             .and. k >= hierarchy%top - 2)
-         if (allocated(contact%asperities) .or. contact%supply < huge(1.0_wp)) tolerance = &
-            shared_tolerance
+         associate (level => hierarchy%levels(k))
+            if (allocated(level%rough) .or. level%oil%supply < level%state%film(0)) tolerance = &
+               shared_tolerance
+         end associate
          call solve_level(hierarchy, k, tolerance, is_sound, listener)
          if (.not. is_sound) return
       end do
