@@ -64,6 +64,7 @@ contains
          call make_coarse_runs(bars, new_experiment(case%contact, case%solver, case%time), &
             listener, error)   ! error: the caller looks
       end if
+      bars%left_out = listener%writer%bars%left_out
       listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids

@@ -9,6 +9,7 @@ module line_solution
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use features, only: rough_surface_t
+   use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
    use grid_estimates, only: copy_coarser
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
@@ -17,6 +18,7 @@ module line_solution
    use model_decision, only: model_choice_t, number_choice_t
    use passage_times, only: new_passage_times, passage_note, passage_times_t
    use profile, only: profile_length
+   use quantities, only: heated_rows
    use quantity_text, only: number_text
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
@@ -55,6 +57,8 @@ contains
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
+      if (allocated(case%contact%heating)) listener%writer%bars%left_out(heated_rows) = max( &
+         listener%writer%bars%left_out(heated_rows), friction_doubt)
       note = time_text(case, hour)
       if (note /= '') call listener%log%say(case%file//': '//note)
       call note_unusual(case, note)

@@ -73,6 +73,55 @@ def test_ridge_of_the_prototype(solved_case):
         assert file["transient/pressure"][()].max() == pytest.approx(1.7713565, rel=1e-5)
 
 
+HOT = (
+    CASE.replace("1e5", "2e5").replace("0.14", "0.04").replace("3.3e6", "5e6, shear_limit = 'bair_winer', limit_ratio = 0.05")
+    + "&thermal temperature = 40 /\n"
+)
+# Speeds, the groups; H (mean gap) at X = 0, smallest, largest total pressure; rises of film and surfaces [K]; friction of the oil.
+WARM = {
+    "smooth": ((4.0, 6.0), "", (0.36910546, 0.30191524, 0.97559386), (27.887415, 11.388304, 9.5635699), 0.021057514),
+    "mixed": (
+        *((0.4, 0.6), "&asperities law = 'exponential', rms_height = 1e-7, contact_pressure = 1.70196648e9 /\n"),
+        *((0.075318607, 0.064384295, 0.99173294), (4.6171609, 4.3956107, 4.1773397), 0.023341186),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WARM)
+def test_warm_films_of_the_prototype(solved_case, name):
+    """Its rounds end at 1e-4 of the rise; its friction is a sum over nodes."""
+    (slow, fast), groups, expected, rises, friction = WARM[name]
+    with solved_case(HOT.format(slow=slow, fast=fast) + groups + LEAN) as file:
+        fields = {key: value[()] for key, value in file["solution"].items() if value.ndim == 1}
+        oil = file["summary/friction_coefficient_oil" if groups else "summary/friction_coefficient"]
+        told = [file["summary"][f"temperature_rise_{key}"][()] for key in ("film", "1", "2")]
+        assert oil[()] == pytest.approx(friction, rel=1e-3)
+    central = np.interp(0, fields["x"], fields["film_thickness"])
+    np.testing.assert_allclose((central, fields["film_thickness"].min(), fields["pressure"].max()), expected, rtol=1e-6)
+    np.testing.assert_allclose(told, rises, rtol=5e-6)
+    assert fields["temperature_rise"].max() == told[0]
+
+
+def test_what_is_left_out_is_measured(solved_case):
+    """Each row of adequacy is the change to a run without the group; friction may err by what the full energy equation says."""
+    groups = {"supply": f"&supply film = {0.12 * FILM} /\n", "heat": "&thermal temperature = 40 /\n", "asperities": EXPONENTIAL}
+    adequate = "&output si_copies = .false. /\n"
+    films = {}
+    for leave in ("", *groups):
+        text = HOT.format(slow=0.4, fast=0.6).replace(groups["heat"], "")
+        with solved_case(text + "".join(groups[name] for name in groups if name != leave) + adequate) as file:
+            told_of = {name: "friction_coefficient" if name == "heat" else "h_central" for name in groups}  # what it changes
+            films[leave] = {name: file["summary"][name][()] for name in set(told_of.values())}
+            if not leave:
+                friction = file["summary/friction_coefficient"]
+                assert friction.attrs["error_model"] == pytest.approx(0.11 * friction[()], rel=1e-9)
+                rows = {name: file[f"adequacy/{name}/{key}"] for name, key in told_of.items()}
+                told = {name: (row[()], row.attrs["error_estimate"]) for name, row in rows.items()}
+    for name, (change, error) in told.items():
+        assert films[name][told_of[name]] / films[""][told_of[name]] - 1 == pytest.approx(change, abs=error), name
+        assert error < 0.5 * abs(change), name
+
+
 def test_a_dry_sweep_is_a_law(run_case, asperity, tmp_path):
     """What the dry contact of a profile bears, at its mean gap: the same rows as a table in CSV."""
     loads = [2e6, 1e7, 5e7, 2e8]

@@ -12,6 +12,7 @@ module ablation_runs
    use errors, only: error_t
    use film_equation, only: set_film
    use film_state, only: film_state_t
+   use film_temperature, only: warm_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, new_level_of, roughness_at
@@ -20,7 +21,7 @@ module ablation_runs
    use line_summary, only: line_summary_t, value_between
    use listener, only: listener_t
    use missing_value, only: exceeds, not_known, quotient
-   use newton_line, only: solve_newton
+   use newton_line, only: solve_newton, step_tolerance
    use newton_work, only: newton_t
    use pressure_errors, only: doubt_spike
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
@@ -56,6 +57,9 @@ module ablation_runs
    !> Tolerance on the last step of P, H0 and (ten times that) H; the remaining error is about its
    !> square.
    real(wp), parameter :: lean_tolerance = 1.0e-3_wp
+   !> Tolerance on the change of viscosity by the temperature of the film, and most rounds to it.
+   real(wp), parameter :: lean_change = 1.0e-5_wp
+   integer, parameter :: most_rounds = 15
    !> Most Newton steps.
    integer, parameter :: max_newton_steps = 18
    !> Fraction of an ingredient that is kept if it cannot be left out.
@@ -280,8 +284,7 @@ contains
       self%contact = contact
       call pose(self, contact, intervals, 0.0_wp, error)
       if (allocated(error)) return
-      self%level%state%pressure = start%pressure
-      call place_film(self%level, minval(start%film))
+      call take_pressure(self%level, start)
       call solve_level_of(self, work, listener)
       if (self%is_solved) self%summary = summary_with_doubt(self%level)
    end subroutine solve_from
@@ -320,15 +323,38 @@ contains
       end associate
    end subroutine pose
 
-   !> Sets H0 so that the film of the present pressure has the minimum `smallest`.
+   !> Takes the pressure of another contact on the same grid, with its smallest film.
+   subroutine take_pressure(level, start)
+      type(line_level_t), intent(inout) :: level
+      type(film_state_t), intent(in) :: start
+
+      level%state%pressure = start%pressure
+      if (.not. allocated(start%separation)) then
+         call place_film(level, minval(start%film))
+      else if (allocated(level%rough)) then
+         level%state%asperity_pressure = start%asperity_pressure
+         call place_film(level, minval(start%separation))
+      else   ! oil bears what asperities did
+         level%state%pressure = start%pressure + start%asperity_pressure
+         call place_film(level, minval(start%film))
+      end if
+   end subroutine take_pressure
+
+   !> Sets H0 so that the film, or the separation of rough surfaces, of the present pressure has the
+   !> minimum `smallest`.
    subroutine place_film(level, smallest)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: smallest
 
       level%state%rigid_displacement = 0.0_wp
       call set_film(level)
-      level%state%rigid_displacement = smallest - minval(level%state%film)
-      level%state%film = level%state%film + level%state%rigid_displacement
+      if (allocated(level%rough)) then
+         level%state%rigid_displacement = smallest - minval(level%state%separation)
+         call set_film(level)
+      else
+         level%state%rigid_displacement = smallest - minval(level%state%film)
+         level%state%film = level%state%film + level%state%rigid_displacement
+      end if
    end subroutine place_film
 
    !> Solves the posed problem from its present state, in at most `work` nodes times Newton steps.
@@ -337,14 +363,21 @@ contains
       real(wp), intent(in) :: work
       class(listener_t), intent(inout) :: listener
       logical :: halts(size(ieee_usual))
+      real(wp) :: change
+      integer :: round
 
       ! A trial may overflow, which is then no solution; checked builds must go on too.
       call ieee_get_halting_mode(ieee_usual, halts)
       call ieee_set_halting_mode(ieee_usual, .false.)
-      call solve_newton(self%newton, self%level, lean_tolerance, &
-         int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
+      do round = 1, most_rounds
+         call solve_newton(self%newton, self%level, step_tolerance(self%level, lean_tolerance), &
+            int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
+         self%work = self%work + real(self%newton%steps, wp)*self%level%n
+         if (.not. self%newton%is_converged) exit
+         call warm_film(self%level, change)
+         if (change < lean_change) exit
+      end do
       call ieee_set_halting_mode(ieee_usual, halts)
-      self%work = self%work + real(self%newton%steps, wp)*self%level%n
       self%is_solved = self%newton%is_converged
       if (self%is_solved) call evaluate_coefficients(self%level)
    end subroutine solve_level_of
@@ -397,7 +430,7 @@ contains
       lean = fresh
    end subroutine start_anew
 
-   !> Pressure and film of a state at every (n/intervals)-th node; `intervals` divides n.
+   !> Pressures, film and separation of a state at every (n/intervals)-th node; `intervals` divides n.
    pure function pressure_on(state, intervals) result(coarse)
       type(line_state_t), intent(in) :: state
       integer, intent(in) :: intervals
@@ -407,6 +440,9 @@ contains
       stride = (size(state%pressure) - 1)/intervals
       coarse%pressure = state%pressure(::stride)
       coarse%film = state%film_thickness(::stride)
+      if (.not. allocated(state%separation)) return
+      coarse%asperity_pressure = state%asperity_pressure(::stride)
+      coarse%separation = state%separation(::stride)
    end function pressure_on
 
 end module ablation_runs

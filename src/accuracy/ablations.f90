@@ -15,8 +15,8 @@ module ablations
 
    !> Kinds of ingredients.
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
-      roelands_law = 4, piezoviscosity = 5, squeeze = 6, roughness = 7, one_surface = 8, &
-      one_feature = 9
+      roelands_law = 4, piezoviscosity = 5, contact_of_asperities = 6, starvation = 7, heat = 8, &
+      squeeze = 9, roughness = 10, one_surface = 11, one_feature = 12
 
    !> What can be left out.
    type :: ingredient_t
@@ -46,6 +46,12 @@ contains
       associate (fluid => contact%fluid)
          if (any(is_rough)) list = [list, ingredient_t(roughness, 'roughness', &
             'smooth surfaces')]
+         if (allocated(contact%asperities)) list = [list, ingredient_t(contact_of_asperities, &
+            'asperities', 'a film without asperities')]
+         if (contact%supply < huge(1.0_wp)) list = [list, ingredient_t(starvation, 'supply', &
+            'a flooded inlet')]
+         if (allocated(contact%heating)) list = [list, ingredient_t(heat, 'heat', &
+            'oil as warm as in the inlet')]
          if (thins(fluid)) list = [list, ingredient_t(shear_thinning, 'shear_thinning', &
             'Newtonian oil', can_reduce=.true.)]
          if (fluid%density_law /= density_constant) list = [list, ingredient_t(compressibility, &
@@ -127,6 +133,12 @@ contains
             end if
          case (elasticity)
             lean%elasticity = rest*contact%elasticity
+         case (contact_of_asperities)
+            if (allocated(lean%asperities)) deallocate (lean%asperities)
+         case (starvation)
+            lean%supply = huge(1.0_wp)
+         case (heat)
+            if (allocated(lean%heating)) deallocate (lean%heating)
          case (roughness)
             lean = without_surfaces(contact)
          case (one_surface)

@@ -154,7 +154,9 @@ contains
                state))/state%pressure, state%pressure > stressed_share*maxval(state%pressure))) &
                *scaling%slope
          case (shear_heating)
-            if (given%thermal_viscosity > 0.0_wp) then
+            if (allocated(of%contact%heating)) then
+               limit%missing = 'the model has it: temperature_rise_film'
+            else if (given%thermal_viscosity > 0.0_wp) then
                limit%value = summary%limits%film_heating
                if (.not. allocated(of%contact%duty)) limit%value = larger(limit%value, &
                   largest_rise(new_heating(scaling, of%bodies, given%effusivity, &
@@ -279,6 +281,10 @@ contains
       real(wp) :: stresses(size(state%x))
       real(wp), allocatable :: all_stresses(:, :)
 
+      if (allocated(state%temperature_rise)) then
+         stresses = state%shear_stress_mean
+         return
+      end if
       associate (contact => of%contact)
          all_stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, &
             state%x, state%pressure, state%film_thickness)

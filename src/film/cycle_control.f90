@@ -4,6 +4,7 @@ module cycle_control
    use fas_cycle, only: cycle_from
    use film_equation, only: elastic_film, evaluate_deflection, load_defect
    use film_state, only: film_state_t, is_finite
+   use film_temperature, only: warm_film
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_hierarchy, only: count_work, is_newton, line_hierarchy_t, method_block_jacobi, &
@@ -48,7 +49,8 @@ module cycle_control
 
    !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
    type :: residual_t
-      !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0.
+      !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0; of a warm film at least the change
+      !> that its viscosity still asks for.
       real(wp) :: reynolds = huge(1.0_wp)
       !> |dX sum P - pi/2|.
       real(wp) :: load = huge(1.0_wp)
@@ -78,6 +80,7 @@ contains
       type(residual_t) :: residual
       type(film_state_t) :: before
       type(course_t) :: course
+      real(wp) :: change
       integer :: cycle
 
       report%converged = .false.
@@ -91,7 +94,9 @@ contains
          do cycle = 1, choice%max_cycles
             before = level%state
             call advance(hierarchy)
+            call warm_film(level, change)
             call measure_residual(level, residual, film_is_exact=is_newton(choice))
+            residual%reynolds = max(residual%reynolds, change)
             call count_work(hierarchy, hierarchy%finest, 1)
             call report%add(residual%reynolds, residual%load)
             report%tolerance_effective = effective_tolerance(choice%tolerance, residual)

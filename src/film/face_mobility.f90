@@ -13,8 +13,8 @@ module face_mobility
    use film_state, only: film_state_t
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use mobility, only: coefficients_t, mobility_slopes_t
+   use lubricant, only: fluid_density, fluid_t
+   use mobility, only: coefficients_t, mobility_slopes_t, oil_viscosity
    implicit none (type, external)
    private
 
@@ -46,12 +46,7 @@ contains
       do first = 1, ubound(state%pressure, 1), block_size
          last = min(first + block_size - 1, ubound(state%pressure, 1))
          m = last - first + 1
-         if (present(slopes)) then
-            call fluid_viscosity(fluid, state%pressure(first - 1:last), oil%ln_mu(first - 1:last), &
-               mu_p(:m))
-         else
-            call fluid_viscosity(fluid, state%pressure(first - 1:last), oil%ln_mu(first - 1:last))
-         end if
+         call oil_viscosity(fluid, first - 1, state%pressure(first - 1:last), oil, mu_p)
          call mean_fluidity(oil%ln_mu(first - 1:last), exponent(:m), shape_factor(:m), slant(:m))
          if (allocated(fluid%rheology)) then
             mean_ln_mu(:m) = 0.5_wp*(oil%ln_mu(first - 1:last - 1) + oil%ln_mu(first:last))

@@ -99,6 +99,7 @@ contains
          first = findloc(level%state%pressure > 0.0_wp, .true., 1) - 1
          if (first > 1) friction%meniscus = level%x(first)
       end if
+      if (allocated(level%heat)) friction%rise = maxval(level%heat%rise, 1)
       if (.not. has_speeds) friction%stress_share = not_known()
    end subroutine evaluate_friction
 

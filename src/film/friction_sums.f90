@@ -25,6 +25,8 @@ module friction_sums
       real(wp) :: boundary = 0.0_wp, asperity_share = 0.0_wp
       !> X of the first node where oil fills the gap, if that is not the first one; 0: it is.
       real(wp) :: meniscus = 0.0_wp
+      !> Largest temperature rise of the mean film and of surfaces 1 and 2 [K].
+      real(wp) :: rise(3) = 0.0_wp
    end type friction_t
 
 end module friction_sums

@@ -136,9 +136,10 @@ contains
       type(graded_solution_t), intent(in) :: solution
       type(line_state_t), intent(in) :: state
       real(wp) :: errors(quantity_count), values(2), part
-      integer, parameter :: functionals(quantity_count) = [least_film, least_film, middle_film, &
-         top, middle_pressure, 0, sliding, rolling, sliding, rolling_power, 0, 0, 0, 0]
       integer :: i, j
+      integer, parameter :: functionals(quantity_count) = [least_film, least_film, middle_film, &
+         top, middle_pressure, 0, sliding, rolling, sliding, rolling_power, (0, i=11, &
+         quantity_count)]
 
       do i = 1, quantity_count
          values = quantity_values(i, state%x, state%pressure, state%film_thickness, state%friction)

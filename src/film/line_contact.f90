@@ -7,6 +7,7 @@ module line_contact
    use lubricant, only: fluid_t
    use errors, only: error_t
    use features, only: displacement, rough_surface_t
+   use film_heating, only: heating_t
    use profile, only: load_window
    use solver_settings, only: domain_t
    implicit none (type, external)
@@ -49,6 +50,8 @@ module line_contact
       real(wp) :: supply = huge(1.0_wp)
       !> Rough surfaces whose asperities touch; not allocated: none do.
       type(asperities_t), allocatable :: asperities
+      !> The heat of sliding warms film and surfaces; not allocated: they stay as cold as the inlet.
+      type(heating_t), allocatable :: heating
       !> Domain in half-widths; complete after `choose_domain`.
       type(domain_t) :: domain
       !> What lies in front of it, if the domain has a tail and it is known.

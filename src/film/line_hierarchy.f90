@@ -190,6 +190,13 @@ contains
       level%slide_to_roll = contact%slide_to_roll
       level%oil%supply = contact%supply
       if (contact%conserves_oil) allocate (level%oil%saturation(0:n), source=1.0_wp)
+      if (allocated(contact%heating)) then
+         allocate (level%heat, level%oil%factor(0:n), level%oil%shift(0:n))
+         level%heat%law = contact%heating
+         allocate (level%heat%rise(0:n, 3), level%heat%change(0:n), source=0.0_wp)
+         level%oil%factor = 1.0_wp
+         level%oil%shift = 0.0_wp
+      end if
       if (.not. allocated(contact%asperities)) return
       allocate (level%rough)
       allocate (level%state%asperity_pressure(0:n), level%state%separation(0:n), source=0.0_wp)

@@ -5,6 +5,7 @@ module line_level
    use constants, only: pi
    use duty, only: moment_t
    use errors, only: error_t
+   use film_heating, only: heating_t
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
    use kinds, only: wp
@@ -49,6 +50,15 @@ module line_level
       !> factor of the flow and slope of its logarithm (0:n).
       real(wp), allocatable :: pressure(:), slope(:), gap_slope(:), factor(:), ln_slope(:)
    end type rough_gap_t
+
+   !> Warm film.
+   type, public :: warm_film_t
+      type(heating_t) :: law
+      !> Temperature rises [K] of the mean film and of surfaces 1 and 2 (0:n, 3), the last change
+      !> asked of the first (0:n), and the share of it that was made; 0: none yet.
+      real(wp), allocatable :: rise(:, :), change(:)
+      real(wp) :: share = 0.0_wp
+   end type warm_film_t
 
    !> Additions of a coarse problem to a grid (module fas_cycle).
    type :: coarse_problem_t
@@ -109,6 +119,8 @@ module line_level
       type(elastic_line_t) :: elastic
       !> Not allocated: smooth surfaces, or whose asperities do not touch.
       type(rough_gap_t), allocatable :: rough
+      !> Not allocated: all oil has the temperature of the inlet.
+      type(warm_film_t), allocatable :: heat
       type(coarse_problem_t) :: posed
       type(level_work_t) :: work
    end type line_level_t

@@ -17,6 +17,9 @@ module line_state
       real(wp), allocatable :: asperity_pressure(:), separation(:)
       !> Share of the film that oil fills, where it is conserved; else not allocated.
       real(wp), allocatable :: saturation(:)
+      !> Temperature rises [K] of the mean film and of surfaces 1 and 2 (nx, 3); not allocated: not
+      !> computed.
+      real(wp), allocatable :: temperature_rise(:, :)
    end type mixed_fields_t
 
    !> Dimensionless fields on the nodes of the finest grid, each (nx).

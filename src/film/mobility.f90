@@ -11,7 +11,7 @@ module mobility
    implicit none (type, external)
    private
 
-   public :: bent_step, coefficients_t, fluid_mobility, mobility_slopes_t
+   public :: bent_step, coefficients_t, fluid_mobility, mobility_slopes_t, oil_viscosity
 
    !> A step is bent where it changes ln e by more than this.
    real(wp), parameter :: small_change = 0.3_wp
@@ -24,6 +24,8 @@ module mobility
    !> share theta of the film that it fills (0:n); else not allocated.
    type :: coefficients_t
       real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:), saturation(:)
+      !> Of a warm film: ln(mu/mu_0) is factor times the law plus shift (0:n).
+      real(wp), allocatable :: factor(:), shift(:)
       !> Mass flux that arrives at most, over (u1 + u2)/u_ref.
       real(wp) :: supply = huge(1.0_wp)
    end type coefficients_t
@@ -55,12 +57,11 @@ contains
       do first = 0, n, block_size
          last = min(first + block_size - 1, n)
          m = last - first + 1
+         call oil_viscosity(fluid, first, state%pressure(first:last), oil, mu_p)
          if (present(slopes)) then
-            call fluid_viscosity(fluid, state%pressure(first:last), oil%ln_mu(first:last), mu_p(:m))
             call fluid_density(fluid, state%pressure(first:last), oil%density(first:last), &
                slopes%rho_p(first:last))
          else
-            call fluid_viscosity(fluid, state%pressure(first:last), oil%ln_mu(first:last))
             call fluid_density(fluid, state%pressure(first:last), oil%density(first:last))
          end if
          if (allocated(fluid%rheology)) then
@@ -80,6 +81,23 @@ contains
       end do
       if (present(slopes)) slopes%e_slope(0::n) = 0.0_wp
    end subroutine fluid_mobility
+
+   !> Sets ln(mu/mu_0) of the nodes from `first` on, and its slope, at the pressure `p` there.
+   pure subroutine oil_viscosity(fluid, first, p, oil, slope)
+      type(fluid_t), intent(in) :: fluid
+      integer, intent(in) :: first
+      real(wp), intent(in), contiguous :: p(:)
+      type(coefficients_t), intent(inout) :: oil
+      real(wp), intent(inout), contiguous :: slope(:)
+
+      associate (last => first + size(p) - 1)
+         call fluid_viscosity(fluid, p, oil%ln_mu(first:last), slope(:size(p)))
+         if (.not. allocated(oil%factor)) return
+         oil%ln_mu(first:last) = oil%factor(first:last)*oil%ln_mu(first:last) &
+            + oil%shift(first:last)
+         slope(:size(p)) = oil%factor(first:last)*slope(:size(p))
+      end associate
+   end subroutine oil_viscosity
 
    !> H dP/dX at the nodes from `first` on by central differences, 0 at both ends, and 1/H.
    pure subroutine drive_at_nodes(dx, state, first, drive, inverse_film)

@@ -7,6 +7,7 @@ module nested_start
    use film_equation, only: carried_load, elastic_film, evaluate_deflection, set_film, &
       share_pressure
    use film_state, only: film_state_t
+   use film_temperature, only: thin_oil, warm_film
    use graded_nodes, only: monotone_cubic
    use graded_solver, only: graded_solution_t, solve_graded
    use hertz, only: line_pressure
@@ -17,7 +18,7 @@ module nested_start
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
    use line_level, only: contact_load, line_level_t
    use quantities, only: exit_between_nodes
-   use newton_line, only: solve_newton
+   use newton_line, only: solve_newton, step_tolerance
    use listener, only: is_stopped, listener_t, relay_t
    use reynolds_line, only: evaluate_coefficients
    use speed_continuation, only: reach_speed
@@ -31,10 +32,10 @@ module nested_start
    !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60, starved_steps = 400
+   !> Most rounds of film and temperature.
+   integer, parameter :: most_rounds = 30
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
-   !> Accuracy where oil bears hardly any of the load, or a front moves with hardly any pressure.
-   real(wp), parameter :: shared_tolerance = 1.0e-7_wp
    !> Accuracy of a graded solution to start from.
    real(wp), parameter :: graded_target = 0.1_wp
    !> Most first grids to try.
@@ -108,11 +109,8 @@ contains
          if (k == hierarchy%top) return
          tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
             .and. k >= hierarchy%top - 2)
-         associate (level => hierarchy%levels(k))
-            if (allocated(level%rough) .or. level%oil%supply < level%state%film(0)) tolerance = &
-               shared_tolerance
-         end associate
-         call solve_level(hierarchy, k, tolerance, is_sound, listener)
+         call solve_level(hierarchy, k, step_tolerance(hierarchy%levels(k), tolerance), is_sound, &
+            listener)
          if (.not. is_sound) return
       end do
    end subroutine nested_solutions
@@ -163,19 +161,35 @@ contains
       associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
          level%is_kappa = .false.
          steps = merge(starved_steps, nested_steps, allocated(level%oil%saturation))
-         call solve_newton(hierarchy%newton, level, tolerance, steps, listener)
+         call solve_warm()
          is_sound = is_solved
          level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
          if (level%is_coarse_run .and. hierarchy%is_kappa) then
             thesis = level%state
             level%is_kappa = .true.
-            call solve_newton(hierarchy%newton, level, tolerance, steps, listener)
+            call solve_warm()
             level%is_kappa = is_solved
             level%is_coarse_run = is_solved
             if (.not. is_solved) level%state = thesis
          end if
          if (level%is_coarse_run) call evaluate_coefficients(level)
       end associate
+
+   contains
+
+      !> Solves the level, with the temperature of its film.
+      subroutine solve_warm()
+         real(wp) :: change
+         integer :: round
+
+         do round = 1, most_rounds
+            call solve_newton(hierarchy%newton, hierarchy%levels(k), tolerance, steps, listener)
+            if (.not. hierarchy%newton%is_converged) return
+            call warm_film(hierarchy%levels(k), change)
+            if (change < tolerance) return
+         end do
+      end subroutine solve_warm
+
    end subroutine solve_level
 
    !> Interpolates the pressure of level k cubically from level k - 1, and computes its film.
@@ -186,6 +200,10 @@ contains
       associate (level => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
          level%state%rigid_displacement = coarse%state%rigid_displacement
          call prolong_cubic(coarse%state%pressure, level%state%pressure)
+         if (allocated(level%heat)) then
+            call prolong_cubic(coarse%heat%rise(:, 1), level%heat%rise(:, 1))
+            call thin_oil(level)
+         end if
          if (allocated(level%rough)) then
             call prolong_cubic(coarse%state%asperity_pressure, level%state%asperity_pressure)
             call set_film(level)

@@ -16,7 +16,7 @@ module newton_line
    implicit none (type, external)
    private
 
-   public :: rest_of_sum, solve_newton
+   public :: rest_of_sum, solve_newton, step_tolerance
 
    !> A step changes no pressure by more than the first share of max(1, P), a bent one by no more
    !> than the second, the total with that of asperities by no more than the third, and reduces no
@@ -39,6 +39,9 @@ module newton_line
    !> round-off.
    real(wp), parameter :: settled = 1.0e-7_wp
 
+   !> Tolerance on a step where oil bears hardly any of the load, or a front moves with hardly any
+   !> pressure.
+   real(wp), parameter :: tight_tolerance = 1.0e-7_wp
    !> Share of the right side that the linear solution may leave where asperities bear nearly all of
    !> the load: the pressure of the oil is its small difference.
    real(wp), parameter :: shared_tolerance = 1.0e-6_wp
@@ -114,6 +117,16 @@ contains
       if (has_moved) has_moved = any(newton%is_cavitated .eqv. level%state%pressure(1:level%n - 1) &
          > 0.0_wp)
    end function has_moved
+
+   !> The `usual` tolerance on a step, or a tighter one that a rough or starved contact needs.
+   pure real(wp) function step_tolerance(level, usual) result(tolerance)
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: usual
+
+      tolerance = usual
+      if (allocated(level%rough) .or. level%oil%supply < level%state%film(0)) tolerance = &
+         min(usual, tight_tolerance)
+   end function step_tolerance
 
    !> Bound on the |r| left by the linear solution if Newton's method must reach `goal` of
    !> |r|/lambda.

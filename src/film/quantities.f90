@@ -21,7 +21,7 @@ module quantities
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
       p_central = 5, x_cavitation = 6, friction_coefficient = 7, rolling_coefficient = 8, &
       sliding_power = 9, rolling_power = 10, asperity_share = 11, oil_friction = 12, &
-      boundary_friction = 13, meniscus = 14
+      boundary_friction = 13, meniscus = 14, film_rise = 15, rise_1 = 16, rise_2 = 17
 
    !> How the error of a quantity is estimated from other grids. `rule_value`: by its values, in a
    !> transient by those between the nodes. `rule_node`: by both, plus their distance.
@@ -82,15 +82,24 @@ module quantities
       quantity_row_t('friction_coefficient_boundary', '', 'friction_coefficient', 'largest', &
          rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of asperities'), &
       quantity_row_t('x_meniscus', '', 'x', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'first node where oil fills the gap')]
+         [1.0_wp, 2.0_wp], 1.0_wp, 'first node where oil fills the gap'), &
+      quantity_row_t('temperature_rise_film', '', 'temperature_rise', 'largest', &
+         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'largest mean temperature rise across the film'), &
+      quantity_row_t('temperature_rise_1', '', 'temperature_rise', 'largest', rule_value, &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'largest temperature rise of surface 1'), &
+      quantity_row_t('temperature_rise_2', '', 'temperature_rise', 'largest', rule_value, &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'largest temperature rise of surface 2')]
 
    integer, parameter, public :: quantity_count = size(quantity_rows)
 
    !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
-   !> Rows of contacts with asperities, or that starve, alone; 0 for others, and not reported.
+   !> Rows of contacts with asperities, that starve or are warm, alone; 0 for others, and not reported.
    integer, parameter, public :: mixed_rows(*) = [asperity_share, oil_friction, &
-      boundary_friction, meniscus]
+      boundary_friction, meniscus, film_rise, rise_1, rise_2]
+   !> Rows that a model of temperatures moves most.
+   integer, parameter, public :: heated_rows(*) = [friction_coefficient, sliding_power, &
+      oil_friction]
 
 contains
 
@@ -141,6 +150,8 @@ contains
          values = abs(friction%boundary)*2/pi/friction%load
       case (meniscus)
          values = friction%meniscus
+      case (film_rise, rise_1, rise_2)
+         values = friction%rise(row - film_rise + 1)
       case default
          error stop 'quantity_values: a quantity without its case'
       end select

@@ -2,6 +2,7 @@
 module state_output
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: surface_height
+   use film_heating, only: thinning
    use film_shear, only: evaluate_friction, friction_of
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -47,6 +48,7 @@ contains
          state%asperity_pressure = level%state%asperity_pressure(:)
          state%separation = level%state%separation(:)
       end if
+      if (allocated(level%heat)) state%temperature_rise = level%heat%rise(:, :)
       state%roughness_1 = surface_height(contact%surface_1, level%direction*level%x, time)
       state%roughness_2 = surface_height(contact%surface_2, level%direction*level%x, time)
       state%moment = level%moment
@@ -79,10 +81,14 @@ contains
    pure subroutine fill_properties(contact, state)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state
-      real(wp), allocatable :: drive(:), ln_mu(:), stresses(:, :)
+      real(wp), allocatable :: drive(:), ln_mu(:), stresses(:, :), factor(:), shift(:)
 
-      allocate (drive, ln_mu, mold=state%x)
+      allocate (drive, ln_mu, factor, shift, mold=state%x)
       call fluid_viscosity(contact%fluid, state%pressure, ln_mu)
+      if (allocated(state%temperature_rise)) then
+         call thinning(contact%heating, contact%fluid, state%temperature_rise(:, 1), factor, shift)
+         ln_mu = factor*ln_mu + shift
+      end if
       state%density = ln_mu
       call fluid_density(contact%fluid, state%pressure, state%density)
       state%viscosity = exp(min(ln_mu, largest_exponent))
@@ -92,7 +98,7 @@ contains
          largest_exponent))
       if (.not. ieee_is_finite(contact%slide_to_roll)) return
       stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
-         state%pressure, state%film_thickness)
+         state%pressure, state%film_thickness, ln_mu)
       state%shear_stress_1 = stresses(:, 1)
       state%shear_stress_mean = stresses(:, 2)
       state%shear_stress_2 = stresses(:, 3)

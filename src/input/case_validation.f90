@@ -121,6 +121,7 @@ contains
 
       if (values%has_value('history', 'file')) call check_history(values)
       if (conserves_oil(values)) call check_cavitation(values)
+      if (values%has_group('thermal')) call check_heat(values)
       if (values%word_value('case', 'equations') == 'stokes') then
          call check_equations(values)
          call check_kappa_scheme(values, "equations = 'stokes'")
@@ -190,7 +191,8 @@ contains
       type(input_values_t), intent(in) :: values
 
       conserves_oil = values%word_value('lubricant', 'cavitation') == 'mass_conserving' &
-         .or. values%has_group('supply') .or. values%has_group('asperities')
+         .or. values%has_group('supply') .or. values%has_group('asperities') &
+         .or. values%has_group('thermal')
    end function conserves_oil
 
    !> Finds what the conservation of oil does not go with.
@@ -200,7 +202,7 @@ contains
 
       method = trim(values%word_value('solver', 'method'))
       if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
-         'lubricant', 'cavitation', "found 'reynolds' with &supply or &asperities, expected "// &
+         'lubricant', 'cavitation', "found 'reynolds' with &supply, &asperities or &thermal, expected "// &
          "'mass_conserving'")
       if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
          'equations', "found 'stokes' with cavitation = 'mass_conserving', expected 'reynolds'")
@@ -210,6 +212,26 @@ contains
       if (values%word_value('solver', 'smoother') /= 'auto') call values%refuse_unused('solver', &
          'smoother', "with cavitation = 'mass_conserving'")
    end subroutine check_cavitation
+
+   !> Finds what temperatures of the film do not go with.
+   subroutine check_heat(values)
+      type(input_values_t), intent(inout) :: values
+      real(wp) :: inlet
+
+      if (values%logical_value('time', 'transient')) call values%refuse('time', 'transient', &
+         'found .true. with &thermal, expected .false.: temperatures are those of a steady contact')
+      if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
+         'velocity_layers', 'found with &thermal, expected 0')
+      if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2') .and. &
+         values%real_value('bodies', 'speed_1')*values%real_value('bodies', 'speed_2') <= 0.0_wp) &
+         call values%refuse('bodies', 'speed_1', 'found with &thermal a surface that rests or '// &
+         'moves against the other, expected both to move with the oil')
+      inlet = values%real_value('lubricant', 'temperature', values%real_value('thermal', &
+         'temperature'))
+      if (abs(inlet - values%real_value('thermal', 'temperature')) > 0.0_wp) call values%refuse( &
+         'thermal', 'temperature', 'found another one than &lubricant temperature, '// &
+         to_text(inlet)//' [degC], expected the same')
+   end subroutine check_heat
 
    !> Finding: more intervals than the method is given, or than there is memory for.
    subroutine check_fineness(values)

@@ -33,6 +33,8 @@ module input_keys
          yields_to_moes=.true.), &
       group_row_t('supply', 'oil that arrives, where it does not fill the inlet', &
          yields_to_moes=.true.), &
+      group_row_t('thermal', 'film and surfaces that sliding warms, of a steady contact', &
+         yields_to_moes=.true.), &
       group_row_t('surface_1', &
          'roughness of surface 1, moving at speed_1; heights count positive out of the material', &
          every, yields_to_moes=.true.), &
@@ -235,16 +237,16 @@ module input_keys
          needed='shear_limit = cut bair_winer', typical='0.03 to 0.12', example='! 0.05'), &
       key_row_t('lubricant', 'cavitation', word_kind, '', "'auto'", &
          'reynolds: P >= 0 alone (thesis); mass_conserving: no oil is lost; auto: that with '// &
-         '&supply or &asperities', words='auto reynolds mass_conserving'), &
+         '&supply, &asperities or &thermal', words='auto reynolds mass_conserving'), &
       key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
          'at ambient pressure, for kinematic_viscosity, Reynolds number and &film inertia; '// &
          'default: mineral oil', &
          range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500'), &
       key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
-         'for estimates of temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
+         'for temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
          used=in_metres, typical='0.05 to 2'), &
       key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
-         '-d ln(viscosity)/dT, for estimates of what heat does; with temperature that of the oil', &
+         '-d ln(viscosity)/dT, for what heat does; with temperature that of the oil', &
          range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2'), &
       key_row_t('asperities', 'law', word_kind, '', is_required, &
          'pressure of the asperities over the separation of the mean planes: exponential '// &
@@ -279,7 +281,10 @@ module input_keys
          example='!'), &
       key_row_t('supply', 'film', real_kind, 'm', is_required, &
          'thickness of the oil that both surfaces bring, at (u1+u2)/2; no effect beyond what '// &
-         'the inlet holds', range='>= 1e-12, <= 1', typical=typical_film, example='! 5e-7')]
+         'the inlet holds', range='>= 1e-12, <= 1', typical=typical_film, example='! 5e-7'), &
+      key_row_t('thermal', 'temperature', real_kind, 'degC', is_required, &
+         'of the oil in the inlet, at which it has its viscosity and thermal_viscosity', &
+         range='>= -70, <= 370', typical='5 to 200', example='! 60.0')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &

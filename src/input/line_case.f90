@@ -8,6 +8,7 @@ module line_case
    use case_record, only: case_t, path_from_namelist
    use case_validation, only: check_times
    use domain_choice, only: choose_domain
+   use film_heating, only: new_heating
    use features, only: rough_surface_t
    use input_values, only: input_values_t
    use kinds, only: wp
@@ -28,6 +29,8 @@ module line_case
 
    !> No end time that is chosen is later [T].
    real(wp), parameter :: latest_end = 1000.0_wp
+   !> 0 degC above the temperature from which Houpert's factor counts, 138 K [K].
+   real(wp), parameter :: houpert_excess = 273.15_wp - 138.0_wp
 
 contains
 
@@ -41,6 +44,15 @@ contains
 
       call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
+      if (values%has_group('thermal')) then
+         associate (materials => case%materials)
+            case%contact%heating = new_heating(case%scaling, case%bodies, materials%effusivity, &
+               materials%conductivity)
+            case%contact%heating%thermal_viscosity = materials%thermal_viscosity
+            case%contact%heating%excess = values%real_value('thermal', 'temperature') &
+               + houpert_excess
+         end associate
+      end if
       call build_contact(case)
       if (values%is_given('time', 'duration')) case%time%end_time = values%real_value('time', &
          'duration')/case%scaling%time

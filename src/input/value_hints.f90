@@ -23,7 +23,8 @@ module value_hints
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &
       answer_t('temperature', 'give temperature [degC] of the inlet in &lubricant, with '// &
-         'viscosity_grade; heat is not built'), &
+         'viscosity_grade, or in &thermal'), &
+      answer_t('heat', 'give temperature [degC] of the inlet in &thermal'), &
       answer_t('grade', 'give viscosity_grade in &lubricant, the ISO VG class, with temperature'), &
       answer_t('mixed', 'give the law of the rough surfaces in &asperities'), &
       answer_t('friction', 'friction is a result: /summary/friction_coefficient'), &

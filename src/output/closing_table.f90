@@ -8,8 +8,9 @@ module closing_table
    use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
-   use quantities, only: asperity_share, boundary_friction, friction_coefficient, h_central, &
-      h_min, oil_friction, p_central, p_max, quantity_rows
+   use quantities, only: asperity_share, boundary_friction, film_rise, &
+      friction_coefficient, h_central, h_min, oil_friction, p_central, p_max, quantity_rows, rise_1, &
+      rise_2
    use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
@@ -78,6 +79,10 @@ contains
          //' % of the load; friction '// &
          number_text(log%scaling%slope*summary%of(oil_friction)%value, 3)//' by oil, '// &
          number_text(log%scaling%slope*summary%of(boundary_friction)%value, 3)//' by asperities')
+      if (exceeds(summary%of(film_rise)%value, 0.0_wp)) call add_words(body, &
+         'sliding warms the film by '//number_text(summary%of(film_rise)%value, 3)// &
+         ' K, the surfaces by '//number_text(summary%of(rise_1)%value, 3)//' and '// &
+         number_text(summary%of(rise_2)%value, 3)//' K')
       call add_words(body, words%spike)
       call add_words(body, words%formulas)
       if (present(limits)) body = body//limit_lines(limits, report%is_mixed)

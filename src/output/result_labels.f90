@@ -32,6 +32,9 @@ module result_labels
       row_t('separation', 'film', 'separation of the mean planes; the film is the mean gap', &
       ', H of (2.58)'), &
       row_t('saturation', '1', 'share of the film that oil fills'), &
+      row_t('temperature_rise', 'kelvin', 'temperature rise by sliding, mean across the film'), &
+      row_t('temperature_rise_1', 'kelvin', 'temperature rise of surface 1'), &
+      row_t('temperature_rise_2', 'kelvin', 'temperature rise of surface 2'), &
       row_t('slip_factor', '1', 'Eyring slip factor S', '; 1 for a Newtonian fluid'), &
       row_t('roughness_1', 'film', 'height of surface 1, positive out of its material', &
       ', psi_1 R/b^2'), &
@@ -57,9 +60,9 @@ module result_labels
       row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)')]
 
    !> Names of the fields.
-   character(len=*), parameter, public :: field_names(14) = [character(len=17) :: 'x', &
-      'pressure', 'film_thickness', 'asperity_pressure', 'separation', 'saturation', 'viscosity', &
-      'density', 'slip_factor', 'roughness_1', &
+   character(len=*), parameter, public :: field_names(17) = [character(len=18) :: 'x', &
+      'pressure', 'film_thickness', 'asperity_pressure', 'separation', 'saturation', &
+      'temperature_rise', 'temperature_rise_1', 'temperature_rise_2', 'viscosity', 'density', 'slip_factor', 'roughness_1', &
       'roughness_2', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2']
 
 contains
@@ -89,9 +92,9 @@ contains
       type(label_t) :: label
       character(len=*), parameter :: names(*) = [character(len=14) :: 'half_width', 'film', &
          'hertz_pressure', 'time', 'viscosity', 'shear_stress', 'slope', 'power', 'load', &
-         'radius', 'speed_sum'], &
+         'radius', 'speed_sum', 'kelvin'], &
          si_units(*) = [character(len=4) :: 'm', 'm', 'Pa', 's', 'Pa s', 'Pa', '1', 'W/m', &
-         'N/m', 'm', 'm/s']
+         'N/m', 'm', 'm/s', 'K']
       real(wp) :: scales(size(names))
       integer :: i
 
@@ -100,7 +103,7 @@ contains
       if (i == 0 .or. .not. scaling%is_dimensional) return
       scales = [scaling%half_width, scaling%film, scaling%hertz_pressure, scaling%time, &
          scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power, &
-         scaling%load_per_length, scaling%reduced_radius, scaling%speed_sum]
+         scaling%load_per_length, scaling%reduced_radius, scaling%speed_sum, 1.0_wp]
       label = new_label(long_name, trim(si_units(i)), scales(i))
    end function scaled_label
 
@@ -129,6 +132,12 @@ contains
          if (allocated(state%separation)) values = state%separation
       case ('saturation')
          if (allocated(state%saturation)) values = state%saturation
+      case ('temperature_rise')
+         if (allocated(state%temperature_rise)) values = state%temperature_rise(:, 1)
+      case ('temperature_rise_1')
+         if (allocated(state%temperature_rise)) values = state%temperature_rise(:, 2)
+      case ('temperature_rise_2')
+         if (allocated(state%temperature_rise)) values = state%temperature_rise(:, 3)
       case ('slip_factor')
          if (allocated(state%slip_factor)) values = state%slip_factor
       case ('roughness_1')

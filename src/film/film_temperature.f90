@@ -1,0 +1,81 @@
+!> Temperature of the film of a steady contact, repeated until it is that of its own heat.
+module film_temperature
+   use film_heating, only: film_warmth, thermal_fall, thinning
+   use film_shear, only: evaluate_friction
+   use flow_law, only: block_size => slip_block
+   use friction_sums, only: friction_t
+   use kinds, only: wp
+   use line_level, only: line_level_t
+   use reynolds_line, only: evaluate_coefficients
+   use rheology, only: evaluate_stress, limited_stress
+   implicit none (type, external)
+   private
+
+   public :: thin_oil, warm_film
+
+   !> Change of ln mu over which the fall of the stress is taken.
+   real(wp), parameter :: small = 0.01_wp
+   !> Least share of a change that is made.
+   real(wp), parameter :: least_share = 0.1_wp
+
+contains
+
+   !> Sets the temperature of a level to that of the heat in its present film; the stress of a node
+   !> falls with its own temperature, so that oil which one round would overheat and the next leave
+   !> cold finds its temperature at once. Of the change a share is made that follows from the last
+   !> two (B. M. Irons and R. C. Tuck, Int. J. Numer. Methods Eng. 1, 1969, 275). `change`: the whole
+   !> one as it changes the ambient viscosity; 0 where no temperature is computed.
+   pure subroutine warm_film(level, change)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(out) :: change
+      type(friction_t) :: friction
+      real(wp), dimension(0:level%n) :: stress, drive, boundary, fall, difference
+      real(wp), allocatable :: before(:)
+      integer :: first, last
+
+      change = 0.0_wp
+      if (.not. allocated(level%heat)) return
+      call evaluate_coefficients(level)
+      call evaluate_friction(level, friction, stress, drive)
+      associate (heat => level%heat, p => level%state%pressure, h => level%state%film, &
+         oil => level%oil)
+         do first = 0, level%n, block_size
+            last = min(first + block_size - 1, level%n)
+            call evaluate_stress(level%fluid, level%lambda*level%slide_to_roll/12, &
+               drive(first:last), 1/h(first:last), oil%ln_mu(first:last) - small, fall(first:last))
+         end do
+         fall = limited_stress(level%fluid, p, fall)
+         where (abs(stress) > 0.0_wp)
+            fall = max(log(stress/fall)/small, 0.0_wp)*thermal_fall(heat%law, level%fluid, &
+               heat%rise(:, 1), oil%ln_mu)
+         elsewhere
+            fall = 0.0_wp
+         end where
+         boundary = 0.0_wp
+         if (allocated(level%rough)) boundary = level%rough%friction*level%state%asperity_pressure
+         before = heat%rise(:, 1)
+         heat%rise = film_warmth(heat%law, level%dx, stress, boundary, h, before, fall)
+         difference = heat%rise(:, 1) - before - heat%change
+         heat%change = heat%change + difference
+         change = heat%law%thermal_viscosity*maxval(abs(heat%change))
+         if (heat%share > 0.0_wp) then
+            heat%share = heat%share*dot_product(difference - heat%change, difference) &
+               /max(dot_product(difference, difference), tiny(1.0_wp))
+            heat%share = min(max(heat%share, least_share), 1.0_wp)
+         else
+            heat%share = 1.0_wp
+         end if
+         heat%rise(:, 1) = before + heat%share*heat%change
+      end associate
+      call thin_oil(level)
+   end subroutine warm_film
+
+   !> Sets what the temperature of the film does to the viscosity.
+   pure subroutine thin_oil(level)
+      type(line_level_t), intent(inout) :: level
+
+      call thinning(level%heat%law, level%fluid, level%heat%rise(:, 1), level%oil%factor, &
+         level%oil%shift)
+   end subroutine thin_oil
+
+end module film_temperature

@@ -1,0 +1,172 @@
+!> Temperature of film and surfaces by the heat of sliding, and what it does to the viscosity.
+!>
+!> Both bodies are half spaces under a heat source that moves faster than heat spreads (H. S.
+!> Carslaw and J. C. Jaeger, Conduction of heat in solids, 1959), surface j with the flux q_j:
+!>
+!>     T_j(x) = Int_{x' < x} q_j(x')/sqrt(pi u_j (x - x')) dx'/e
+!>
+!> The heat Q = q_1 + q_2 of the oil arises evenly across the film, so that q_1 = Q/2 + (k/h)(T_2 -
+!> T_1), and the mean film is (T_1 + T_2)/2 + tau |u2 - u1| h/(12 k) warm. Not in it: heat that the
+!> oil carries along, heat of the flow in the inlet, viscosity that varies across the film.
+module film_heating
+   use bodies, only: bodies_t
+   use constants, only: pi
+   use kinds, only: wp
+   use lubricant, only: fluid_t, viscosity_roelands
+   use model_limits, only: film_temperatures, flash_temperatures
+   use scaling, only: scaling_t
+   implicit none (type, external)
+   private
+
+   public :: film_warmth, heating_t, largest_rise, new_heating, thermal_fall, &
+      thinning
+
+   !> 1/sqrt(s) is the sum of spacing*2/sqrt(pi) exp(y - s exp(2 y)) over y at this spacing, from
+   !> `fastest` down to where the rest is `rest` of it: to 1e-7.
+   real(wp), parameter :: spacing = 0.3_wp, fastest = 1.9_wp, rest = 1.0e-8_wp
+
+   !> Steps to the stress at its own temperature: to round-off.
+   integer, parameter :: newton_steps = 6
+
+   !> Friction with these temperatures over that of the full energy equation across the film, less
+   !> 1, where both were compared: rollers at 0.85 GPa, 5 m/s and a slide-to-roll ratio of 0.4.
+   real(wp), parameter, public :: friction_doubt = 0.11_wp
+
+   !> Data of a contact.
+   type :: heating_t
+      !> Whether there are SI scales.
+      logical :: is_known = .false.
+      !> Units of X [m], H [m] and of the shear stress [Pa].
+      real(wp) :: half_width = 0.0_wp, film = 0.0_wp, shear_stress = 0.0_wp
+      !> Of the surfaces [m/s].
+      real(wp) :: speeds(2) = 0.0_wp
+      !> sqrt(k rho c) of both bodies [W s^0.5/(m^2 K)], conductivity of the oil [W/(m K)].
+      real(wp) :: effusivity = 0.0_wp, conductivity = 0.0_wp
+      !> -d ln mu/dT of the oil that arrives [1/K], and its temperature above 138 K [K].
+      real(wp) :: thermal_viscosity = 0.0_wp, excess = 0.0_wp
+   end type heating_t
+
+contains
+
+   !> Data of a contact with these scales, bodies and thermal constants.
+   pure function new_heating(scaling, bodies, effusivity, conductivity) result(heating)
+      type(scaling_t), intent(in) :: scaling
+      type(bodies_t), intent(in) :: bodies
+      real(wp), intent(in) :: effusivity, conductivity
+      type(heating_t) :: heating
+
+      if (.not. scaling%is_dimensional) return
+      heating = heating_t(.true., scaling%half_width, scaling%film, &
+         scaling%hertz_pressure*scaling%film/scaling%half_width, [bodies%speed_1, &
+         bodies%speed_2], effusivity, conductivity)
+   end function new_heating
+
+   !> Temperature rises [K] of the mean film and of surfaces 1 and 2 (0:n, 3) on nodes at the
+   !> distance `dx` [b], the flow to the right, by the mean shear stress of the `oil` and that of
+   !> asperities, `boundary`, [p_h b/R], in the `film` [b^2/R], each (0:n); both speeds positive. The
+   !> stress of the oil is given for the rise `at` of the film and falls with it as exp(-`fall` rise),
+   !> both (0:n). Heat is even from the middle of an interval to the next. O(n): the sums over the
+   !> heat upstream are those of exponentials.
+   pure function film_warmth(heating, dx, oil, boundary, film, at, fall) result(rise)
+      type(heating_t), intent(in) :: heating
+      real(wp), intent(in) :: dx
+      real(wp), intent(in), contiguous, dimension(0:) :: oil, boundary, film, at, fall
+      real(wp) :: rise(0:size(oil) - 1, 3)
+      real(wp), allocatable :: decay(:), weight(:), memory(:, :)
+      real(wp) :: scale(2), own(2), before(2), flux(2), heat, across, slide, part, by_heat, cold
+      integer :: i, j
+
+      associate (slowest => log(rest/sqrt(real(size(oil), wp))))
+         allocate (weight(ceiling((fastest - slowest)/spacing)))
+      end associate
+      decay = [(exp(2*(fastest - j*spacing)), j=1, size(weight))]
+      weight = spacing*2/sqrt(pi)*sqrt(decay)*2*sinh(0.5_wp*decay)/decay
+      decay = exp(-decay)
+      allocate (memory(size(weight), 2), source=0.0_wp)
+      slide = heating%shear_stress*abs(heating%speeds(2) - heating%speeds(1))
+      scale = sqrt(dx*heating%half_width/(pi*heating%speeds))/heating%effusivity
+      own = 2*sqrt(0.5_wp)*scale
+      flux = 0.0_wp
+      do i = 0, ubound(rise, 1)
+         do j = 1, 2
+            memory(:, j) = decay*(memory(:, j) + weight*flux(j))
+            before(j) = scale(j)*sum(memory(:, j))
+         end do
+         across = heating%conductivity/(heating%film*film(i))
+         part = (0.5_wp + across*own(2))/(1 + across*sum(own))   ! of the heat, to surface 1
+         flux(1) = across*(before(2) - before(1))/(1 + across*sum(own))
+         by_heat = 0.5_wp*(own(1)*part + own(2)*(1 - part))
+         cold = 0.5_wp*(sum(before) + (own(1) - own(2))*flux(1)) + by_heat*slide*abs(boundary(i))
+         heat = slide*abs(oil(i))
+         heat = heat*stress_share(heat*(by_heat + 1/(12*across)), fall(i), at(i) - cold)
+         rise(i, 1) = cold + heat*(by_heat + 1/(12*across))
+         heat = heat + slide*abs(boundary(i))
+         flux = [flux(1) + part*heat, (1 - part)*heat - flux(1)]
+         rise(i, 2:) = before + own*flux
+      end do
+   end function film_warmth
+
+   !> Share s of a stress that warms the oil by `rise` s, where it falls as exp(-`fall`(`rise` s -
+   !> `at`)): W(A)/(fall rise), A = fall rise exp(fall at), by Newton's method on y + ln y = ln A.
+   pure real(wp) function stress_share(rise, fall, at) result(share)
+      real(wp), intent(in) :: rise, fall, at
+      real(wp) :: ln_a, y
+      integer :: i
+
+      share = 1.0_wp
+      if (.not. fall*rise > tiny(1.0_wp)) return
+      ln_a = log(fall*rise) + fall*at
+      y = exp(max(min(ln_a, 0.0_wp), -600.0_wp))
+      if (ln_a > 1.0_wp) y = ln_a
+      do i = 1, merge(newton_steps, 0, ln_a > -36.0_wp)
+         y = y*(1 + ln_a - log(y))/(1 + y)
+      end do
+      share = y/(fall*rise)
+   end function stress_share
+
+   !> ln(mu/mu_0) of an oil that is warmer by `rise` [K] is `factor` times that at the temperature
+   !> of the inlet, plus `shift`; Roelands' law with the factor of temperature of L. Houpert, J.
+   !> Tribol. 107, 1985, 241, and -beta `rise` for other laws.
+   pure elemental subroutine thinning(heating, fluid, rise, factor, shift)
+      type(heating_t), intent(in) :: heating
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: rise
+      real(wp), intent(out) :: factor, shift
+      real(wp) :: c
+
+      factor = 1.0_wp
+      shift = -heating%thermal_viscosity*rise
+      if (fluid%viscosity_law /= viscosity_roelands) return
+      c = fluid%alpha_bar*fluid%p0/fluid%z
+      factor = (1 + rise/heating%excess)**(-heating%thermal_viscosity*heating%excess/c)
+      shift = c*(factor - 1)
+   end subroutine thinning
+
+   !> -d ln mu/dT [1/K] by the same law at the rise [K] and ln(mu/mu_0).
+   pure elemental real(wp) function thermal_fall(heating, fluid, rise, ln_mu) result(fall)
+      type(heating_t), intent(in) :: heating
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: rise, ln_mu
+
+      fall = heating%thermal_viscosity
+      if (fluid%viscosity_law == viscosity_roelands) fall = fall/(1 + rise/heating%excess) &
+         *(1 + ln_mu*fluid%z/(fluid%alpha_bar*fluid%p0))
+   end function thermal_fall
+
+   !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
+   !> mean shear `stress` [p_h b/R] in the `film` [b^2/R], at rising nodes `x` [b], each (nx).
+   pure real(wp) function largest_rise(heating, x, stress, film) result(rise)
+      type(heating_t), intent(in) :: heating
+      real(wp), intent(in), contiguous :: x(:), stress(:), film(:)
+      real(wp) :: heat(size(stress))
+
+      rise = 0.0_wp
+      associate (speeds => heating%speeds)
+         if (.not. abs(speeds(2) - speeds(1)) > 0.0_wp) return
+         heat = abs(stress)*(heating%shear_stress*abs(speeds(2) - speeds(1)))
+         rise = maxval(flash_temperatures(heat, x*heating%half_width, heating%effusivity, speeds) &
+            + film_temperatures(heat, film*heating%film, heating%conductivity))
+      end associate
+   end function largest_rise
+
+end module film_heating
