@@ -46,8 +46,7 @@ module domain_choice
    !> c of the inlet X = -(1 + c S) of a graded grid, on which a far inlet costs little: the film
    !> errs there by 2e-5 in the lightest contacts, with 1/c^2 (load in front of it).
    real(wp), parameter :: far_reach = 300.0_wp
-   !> c of both ends X = +-(1 + c S) where asperities touch, S = sqrt(2 H) of the film that clears
-   !> them: between rigid bodies the gap there is c^2 times that film.
+   !> c of both ends where asperities touch, S of the film that clears them: gap c^2 S^2/2 there.
    real(wp), parameter :: asperity_reach = 2.0_wp
    !> Largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
@@ -153,10 +152,8 @@ contains
       type(line_contact_t), intent(in) :: contact
       real(wp) :: x_outlet, smooth
 
-      if (contact%domain%grid == 'graded') then
-         x_outlet = max(1.5_wp, 1 + sqrt(2*newtonian_film(contact)))
-         return
-      end if
+      x_outlet = max(1.5_wp, 1 + sqrt(2*newtonian_film(contact)))
+      if (contact%domain%grid == 'graded') return
       smooth = 1 + max(0.5_wp, 0.5_wp*sqrt(2*newtonian_film(contact)), &
          asperity_reach*sqrt(2*clearing_film(contact)))
       x_outlet = max(smooth, min(wave_margin*sqrt(1 + closing_slope(contact)**2), &
