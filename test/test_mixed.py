@@ -64,6 +64,16 @@ def test_numbers_of_the_prototype(solved_case, tmp_path, name):
     assert (fields["saturation"] <= 1).all()
 
 
+@pytest.mark.parametrize(("speed", "sigma"), [(1e-3, 2e-6), (1e-4, 1e-6), (1e-5, 2e-6)])
+def test_the_chosen_domain_holds_all_asperities_that_touch(solved_case, speed, sigma):
+    """Heights like the indentation or above it, films far below: no contact is solved on the domain of the film alone."""
+    rough = f"&asperities law = 'exponential', rms_height = {sigma}, contact_pressure = {2 * P_H}, decay_length = {0.5 * sigma} /\n"
+    with solved_case(case_of(speed, rough).replace("x_inlet = -4.0, x_outlet = 1.5, ", "") + LEAN) as file:
+        solid = file["solution/asperity_pressure"][()]
+        assert file["summary/asperity_load_share"][()] > 0.5
+    assert solid[[1, -2]].max() < 1e-6 * solid.max()
+
+
 def test_ridge_of_the_prototype(solved_case):
     rough = f"&asperities law = 'exponential', rms_height = 5e-8, contact_pressure = {4 * P_H}, decay_length = 2.25e-8 /\n"
     ridge = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4, position = -2.5 /\n"

@@ -17,7 +17,7 @@ module domain_choice
    use constants, only: pi
    use contact_moment, only: least_speed, moments_of, own_contact, sample_count, width_of
    use kinds, only: wp
-   use expected_film, only: film_estimate, newtonian_film
+   use expected_film, only: clearing_film, film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film
    use rheology, only: sliding_number
@@ -46,6 +46,8 @@ module domain_choice
    !> c of the inlet X = -(1 + c S) of a graded grid, on which a far inlet costs little: the film
    !> errs there by 2e-5 in the lightest contacts, with 1/c^2 (load in front of it).
    real(wp), parameter :: far_reach = 300.0_wp
+   !> c of both ends where asperities touch, S of the film that clears them: gap c^2 S^2/2 there.
+   real(wp), parameter :: asperity_reach = 2.0_wp
    !> Largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
    integer, parameter :: min_intervals = 256, max_intervals = 2**20
@@ -150,11 +152,10 @@ contains
       type(line_contact_t), intent(in) :: contact
       real(wp) :: x_outlet, smooth
 
-      if (contact%domain%grid == 'graded') then
-         x_outlet = max(1.5_wp, 1 + sqrt(2*newtonian_film(contact)))
-         return
-      end if
-      smooth = max(1.5_wp, 1 + 0.5_wp*sqrt(2*newtonian_film(contact)))
+      x_outlet = max(1.5_wp, 1 + sqrt(2*newtonian_film(contact)))
+      if (contact%domain%grid == 'graded') return
+      smooth = 1 + max(0.5_wp, 0.5_wp*sqrt(2*newtonian_film(contact)), &
+         asperity_reach*sqrt(2*clearing_film(contact)))
       x_outlet = max(smooth, min(wave_margin*sqrt(1 + closing_slope(contact)**2), &
          1 + max_widening*(smooth - 1)))
    end function chosen_outlet
@@ -174,7 +175,8 @@ contains
          if (domain%has_tail) tolerance = tolerance/tail_share
          reach = inlet_reach(contact, tolerance)
          if (domain%grid == 'graded') reach = far_reach
-         domain%x_inlet = -(1 + sqrt(2*newtonian_film(contact))*reach)
+         domain%x_inlet = -(1 + max(sqrt(2*newtonian_film(contact))*reach, &
+            asperity_reach*sqrt(2*clearing_film(contact))))
          domain%has_inlet = .true.
          domain%inlet_is_chosen = .true.
       end associate
