@@ -67,13 +67,8 @@ class Row:
         return in_columns((self.work, asked, *times, processor, residual, self.verdict))
 
 
-def one_value(work: str, asked: float, value: float, unit: str = "", **more: object) -> Row:
-    """A row of one measurement."""
-    return Row(work, asked, value, value, unit, **more)
-
-
 def several(work: str, asked: float, values: list[float], unit: str = "s", **more: object) -> Row:
-    """A row of many measurements."""
+    """A row of measurements."""
     return Row(work, asked, min(values), statistics.median(values), unit, **more)
 
 
@@ -139,7 +134,7 @@ def reduction_rows(sizes: tuple[int, ...]) -> list[Row]:
         rate = (errors[last] / errors[1]) ** (1 / (last - 1)) if last > 1 else math.nan
         shown = " ".join(f"{error:.0e}" for error in errors[: last + 1])
         note = f"{answers[f'{n}:{last + 1}']['work_units']:.0f} work units to 1e-8; error after each cycle: {shown}"
-        rows.append(one_value(f"error per V(10,10), Block-Jacobi, {n}", 0.15, rate, note=note))
+        rows.append(several(f"error per V(10,10), Block-Jacobi, {n}", 0.15, [rate], "", note=note))
     return rows
 
 
@@ -175,10 +170,8 @@ def process(*texts: str, options: tuple[str, ...] = (), read: Callable | None = 
         used = measured([ASPERITY, *paths, "--output", name, "--quiet", *options])
         if used.status not in {0, 2}:
             sys.exit(f"asperity: exit status {used.status}")
-        if read is None:
-            return used, None
         with h5py.File(paths[0].with_suffix(".h5")) as file:
-            return used, read(file)
+            return used, read(file) if read else None
 
 
 def size_rows(runs: int, largest: int) -> list[Row]:
@@ -186,7 +179,7 @@ def size_rows(runs: int, largest: int) -> list[Row]:
     rows = []
     for words, solver in (("auto", {}), ("Block-Jacobi FAS", BLOCK_JACOBI)):
         text = case_1(2**16, solver)
-        rows.append(one_value(f"peak memory, Case 1, 2^16: {words}", 200, process(text)[0].memory, "MB"))
+        rows.append(several(f"peak memory, Case 1, 2^16: {words}", 200, [process(text)[0].memory], "MB"))
         answer = solve(job("large", text, runs=3, seconds=10))["large"]
         rows.append(timed(answer, f"  its time, {answer['cycles']:.0f} cycles", None))
     sizes = [2**k for k in range(10, 17, 2)]
@@ -195,17 +188,15 @@ def size_rows(runs: int, largest: int) -> list[Row]:
     answers = solve(*jobs)
     cost = {n: (answers[f"{n}:6"]["processor"] - answers[f"{n}:2"]["processor"]) / 4 / n for n in sizes}
     shown = ", ".join(f"2^{int(math.log2(n))} {value * 1e6:.2f} us" for n, value in cost.items())
-    rows.append(one_value("per node and cycle, 2^10...2^16: ratio", 2, max(cost.values()) / min(cost.values()), note=shown))
-
+    rows.append(several("per node and cycle, 2^10...2^16: ratio", 2, [max(cost.values()) / min(cost.values())], "", note=shown))
     small = 2**12
     jobs = [job("small", case_1(small, KRYLOV), runs=runs, seconds=5), job("large", case_1(largest, KRYLOV), runs=3, seconds=10)]
     few, many = (answer for name, answer in solve(*jobs).items() if name != "warm")
-    ratios = ((many[key] / largest) / (few[key] / small) for key in ("steady_least", "steady_median", "processor"))
-    least, median, processor = ratios
+    least, median, cpu = ((many[key] / largest) / (few[key] / small) for key in ("steady_least", "steady_median", "processor"))
     times = " and ".join(show(each["steady_least"], "s") for each in (few, many))
     note = f"{times}, {few['cycles']:.0f} and {many['cycles']:.0f} steps on the finest grid; CPU with planning"
     work = f"newton_krylov: per node, 2^{int(math.log2(largest))} over 2^12"
-    return [*rows, Row(work, 4, least, median, "", many["residual"], 2, note, processor)]
+    return [*rows, Row(work, 4, least, median, "", many["residual"], 2, note, cpu)]
 
 
 def process_rows(runs: int, few: int) -> list[Row]:
@@ -241,8 +232,7 @@ def momentum_rows(runs: int) -> list[Row]:
         least[intervals] = min(seconds)
         note = f"processor time; {steps} Newton steps, {factors} factorisations, {most:.0f} MB"
         rows.append(several(f"Case 1, {intervals} x 20, full momentum", asked, seconds, note=note))
-    ratio = (least[1792] / 1792) / (least[448] / 448)
-    return [*rows, one_value("full momentum: per interval, 1792 over 448", 1.3, ratio)]
+    return [*rows, several("full momentum: per interval, 1792 over 448", 1.3, [least[1792] / 1792 / (least[448] / 448)], "")]
 
 
 def history_rows(runs: int) -> list[Row]:
@@ -265,8 +255,17 @@ def history_rows(runs: int) -> list[Row]:
         rows.append(several("  with error bars", 2.5, [used.processor for used in mesh(900, bars=True)]))
         march = mesh(200, 256, scheme="quasi_steady")
         rows.append(several("quasi-steady march, 200 moments, 256", 0.15, [used.processor for used in march]))
-        ratio = many[0].memory / few[0].memory
-        return [*rows, one_value("memory, 9000 steps over 900", 1.1, ratio, note=f"{few[0].memory:.0f} MB")]
+        ratio = [many[0].memory / few[0].memory]
+        return [*rows, several("memory, 9000 steps over 900", 1.1, ratio, "", note=f"{few[0].memory:.0f} MB")]
+
+
+def stribeck_row(runs: int) -> list[Row]:
+    """Thirty speeds of a mixed contact: processor time of a process without error bars."""
+    groups = f90nml.read(ROOT / "input/mixed_bearing.nml").todict() | {"accuracy": {"error_bars": False}}
+    groups["domain"] |= {"intervals": 512, "x_inlet": -12.0}
+    pairs = [{"speed_1": u / 6, "speed_2": u * 11 / 6} for u in (10 ** (4 * i / 29 - 3) for i in range(30))]
+    texts = [namelist(groups | {"bodies": groups["bodies"] | pair}) for pair in pairs]
+    return [several("Stribeck curve, 30 speeds, 512", 1.5, [process(*texts)[0].processor for _ in range(runs)])]
 
 
 def map_row(cells: int) -> list[Row]:
@@ -284,7 +283,7 @@ def map_row(cells: int) -> list[Row]:
     note = f"{len(bad)} not converged, dearest M,L = {worst}: {show(answers[worst]['all_least'], 's')}"
     note += f"; not converged: M,L = {'; '.join(bad[:6])}" if bad else ""
     work = f"auto, M-L map, {len(answers)} cells, as 400"
-    return [one_value(work, 20, total, "s", aim=4, residual=residual, processor=processor, note=note)]
+    return [several(work, 20, [total], aim=4, residual=residual, processor=processor, note=note)]
 
 
 def main() -> int:
@@ -299,6 +298,7 @@ def main() -> int:
         "Large grids": partial(size_rows, runs, 2**18 if quick else 2**20),
         "Full momentum equations, whole process (asked for 400 and 1600 intervals)": partial(momentum_rows, 3 if quick else 7),
         "Histories of load, radius and speeds, whole process": partial(history_rows, 3 if quick else 9),
+        "Stribeck curve of input/sweeps/stribeck.toml, whole process": partial(stribeck_row, 3 if quick else 9),
         "Whole program": partial(process_rows, max(runs // 10, 10), 3 if quick else 9),
         "Map": partial(map_row, 100 if quick else 400),
     }

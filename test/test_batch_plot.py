@@ -12,9 +12,11 @@ from gathered import read_gathered
 from plot import is_logarithmic, wish_of
 from plot_curves import Wish, draw_curves, draw_series, style
 from plot_map import REGIMES, draw_map, on_grid, read_films
+from plot_stribeck import draw_stribeck
 from sweep_file import SweepError
 
 TEXT = h5py.string_dtype()
+NOTHING = dict.fromkeys(("x", "y", "colour", "facet", "log", "points", "kind", "regimes"))
 SPEEDS, LOADS = np.geomspace(0.01, 1, 6), np.linspace(1e5, 3e5, 4)
 
 
@@ -142,16 +144,15 @@ def test_long_names_stand_below_each_other_along_an_axis(table):
 
 
 def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(table):
-    nothing = dict.fromkeys(("x", "y", "colour", "facet", "log", "points", "kind", "regimes"))
     found = read_gathered(table)
-    assert wish_of(found, SimpleNamespace(**nothing)) == Wish("u", ("h_min", "h_central"), log=("x", "y"))
-    other = SimpleNamespace(**(nothing | {"y": ["h_min"], "colour": "load.w"}))
+    assert wish_of(found, SimpleNamespace(**NOTHING)) == Wish("u", ("h_min", "h_central"), log=("x", "y"))
+    other = SimpleNamespace(**(NOTHING | {"y": ["h_min"], "colour": "load.w"}))
     assert wish_of(found, other) == Wish("u", ("h_min",), colour="load.w", log=("x", "y"))
     found.sweep["sample"] = {}
-    assert wish_of(found, SimpleNamespace(**nothing)).points
+    assert wish_of(found, SimpleNamespace(**NOTHING)).points
     found.sweep["plot"]["hue"] = "red"
     with pytest.raises(SweepError, match="found hue = 'red'"):
-        wish_of(found, SimpleNamespace(**nothing))
+        wish_of(found, SimpleNamespace(**NOTHING))
 
 
 @pytest.mark.parametrize(
@@ -161,6 +162,8 @@ def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(tabl
         (["--x", "u", "--y", "words"], "words holds words, expected numbers"),
         (["--x", "u", "--y", "h_min", "--kind", "map"], "a map needs --colour"),
         (["--x", "u", "--y", "h_min", "--facet", "h_central"], "expected at most 12 panels"),
+        (["--x", "u", "--kind", "stribeck", "--colour", "load.w"], "a Stribeck curve has --x alone"),
+        (["--x", "u", "--kind", "stribeck"], "found no column friction_coefficient"),
     ],
 )
 def test_bad_wishes(table, program, options, words):
@@ -177,9 +180,8 @@ def test_damaged_tables_and_wishes(table):
         table.write_bytes(content)
         with h5py.File(table, "a") as file:
             change(file)
-        nothing = dict.fromkeys(("x", "y", "colour", "facet", "log", "points", "kind", "regimes"))
         with pytest.raises(SweepError) as error:
-            draw(table, **vars(wish_of(read_gathered(table), SimpleNamespace(**nothing))), **wish)
+            draw(table, **vars(wish_of(read_gathered(table), SimpleNamespace(**NOTHING))), **wish)
         return str(error.value)
 
     def put(name, values):
@@ -232,3 +234,35 @@ def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
         power = np.diff(np.log(film[speed < 1])) / np.diff(np.log(speed[speed < 1]))
     assert power.min() > 2 / 3
     assert power.max() < 3 / 4
+
+
+def test_a_stribeck_curve_by_one_command(tmp_path, program):
+    shutil.copy(ROOT / "input" / "mixed_bearing.nml", tmp_path)
+    text = (ROOT / "input" / "sweeps" / "stribeck.toml").read_text(encoding="utf-8").replace("../", "")
+    (tmp_path / "stribeck.toml").write_text(text.replace("count = 30", "count = 5").replace("= 512", "= 256"), encoding="utf-8")
+    done = call("all.py", "stribeck.toml", folder=tmp_path, program=program)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "stribeck" / "plot.png").stat().st_size > 20_000
+    found = read_gathered(tmp_path / "stribeck")
+    total, oil, boundary = (found.numbers(f"friction_coefficient{part}") for part in ("", "_oil", "_boundary"))
+    np.testing.assert_allclose(oil + boundary, total, rtol=1e-13)
+    assert total.argmin() == 3  # neither at the slow nor at the fast end
+    share, speed = found.numbers("asperity_load_share"), found.numbers("entrainment_speed")
+    assert (np.diff(share, prepend=1.0, append=0.0) < 0).all()
+    found.columns["temperature_rise_film"] = np.arange(5.0)
+    found.columns["status"][2] = "failed"
+    figure = draw_stribeck(found, Wish("entrainment_speed", (), log=("x",)))
+    assert len(figure.axes) == 4
+    for panel in figure.axes:
+        assert [list(line.get_xdata()) for line in panel.lines if line.get_marker() == "x"] == [[speed[2]]]
+    bars, done = figure.axes[0].containers[0], [0, 1, 3, 4]
+    np.testing.assert_allclose(bars[0].get_ydata(), total[done])
+    ends = np.array(bars[2][0].get_segments())[..., 1]
+    np.testing.assert_allclose(np.diff(ends)[:, 0], 2 * found.errors("friction_coefficient")[done])
+    places = (list(line.get_xdata()) for line in figure.axes[2].lines)
+    borders = [place[0] for place in places if len(place) == 2 and place[0] == place[1]]
+    expected = np.exp(np.interp([0.9, 0.01], share[done][::-1], np.log(speed[done])[::-1]))
+    np.testing.assert_allclose(borders, expected, rtol=0.01)
+    assert labels(figure) == ["no result (1)"]
+    assert [words.get_text().split("\n")[0] for words in figure.axes[1].texts] == ["full film", "mixed", "boundary"]
+    style.plt.close(figure)
