@@ -6,7 +6,6 @@ module result_start
    use checkpoint, only: checkpoint_t, read_checkpoint
    use errors, only: error_t
    use file_bytes, only: seal_fault
-   use film_heating, only: new_heating
    use film_statistics, only: new_statistics
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
@@ -15,7 +14,7 @@ module result_start
    use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
    use run_observer, only: run_observer_t
-   use scaling, only: scaling_t
+   use scaling, only: new_heating, scaling_t
    use text, only: to_text
    use transient_store, only: breakdown_name, duty_names, sliding_names
    use wall_clock, only: wall_seconds

@@ -430,7 +430,7 @@ contains
       lean = fresh
    end subroutine start_anew
 
-   !> Pressures, film and separation of a state at every (n/intervals)-th node; `intervals` divides n.
+   !> Pressures and films of a state at every (n/intervals)-th node; `intervals` divides n.
    pure function pressure_on(state, intervals) result(coarse)
       type(line_state_t), intent(in) :: state
       integer, intent(in) :: intervals

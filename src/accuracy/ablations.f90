@@ -15,8 +15,9 @@ module ablations
 
    !> Kinds of ingredients.
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
-      roelands_law = 4, piezoviscosity = 5, contact_of_asperities = 6, starvation = 7, heat = 8, &
-      squeeze = 9, roughness = 10, one_surface = 11, one_feature = 12
+      roelands_law = 4, piezoviscosity = 5, squeeze = 9, roughness = 10, one_surface = 11, &
+      one_feature = 12
+   integer, parameter :: contact_of_asperities = 6, starvation = 7, heat = 8
 
    !> What can be left out.
    type :: ingredient_t

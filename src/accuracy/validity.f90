@@ -9,7 +9,7 @@ module validity
    use bodies, only: bodies_t
    use expected_film, only: share_with_viscosity
    use features, only: feature_sinusoid, rough_surface_t
-   use film_heating, only: largest_rise, new_heating
+   use film_heating, only: largest_rise
    use friction_sums, only: stressed_share
    use shear_stresses, only: film_stresses
    use kinds, only: wp
@@ -22,7 +22,7 @@ module validity
       side_flow_loss
    use quantities, only: h_central, h_min, p_max
    use quantity_text, only: number_text, prefixed_text
-   use scaling, only: scaling_t
+   use scaling, only: new_heating, scaling_t
    use validity_table, only: film_over_wave, hardness, inlet_heating, limit_count, limit_rows, &
       limiting_stress, mixed_lubrication, shakedown, shear_heating, side_flow, starvation, &
       stokes_number, surface_slope, turbulence, viscosity_data

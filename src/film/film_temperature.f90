@@ -20,11 +20,11 @@ module film_temperature
 
 contains
 
-   !> Sets the temperature of a level to that of the heat in its present film; the stress of a node
-   !> falls with its own temperature, so that oil which one round would overheat and the next leave
-   !> cold finds its temperature at once. Of the change a share is made that follows from the last
-   !> two (B. M. Irons and R. C. Tuck, Int. J. Numer. Methods Eng. 1, 1969, 275). `change`: the whole
-   !> one as it changes the ambient viscosity; 0 where no temperature is computed.
+   !> Moves the temperature of a level to that of the heat in its present film. The stress of a node
+   !> falls with its own temperature: else one round overheats an oil and the next leaves it cold.
+   !> Of the change a share is made that follows from the last two (B. M. Irons and R. C. Tuck, Int.
+   !> J. Numer. Methods Eng. 1, 1969, 275). `change`: the whole one as it changes the ambient
+   !> viscosity; 0 where no temperature is computed.
    pure subroutine warm_film(level, change)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: change
@@ -48,7 +48,7 @@ contains
          where (abs(stress) > 0.0_wp)
             fall = max(log(stress/fall)/small, 0.0_wp)*thermal_fall(heat%law, level%fluid, &
                heat%rise(:, 1), oil%ln_mu)
-         elsewhere
+         else where
             fall = 0.0_wp
          end where
          boundary = 0.0_wp

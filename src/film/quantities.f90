@@ -94,7 +94,7 @@ module quantities
 
    !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
-   !> Rows of contacts with asperities, that starve or are warm, alone; 0 for others, and not reported.
+   !> Rows of contacts with asperities, that starve or are warm, alone; 0 for others, not reported.
    integer, parameter, public :: mixed_rows(*) = [asperity_share, oil_friction, &
       boundary_friction, meniscus, film_rise, rise_1, rise_2]
    !> Rows that a model of temperatures moves most.

@@ -19,10 +19,10 @@ module shear_stresses
 contains
 
    !> Stress at the wall of surface 1, mean stress, and stress at the wall of surface 2, (nx, 3), on
-   !> the nodes `x` of a rising grid, from pressure `p`, film `h` and ln(mu/mu_0), if not that of
-   !> the inlet's temperature, each (nx); 0 where the film cavitates, as the width that oil fills is not known there; the oil begins at the first node.
-   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h, warm_ln_mu) &
-      result(stresses)
+   !> the nodes `x` of a rising grid, from pressure `p`, film `h` and ln(mu/mu_0) of a warm oil,
+   !> each (nx); 0 where the film cavitates, as the width that oil fills is not known there; the oil
+   !> begins at the first node.
+   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h, warm_ln_mu) result(stresses)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll
       real(wp), intent(in), contiguous :: x(:), p(:), h(:)

@@ -202,8 +202,8 @@ contains
 
       method = trim(values%word_value('solver', 'method'))
       if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
-         'lubricant', 'cavitation', "found 'reynolds' with &supply, &asperities or &thermal, expected "// &
-         "'mass_conserving'")
+         'lubricant', 'cavitation', "found 'reynolds' with &supply, &asperities or &thermal, "// &
+         "expected 'mass_conserving'")
       if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
          'equations', "found 'stokes' with cavitation = 'mass_conserving', expected 'reynolds'")
       if (all(method /= ['auto         ', 'newton_krylov'])) call values%refuse('solver', &
@@ -222,10 +222,11 @@ contains
          'found .true. with &thermal, expected .false.: temperatures are those of a steady contact')
       if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
          'velocity_layers', 'found with &thermal, expected 0')
-      if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2') .and. &
-         values%real_value('bodies', 'speed_1')*values%real_value('bodies', 'speed_2') <= 0.0_wp) &
-         call values%refuse('bodies', 'speed_1', 'found with &thermal a surface that rests or '// &
-         'moves against the other, expected both to move with the oil')
+      if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2')) then
+         if (values%real_value('bodies', 'speed_1')*values%real_value('bodies', 'speed_2') &
+            <= 0.0_wp) call values%refuse('bodies', 'speed_1', 'found with &thermal a surface '// &
+            'that rests or moves against the other, expected both to move with the oil')
+      end if
       inlet = values%real_value('lubricant', 'temperature', values%real_value('thermal', &
          'temperature'))
       if (abs(inlet - values%real_value('thermal', 'temperature')) > 0.0_wp) call values%refuse( &

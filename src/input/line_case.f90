@@ -8,7 +8,6 @@ module line_case
    use case_record, only: case_t, path_from_namelist
    use case_validation, only: check_times
    use domain_choice, only: choose_domain
-   use film_heating, only: new_heating
    use features, only: rough_surface_t
    use input_values, only: input_values_t
    use kinds, only: wp
@@ -16,7 +15,7 @@ module line_case
    use line_profiles, only: place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
-   use scaling, only: scaled_fluid
+   use scaling, only: new_heating, scaled_fluid
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
    use surface_scaling, only: scaled_duty, scaled_surface
    use system_limits, only: lubricated_memory, memory_fault, of_blas
@@ -44,15 +43,7 @@ contains
 
       call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
-      if (values%has_group('thermal')) then
-         associate (materials => case%materials)
-            case%contact%heating = new_heating(case%scaling, case%bodies, materials%effusivity, &
-               materials%conductivity)
-            case%contact%heating%thermal_viscosity = materials%thermal_viscosity
-            case%contact%heating%excess = values%real_value('thermal', 'temperature') &
-               + houpert_excess
-         end associate
-      end if
+      call read_heat(values, case)
       call build_contact(case)
       if (values%is_given('time', 'duration')) case%time%end_time = values%real_value('time', &
          'duration')/case%scaling%time
@@ -83,6 +74,18 @@ contains
       end if
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
+
+   !> Reads &thermal, if any.
+   subroutine read_heat(values, case)
+      type(input_values_t), intent(in) :: values
+      type(case_t), intent(inout) :: case
+
+      if (.not. values%has_group('thermal')) return
+      case%contact%heating = new_heating(case%scaling, case%bodies, case%materials%effusivity, &
+         case%materials%conductivity)
+      case%contact%heating%thermal_viscosity = case%materials%thermal_viscosity
+      case%contact%heating%excess = values%real_value('thermal', 'temperature') + houpert_excess
+   end subroutine read_heat
 
    !> Finds ridges without a position on a surface whose speed changes: none is the usual one.
    subroutine check_places(values, group, surface)

@@ -9,8 +9,8 @@ module closing_table
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
    use quantities, only: asperity_share, boundary_friction, film_rise, &
-      friction_coefficient, h_central, h_min, oil_friction, p_central, p_max, quantity_rows, rise_1, &
-      rise_2
+      friction_coefficient, h_central, h_min, oil_friction, p_central, p_max, quantity_rows, &
+      rise_1, rise_2
    use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t

@@ -62,8 +62,9 @@ module result_labels
    !> Names of the fields.
    character(len=*), parameter, public :: field_names(17) = [character(len=18) :: 'x', &
       'pressure', 'film_thickness', 'asperity_pressure', 'separation', 'saturation', &
-      'temperature_rise', 'temperature_rise_1', 'temperature_rise_2', 'viscosity', 'density', 'slip_factor', 'roughness_1', &
-      'roughness_2', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2']
+      'temperature_rise', 'temperature_rise_1', 'temperature_rise_2', 'viscosity', 'density', &
+      'slip_factor', 'roughness_1', 'roughness_2', 'shear_stress_1', 'shear_stress_mean', &
+      'shear_stress_2']
 
 contains
 

@@ -9,17 +9,14 @@
 !> T_1), and the mean film is (T_1 + T_2)/2 + tau |u2 - u1| h/(12 k) warm. Not in it: heat that the
 !> oil carries along, heat of the flow in the inlet, viscosity that varies across the film.
 module film_heating
-   use bodies, only: bodies_t
    use constants, only: pi
    use kinds, only: wp
    use lubricant, only: fluid_t, viscosity_roelands
    use model_limits, only: film_temperatures, flash_temperatures
-   use scaling, only: scaling_t
    implicit none (type, external)
    private
 
-   public :: film_warmth, heating_t, largest_rise, new_heating, thermal_fall, &
-      thinning
+   public :: film_warmth, heating_t, largest_rise, thermal_fall, thinning
 
    !> 1/sqrt(s) is the sum of spacing*2/sqrt(pi) exp(y - s exp(2 y)) over y at this spacing, from
    !> `fastest` down to where the rest is `rest` of it: to 1e-7.
@@ -48,25 +45,12 @@ module film_heating
 
 contains
 
-   !> Data of a contact with these scales, bodies and thermal constants.
-   pure function new_heating(scaling, bodies, effusivity, conductivity) result(heating)
-      type(scaling_t), intent(in) :: scaling
-      type(bodies_t), intent(in) :: bodies
-      real(wp), intent(in) :: effusivity, conductivity
-      type(heating_t) :: heating
-
-      if (.not. scaling%is_dimensional) return
-      heating = heating_t(.true., scaling%half_width, scaling%film, &
-         scaling%hertz_pressure*scaling%film/scaling%half_width, [bodies%speed_1, &
-         bodies%speed_2], effusivity, conductivity)
-   end function new_heating
-
    !> Temperature rises [K] of the mean film and of surfaces 1 and 2 (0:n, 3) on nodes at the
    !> distance `dx` [b], the flow to the right, by the mean shear stress of the `oil` and that of
-   !> asperities, `boundary`, [p_h b/R], in the `film` [b^2/R], each (0:n); both speeds positive. The
-   !> stress of the oil is given for the rise `at` of the film and falls with it as exp(-`fall` rise),
-   !> both (0:n). Heat is even from the middle of an interval to the next. O(n): the sums over the
-   !> heat upstream are those of exponentials.
+   !> asperities, `boundary`, [p_h b/R], in the `film` [b^2/R], each (0:n); both speeds positive.
+   !> The stress of the oil is given for the rise `at` of the film and falls with the rise as
+   !> exp(-`fall` rise), both (0:n). Heat is even from the middle of an interval to the next. O(n):
+   !> the sums over the heat upstream are those of exponentials.
    pure function film_warmth(heating, dx, oil, boundary, film, at, fall) result(rise)
       type(heating_t), intent(in) :: heating
       real(wp), intent(in) :: dx

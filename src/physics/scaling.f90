@@ -3,6 +3,7 @@
 module scaling
    use bodies, only: bodies_t
    use eyring, only: eyring_t, ln_b_of_no_sliding
+   use film_heating, only: heating_t
    use flow_law, only: flow_law_t
    use hertz, only: line_half_width, line_peak_pressure
    use kinds, only: wp
@@ -14,7 +15,7 @@ module scaling
    implicit none (type, external)
    private
 
-   public :: inertia_number, new_scaling, new_moes_scaling, scaled_fluid
+   public :: inertia_number, new_heating, new_scaling, new_moes_scaling, scaled_fluid
 
    !> Rheologies, mu at any shear and Eyring (module eyring), and their names in the input.
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
@@ -129,6 +130,19 @@ contains
 
       number = density*scaling%speed_sum**2/scaling%hertz_pressure
    end function inertia_number
+
+   !> Data of a contact with these scales, bodies and thermal constants.
+   pure function new_heating(scaling, bodies, effusivity, conductivity) result(heating)
+      type(scaling_t), intent(in) :: scaling
+      type(bodies_t), intent(in) :: bodies
+      real(wp), intent(in) :: effusivity, conductivity
+      type(heating_t) :: heating
+
+      if (.not. scaling%is_dimensional) return
+      heating = heating_t(.true., scaling%half_width, scaling%film, &
+         scaling%hertz_pressure*scaling%film/scaling%half_width, [bodies%speed_1, &
+         bodies%speed_2], effusivity, conductivity)
+   end function new_heating
 
    !> The lubricant in dimensionless form.
    !>
