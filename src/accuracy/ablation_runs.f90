@@ -12,7 +12,7 @@ module ablation_runs
    use errors, only: error_t
    use film_equation, only: set_film
    use film_state, only: film_state_t
-   use film_temperature, only: warm_film
+   use film_temperature, only: solve_warm
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, new_level_of, roughness_at
@@ -21,7 +21,7 @@ module ablation_runs
    use line_summary, only: line_summary_t, value_between
    use listener, only: listener_t
    use missing_value, only: exceeds, not_known, quotient
-   use newton_line, only: solve_newton, step_tolerance
+   use newton_line, only: step_tolerance
    use newton_work, only: newton_t
    use pressure_errors, only: doubt_spike
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
@@ -57,9 +57,6 @@ module ablation_runs
    !> Tolerance on the last step of P, H0 and (ten times that) H; the remaining error is about its
    !> square.
    real(wp), parameter :: lean_tolerance = 1.0e-3_wp
-   !> Tolerance on the change of viscosity by the temperature of the film, and most rounds to it.
-   real(wp), parameter :: lean_change = 1.0e-5_wp
-   integer, parameter :: most_rounds = 15
    !> Most Newton steps.
    integer, parameter :: max_newton_steps = 18
    !> Fraction of an ingredient that is kept if it cannot be left out.
@@ -363,21 +360,14 @@ contains
       real(wp), intent(in) :: work
       class(listener_t), intent(inout) :: listener
       logical :: halts(size(ieee_usual))
-      real(wp) :: change
-      integer :: round
 
       ! A trial may overflow, which is then no solution; checked builds must go on too.
       call ieee_get_halting_mode(ieee_usual, halts)
       call ieee_set_halting_mode(ieee_usual, .false.)
-      do round = 1, most_rounds
-         call solve_newton(self%newton, self%level, step_tolerance(self%level, lean_tolerance), &
-            int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
-         self%work = self%work + real(self%newton%steps, wp)*self%level%n
-         if (.not. self%newton%is_converged) exit
-         call warm_film(self%level, change)
-         if (change < lean_change) exit
-      end do
+      call solve_warm(self%newton, self%level, step_tolerance(self%level, lean_tolerance), &
+         int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
       call ieee_set_halting_mode(ieee_usual, halts)
+      self%work = self%work + real(self%newton%steps, wp)*self%level%n
       self%is_solved = self%newton%is_converged
       if (self%is_solved) call evaluate_coefficients(self%level)
    end subroutine solve_level_of

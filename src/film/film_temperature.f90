@@ -6,19 +6,51 @@ module film_temperature
    use friction_sums, only: friction_t
    use kinds, only: wp
    use line_level, only: line_level_t
+   use listener, only: listener_t
+   use newton_line, only: solve_newton
+   use newton_work, only: newton_t
    use reynolds_line, only: evaluate_coefficients
    use rheology, only: evaluate_stress, limited_stress
    implicit none (type, external)
    private
 
-   public :: thin_oil, warm_film
+   public :: solve_warm, thin_oil, warm_film
 
    !> Change of ln mu over which the fall of the stress is taken.
    real(wp), parameter :: small = 0.01_wp
    !> Least share of a change that is made.
    real(wp), parameter :: least_share = 0.1_wp
 
+   !> Change of the viscosity by the temperature that a solution may ask for: this share of its
+   !> tolerance, but no less than the second; most rounds to it.
+   real(wp), parameter :: share_of_tolerance = 1.0e-2_wp, least_change = 1.0e-6_wp
+   integer, parameter :: most_rounds = 30
+
 contains
+
+   !> Solves a level as `solve_newton` does, with the temperature of its film; `newton%steps` counts
+   !> all steps.
+   subroutine solve_warm(newton, level, tolerance, max_steps, listener, film_is_exact)
+      type(newton_t), intent(inout) :: newton
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: tolerance
+      integer, intent(in) :: max_steps
+      class(listener_t), intent(inout), optional :: listener
+      logical, intent(in), optional :: film_is_exact
+      real(wp) :: change
+      integer :: round, steps
+
+      steps = 0
+      do round = 1, most_rounds
+         call solve_newton(newton, level, tolerance, max_steps, listener, &
+            film_is_exact=film_is_exact)
+         steps = steps + newton%steps
+         if (.not. newton%is_converged) exit
+         call warm_film(level, change)
+         if (change <= max(share_of_tolerance*tolerance, least_change)) exit
+      end do
+      newton%steps = steps
+   end subroutine solve_warm
 
    !> Moves the temperature of a level to that of the heat in its present film. The stress of a node
    !> falls with its own temperature: else one round overheats an oil and the next leaves it cold.

@@ -7,7 +7,7 @@ module nested_start
    use film_equation, only: carried_load, elastic_film, evaluate_deflection, set_film, &
       share_pressure
    use film_state, only: film_state_t
-   use film_temperature, only: thin_oil, warm_film
+   use film_temperature, only: solve_warm, thin_oil
    use graded_nodes, only: monotone_cubic
    use graded_solver, only: graded_solution_t, solve_graded
    use hertz, only: line_pressure
@@ -18,7 +18,7 @@ module nested_start
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
    use line_level, only: contact_load, line_level_t
    use quantities, only: exit_between_nodes
-   use newton_line, only: solve_newton, step_tolerance
+   use newton_line, only: step_tolerance
    use listener, only: is_stopped, listener_t, relay_t
    use reynolds_line, only: evaluate_coefficients
    use speed_continuation, only: reach_speed
@@ -32,8 +32,6 @@ module nested_start
    !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60, starved_steps = 400
-   !> Most rounds of film and temperature.
-   integer, parameter :: most_rounds = 30
    !> Accuracy of a level that is compared with finer ones (docs/decisions.md).
    real(wp), parameter :: coarse_run_tolerance = 1.0e-3_wp
    !> Accuracy of a graded solution to start from.
@@ -161,35 +159,19 @@ contains
       associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
          level%is_kappa = .false.
          steps = merge(starved_steps, nested_steps, allocated(level%oil%saturation))
-         call solve_warm()
+         call solve_warm(hierarchy%newton, level, tolerance, steps, listener)
          is_sound = is_solved
          level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
          if (level%is_coarse_run .and. hierarchy%is_kappa) then
             thesis = level%state
             level%is_kappa = .true.
-            call solve_warm()
+            call solve_warm(hierarchy%newton, level, tolerance, steps, listener)
             level%is_kappa = is_solved
             level%is_coarse_run = is_solved
             if (.not. is_solved) level%state = thesis
          end if
          if (level%is_coarse_run) call evaluate_coefficients(level)
       end associate
-
-   contains
-
-      !> Solves the level, with the temperature of its film.
-      subroutine solve_warm()
-         real(wp) :: change
-         integer :: round
-
-         do round = 1, most_rounds
-            call solve_newton(hierarchy%newton, hierarchy%levels(k), tolerance, steps, listener)
-            if (.not. hierarchy%newton%is_converged) return
-            call warm_film(hierarchy%levels(k), change)
-            if (change < tolerance) return
-         end do
-      end subroutine solve_warm
-
    end subroutine solve_level
 
    !> Interpolates the pressure of level k cubically from level k - 1, and computes its film.
