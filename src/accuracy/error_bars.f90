@@ -13,7 +13,8 @@ module error_bars
    use missing_value, only: exceeds, larger, not_known
    use pressure_errors, only: allow_for_spike, doubt_shear
    use pressure_spike, only: spike_law_t
-   use quantities, only: quantity_count, quantity_rows
+   use quantities, only: boundary_friction, friction_coefficient, quantity_count, quantity_rows, &
+      sliding_rows
    use solver_settings, only: time_settings_t
    use split_errors, only: apart_t, apply_forecast, forecast_t
    use wave_resolution, only: unseen_waves
@@ -71,6 +72,10 @@ contains
       do i = 1, quantity_count
          associate (of => summary%of(i))
             if (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out(i)*abs(of%value)
+            ! heat does not change the friction coefficient of asperities
+            if (exceeds(summary%of(boundary_friction)%value, 0.0_wp) .and. any(i == sliding_rows)) &
+               of%error_model = of%error_model*(1 - summary%of(boundary_friction)%value &
+               /summary%of(friction_coefficient)%value)
             of%error_domain = domain(i)*abs(of%value) + cut_error(bars, i)
             of%error_iteration = iteration*abs(of%value)
             of%error_estimate = of%error_grid + of%error_domain + of%error_iteration &
