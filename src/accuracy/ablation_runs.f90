@@ -21,7 +21,6 @@ module ablation_runs
    use line_summary, only: line_summary_t, value_between
    use listener, only: listener_t
    use missing_value, only: exceeds, not_known, quotient
-   use newton_line, only: step_tolerance
    use newton_work, only: newton_t
    use pressure_errors, only: doubt_spike
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
@@ -364,7 +363,7 @@ contains
       ! A trial may overflow, which is then no solution; checked builds must go on too.
       call ieee_get_halting_mode(ieee_usual, halts)
       call ieee_set_halting_mode(ieee_usual, .false.)
-      call solve_warm(self%newton, self%level, step_tolerance(self%level, lean_tolerance), &
+      call solve_warm(self%newton, self%level, lean_tolerance, &
          int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
       call ieee_set_halting_mode(ieee_usual, halts)
       self%work = self%work + real(self%newton%steps, wp)*self%level%n

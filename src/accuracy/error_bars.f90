@@ -58,7 +58,7 @@ contains
       type(report_t), intent(in) :: report
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: iteration, domain(quantity_count)
+      real(wp) :: iteration, oil_share, domain(quantity_count)
       integer :: i
 
       if (allocated(bars%grid_errors)) then
@@ -69,13 +69,14 @@ contains
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars%inlet, bars%spike_law%fluid, report, summary)
+      oil_share = 1.0_wp   ! heat does not change the friction coefficient of asperities
+      associate (solid => summary%of(boundary_friction)%value)
+         if (exceeds(solid, 0.0_wp)) oil_share = 1 - solid/summary%of(friction_coefficient)%value
+      end associate
       do i = 1, quantity_count
          associate (of => summary%of(i))
             if (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out(i)*abs(of%value)
-            ! heat does not change the friction coefficient of asperities
-            if (exceeds(summary%of(boundary_friction)%value, 0.0_wp) .and. any(i == sliding_rows)) &
-               of%error_model = of%error_model*(1 - summary%of(boundary_friction)%value &
-               /summary%of(friction_coefficient)%value)
+            if (any(i == sliding_rows)) of%error_model = of%error_model*oil_share
             of%error_domain = domain(i)*abs(of%value) + cut_error(bars, i)
             of%error_iteration = iteration*abs(of%value)
             of%error_estimate = of%error_grid + of%error_domain + of%error_iteration &

@@ -7,7 +7,7 @@ module film_temperature
    use kinds, only: wp
    use line_level, only: line_level_t
    use listener, only: listener_t
-   use newton_line, only: solve_newton
+   use newton_line, only: solve_newton, step_tolerance
    use newton_work, only: newton_t
    use reynolds_line, only: evaluate_coefficients
    use rheology, only: evaluate_stress, limited_stress
@@ -42,7 +42,7 @@ contains
 
       steps = 0
       do round = 1, most_rounds
-         call solve_newton(newton, level, tolerance, max_steps, listener, &
+         call solve_newton(newton, level, step_tolerance(level, tolerance), max_steps, listener, &
             film_is_exact=film_is_exact)
          steps = steps + newton%steps
          if (.not. newton%is_converged) exit
