@@ -182,35 +182,50 @@ contains
          end associate
       end do
       if (values%has_value('domain', 'intervals')) reason = 'intervals'
-      if (conserves_oil(values)) reason = "cavitation = 'mass_conserving'"
+      if (conserves_oil(values)) reason = conserver(values)
       if (values%word_value('case', 'equations') == 'stokes') reason = "equations = 'stokes'"
    end function even_reason
+
+   !> What of the input has oil conserved where the film cavitates; empty: nothing.
+   pure function conserver(values)
+      type(input_values_t), intent(in) :: values
+      character(:), allocatable :: conserver
+      character(len=10), parameter :: groups(*) = [character(len=10) :: 'asperities', 'supply', &
+         'thermal']
+      integer :: i
+
+      conserver = ''
+      if (values%word_value('lubricant', 'cavitation') == 'mass_conserving') conserver = &
+         "cavitation = 'mass_conserving'"
+      do i = 1, size(groups)
+         if (values%has_group(trim(groups(i)))) conserver = '&'//trim(groups(i))
+      end do
+   end function conserver
 
    !> Whether oil is conserved where the film cavitates.
    pure logical function conserves_oil(values)
       type(input_values_t), intent(in) :: values
 
-      conserves_oil = values%word_value('lubricant', 'cavitation') == 'mass_conserving' &
-         .or. values%has_group('supply') .or. values%has_group('asperities') &
-         .or. values%has_group('thermal')
+      conserves_oil = conserver(values) /= ''
    end function conserves_oil
 
    !> Finds what the conservation of oil does not go with.
    subroutine check_cavitation(values)
       type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: method
+      character(:), allocatable :: because, method
 
       method = trim(values%word_value('solver', 'method'))
+      because = ' with '//conserver(values)//', expected '
       if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
-         'lubricant', 'cavitation', "found 'reynolds' with &supply, &asperities or &thermal, "// &
-         "expected 'mass_conserving'")
+         'lubricant', 'cavitation', "found 'reynolds'"//because//"'mass_conserving'")
       if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
-         'equations', "found 'stokes' with cavitation = 'mass_conserving', expected 'reynolds'")
-      if (all(method /= ['auto         ', 'newton_krylov'])) call values%refuse('solver', &
-         'method', "found '"//method//"', expected 'auto' or 'newton_krylov' with cavitation = "// &
-         "'mass_conserving'")
-      if (values%word_value('solver', 'smoother') /= 'auto') call values%refuse_unused('solver', &
-         'smoother', "with cavitation = 'mass_conserving'")
+         'equations', "found 'stokes'"//because//"'reynolds'")
+      if (all(method /= ['auto         ', 'newton_krylov'])) then
+         call values%refuse('solver', 'method', "found '"//method//"'"//because// &
+            "'auto' or 'newton_krylov'")
+      else if (values%word_value('solver', 'smoother') /= 'auto') then
+         call values%refuse_unused('solver', 'smoother', 'with '//conserver(values))
+      end if
    end subroutine check_cavitation
 
    !> Finds what temperatures of the film do not go with.
