@@ -22,7 +22,7 @@ FIGURES = {
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
 }
-HISTORY = (("transient.py", "--si", "--parts", "history"), "history", "load, radius, speeds, film, pressure and friction over time")
+HISTORY = (("transient.py", "--si", "--parts", "history"), "history", "load, radius or asperity load, speeds, film, pressure, friction over time")
 PROFILE = (("profile.py", "--si"), "profile", "pressure and film, of a passage at the last time")
 TARGET = 0.03
 WIDTH = 128

@@ -18,7 +18,8 @@ module transient_store
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use quantities, only: asperity_share, boundary_friction, oil_friction, quantity_rows, sliding_rows
+   use quantities, only: asperity_share, boundary_friction, oil_friction, quantity_rows, &
+      sliding_rows
    use result_labels, only: field_names, field_values, row_label
    use scaling, only: scaling_t
    use signals, only: begin_activity
