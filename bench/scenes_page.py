@@ -22,7 +22,8 @@ FIGURES = {
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
 }
-HISTORY = (("transient.py", "--si", "--parts", "history"), "history", "load, radius or asperity load, speeds, film, pressure, friction over time")
+OVER_TIME = "load, radius or load of asperities, speeds, film, pressure and friction over time"
+HISTORY = (("transient.py", "--si", "--parts", "history"), "history", OVER_TIME)
 PROFILE = (("profile.py", "--si"), "profile", "pressure and film, of a passage at the last time")
 TARGET = 0.03
 WIDTH = 128
@@ -128,7 +129,8 @@ def section(number: int, path: Path, source: Path, verdicts: list[tuple[Row, str
     if source != path:
         told = text_of(DUTY, "cam" if "[cam]" in text else "gear", source, "--result", folder / f"{name}.h5", folder=folder)
         parts.append(f"```text\n{told.rstrip()}\n```")
-    return "\n\n".join([*parts, verdict_table(own), *([auto_table(path, text, folder)] if is_film and "&supply" not in text else [])]) + "\n"
+    has_target = is_film and "&supply" not in text
+    return "\n\n".join([*parts, verdict_table(own), *([auto_table(path, text, folder)] if has_target else [])]) + "\n"
 
 
 def write_page(sources: dict[int, tuple[Path, Path]], verdicts: list[tuple[Row, str]], summary: str, results: Path) -> Path:

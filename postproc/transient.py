@@ -288,7 +288,8 @@ def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
     parts = ("friction_coefficient", "sum"), ("friction_coefficient_oil", "oil"), ("friction_coefficient_boundary", "asperities")
     for (name, label), look in zip(parts, style.SERIES, strict=False):
         if name in series:
-            axes[2, 1].plot(time * t_axis.factor, series[name].values * series[name].si_scale, label=label, **{**look, "marker": ""})
+            values = series[name].values * series[name].si_scale
+            axes[2, 1].plot(time * t_axis.factor, values, label=label, **{**look, "marker": ""})
     if len(axes[2, 1].lines) > 1:
         axes[2, 1].legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3, borderpad=0.1)
     axes[2, 1].set(ylabel="Friction [-]")
