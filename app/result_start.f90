@@ -16,7 +16,7 @@ module result_start
    use run_observer, only: run_observer_t
    use scaling, only: new_heating, scaling_t
    use text, only: to_text
-   use transient_store, only: breakdown_name, duty_names, sliding_names
+   use transient_store, only: breakdown_name, duty_names, mixed_names, sliding_names
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -68,7 +68,7 @@ contains
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
-   !> there is a floor, and of what sliding does, if the speeds of the surfaces are known.
+   !> there is a floor, and of what sliding and asperities do, where that is known.
    function stored_fields(case, scaling) result(names)
       type(case_t), intent(in) :: case
       type(scaling_t), intent(in) :: scaling
@@ -79,6 +79,8 @@ contains
          breakdown_name]
       if (ieee_is_finite(scaling%slide_to_roll)) names = [character(len=field_name_length) :: &
          names, sliding_names]
+      if (allocated(case%contact%asperities)) names = [character(len=field_name_length) :: names, &
+         mixed_names]
       if (allocated(case%duty)) names = [character(len=field_name_length) :: names, duty_names]
    end function stored_fields
 

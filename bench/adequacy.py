@@ -87,6 +87,8 @@ def without(groups: Groups, ingredient: str) -> Groups:
         surface, number = ingredient.split("_")[1:]
         for key in ("amplitude", "wavelength", "position"):
             del lean[f"surface_{surface}"][key][int(number) - 1]
+    else:
+        lean.pop(ingredient, None)
     return lean
 
 
@@ -144,7 +146,7 @@ def fine(groups: Groups, said: dict) -> Groups:
     if "time" in groups:
         time = groups["time"] | {"time_step": said["step"] / 2, "statistics_from": said["start"]}
         return bare(groups, domain=domain | {"intervals": 2 * domain["intervals"]}, time=time)
-    if any(key.startswith("surface") for key in groups):
+    if any(key.startswith(("surface", "supply", "asperities")) for key in groups):  # even grids
         return bare(groups, domain=domain | {"intervals": 4 * domain["intervals"]})
     return bare(groups, domain={}, accuracy={"target": TARGET})
 

@@ -30,9 +30,12 @@ from ingredients import NO_TRUTH, NUMERICAL, Row, bare, run
 from namelists import Groups
 
 SQUEEZE_FINER = 4
-# Of histories in input/duty/ what makes their namelist, and times the intervals of the grid that judges: gears and cam take long.
-HISTORIES = {"spur_gear.toml": ("gear", 2), "cam.toml": ("cam", 2), "reciprocating.nml": ("", 4), "stop_start.nml": ("", 4)}
-QUANTITIES, WITHIN = (*adequacy.QUANTITIES, "mean_power"), "within the error bar"
+# Of histories in input/duty/ number, what makes their namelist, and times the intervals of the grid that judges: some take long.
+HISTORIES = {
+    **{"spur_gear.toml": (11, "gear", 2), "cam.toml": (12, "cam", 2), "reciprocating.nml": (13, "", 4)},
+    **{"stop_start.nml": (14, "", 4), "mixed_start.nml": (16, "", 4), "rough_ring.nml": (17, "", 2)},
+}
+QUANTITIES, WITHIN = (*adequacy.QUANTITIES, "mean_power", "asperity_load_share"), "within the error bar"
 
 
 def squeeze_changes(groups: Groups, said: dict) -> dict[str, float]:
@@ -59,7 +62,8 @@ def judge_history(path: Path, finer: int) -> list[Row]:
     """Whether `finer` times the intervals change each quantity by no more than its error bar; the change of a row is none."""
 
     def told(file: h5py.File) -> tuple[dict[str, tuple[float, float]], int]:
-        found = {q: (float(file[f"summary/{q}"][()]), float(file[f"summary/{q}"].attrs["error_estimate"])) for q in QUANTITIES}
+        own = {q: file["summary"][q] for q in QUANTITIES if q in file["summary"]}
+        found = {q: (float(row[()]), float(row.attrs["error_estimate"])) for q, row in own.items()}
         return found, int(file["input/effective/domain"].attrs["intervals"])
 
     groups = groups_of(f90nml.read(path))
@@ -103,15 +107,15 @@ def main() -> int:
     options = parser.parse_args()
     folder = output_folder(options)
     rows: list[Row] = []
-    sources = {path: path for path in sorted((ROOT / "input" / "scenes").glob("*.nml"))}
-    for name, (command, _) in HISTORIES.items():
+    sources = {int(path.name[:2]): (path, path) for path in (ROOT / "input" / "scenes").glob("*.nml")}
+    for name, (number, command, _) in HISTORIES.items():
         source = ROOT / "input" / "duty" / name
-        sources[scenes_page.made(command, source, folder) if command else source] = source
-    for path, source in sources.items():
+        sources[number] = scenes_page.made(command, source, folder) if command else source, source
+    for _, (path, source) in sorted(sources.items()):
         if options.quick and "&time" in path.read_text(encoding="utf-8"):
             continue
         print(path.stem, file=sys.stderr)
-        finer = HISTORIES.get(source.name, ("", 0))[1]
+        finer = HISTORIES.get(source.name, (0,))[-1]
         rows += judge_history(path, finer) if finer else judge(path.stem, groups_of(f90nml.read(path)))
         save(folder / "scenes.csv", rows)
     text = summary(rows)

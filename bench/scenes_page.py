@@ -22,19 +22,21 @@ FIGURES = {
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
 }
-HISTORY = (("transient.py", "--si", "--parts", "history"), "history", "load, radius, speeds, film, pressure and friction over time")
+OVER_TIME = "load, radius or load of asperities, speeds, film, pressure and friction over time"
+HISTORY = (("transient.py", "--si", "--parts", "history"), "history", OVER_TIME)
 PROFILE = (("profile.py", "--si"), "profile", "pressure and film, of a passage at the last time")
 TARGET = 0.03
 WIDTH = 128
 
-HEAD = """# Fourteen scenes
+HEAD = """# Seventeen scenes
 
 Contacts as they occur, in [input/scenes/](../input/scenes) and [input/duty/](../input/duty). Each section shows the input, the
 closing table, the place on the chart of Moes, and the needs of the model, compared with fine grids. `make scenes` runs the scenes,
 omits each ingredient on fine grids, and writes this page from the results and the comments of the inputs.
 
 Inputs are typical values, not measurements of one machine: oils have the viscosity of their ISO class at the given temperature
-(ISO 3448: at 40 degrees), alpha 18 to 20 1/GPa, Eyring stresses of 4 to 6 MPa; pressures are design values of bearings and gears.
+(ISO 3448: at 40 degrees), alpha 18 to 20 1/GPa, Eyring stresses of 4 to 6 MPa; pressures are design values of bearings and gears,
+roughness is that of ground or run-in surfaces.
 
 ## Are the verdicts right?
 
@@ -127,11 +129,12 @@ def section(number: int, path: Path, source: Path, verdicts: list[tuple[Row, str
     if source != path:
         told = text_of(DUTY, "cam" if "[cam]" in text else "gear", source, "--result", folder / f"{name}.h5", folder=folder)
         parts.append(f"```text\n{told.rstrip()}\n```")
-    return "\n\n".join([*parts, verdict_table(own), *([auto_table(path, text, folder)] if is_film else [])]) + "\n"
+    has_target = is_film and "&supply" not in text
+    return "\n\n".join([*parts, verdict_table(own), *([auto_table(path, text, folder)] if has_target else [])]) + "\n"
 
 
-def write_page(sources: dict[Path, Path], verdicts: list[tuple[Row, str]], summary: str, results: Path) -> Path:
+def write_page(sources: dict[int, tuple[Path, Path]], verdicts: list[tuple[Row, str]], summary: str, results: Path) -> Path:
     """Writes the page from the rows of bench/scenes.py with their outcomes, and runs of the program."""
-    sections = [section(number, *pair, verdicts, results) for number, pair in enumerate(sources.items(), 1)]
+    sections = [section(number, *pair, verdicts, results) for number, pair in sorted(sources.items())]
     PAGE.write_text(HEAD.format(summary=summary) + "\n".join(sections), encoding="utf-8")
     return PAGE

@@ -257,14 +257,18 @@ def strip_title(passage: Passage, step: int, feature: Feature | None) -> str:
 
 
 def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
-    """Left load, radius and speeds over time, right film, pressure with that of Hertz, and friction."""
+    """Left load, radius and speeds over time, right film, pressure with that of Hertz, and friction.
+
+    Asperities have the place of the radius, and their part of the friction.
+    """
     series = result.transient
     t_axis, time = series["time"].axis(options.si), series["time"].values
     figure, axes = style.new_figure(style.TWO_COLUMNS, 110, nrows=3, ncols=2, sharex=True)
     speeds, load, radius = [series[f"speed_{i}"].values for i in (1, 2)], series["load_per_length"], series["reduced_radius"]
+    second = series.get("asperity_load_share", radius)
     rows = (
         ((load, "", load.values),),
-        ((radius, "", radius.values),),
+        ((second, "", second.values),),
         (
             (series["speed_1"], "mean", (speeds[0] + speeds[1]) / 2),
             (series["speed_1"], "sliding, $u_2 - u_1$", speeds[1] - speeds[0]),
@@ -281,9 +285,13 @@ def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
             panel.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, borderpad=0.1)
         if name not in ("Speed", "Pressure"):
             panel.set_ylim(0, 1.05 * panel.dataLim.y1)
-    friction = series.get("friction_coefficient")
-    if friction is not None:
-        axes[2, 1].plot(time * t_axis.factor, friction.values * friction.si_scale, **{**style.SERIES[0], "marker": ""})
+    parts = ("friction_coefficient", "sum"), ("friction_coefficient_oil", "oil"), ("friction_coefficient_boundary", "asperities")
+    for (name, label), look in zip(parts, style.SERIES, strict=False):
+        if name in series:
+            values = series[name].values * series[name].si_scale
+            axes[2, 1].plot(time * t_axis.factor, values, label=label, **{**look, "marker": ""})
+    if len(axes[2, 1].lines) > 1:
+        axes[2, 1].legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3, borderpad=0.1)
     axes[2, 1].set(ylabel="Friction [-]")
     for panel in axes[2]:
         panel.set(xlabel=t_axis.label, xlim=time[[0, -1]] * t_axis.factor)

@@ -95,6 +95,8 @@ METHODS = {
     "inlet": "&domain intervals = 128 /\n",  # what lies in front of it carries load
     "statistics": "&output film_thresholds = 3e-7, 4e-7, checkpoint_interval = 0.05 /\n",
     "breakdown": "&solver film_floor = 390e-9, on_film_breakdown = 'continue' /\n",
+    "mixed": "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4, position = -2.1 /\n"
+    "&asperities law = 'exponential', rms_height = 6e-7, contact_pressure = 1.2e9 /\n",  # bear a third of the load
     "stride": "&output profile_stride = 7, fields = 'pressure', 'shear_stress_1', checkpoint_interval = 0.05 /\n",
 }
 

@@ -18,7 +18,8 @@ module transient_store
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use quantities, only: quantity_rows, sliding_rows
+   use quantities, only: asperity_share, boundary_friction, oil_friction, quantity_rows, &
+      sliding_rows
    use result_labels, only: field_names, field_values, row_label
    use scaling, only: scaling_t
    use signals, only: begin_activity
@@ -37,6 +38,9 @@ module transient_store
    !> Those where the speeds of the surfaces are known, to be named like fields.
    character(len=name_length), parameter, public :: sliding_names(*) = &
       quantity_rows(sliding_rows)%name
+   !> Those of a contact with asperities, to be named like fields.
+   character(len=name_length), parameter, public :: mixed_names(*) = &
+      quantity_rows([asperity_share, oil_friction, boundary_friction])%name
    !> Times of the stored profiles, which the records do not repeat.
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Those of a contact with a duty, to be named like fields.
