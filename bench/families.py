@@ -37,6 +37,10 @@ MOST, OTHERS = FIGURES + CENTRAL + FRICTION[:2], FILMS + CENTRAL + FRICTION
 AREA, DRY = summary("contact_area_fraction"), summary("contact_area_fraction", "mean_separation", "p_max")
 PLASTIC = (*summary("contact_area_fraction", "plastic_area_fraction", "mean_separation"), "sweep/dp_mean")
 GRID = "error_grid"
+# Where the truth leaves out of the model what the result leaves out.
+NUMERICAL = "error_grid+error_domain+error_iteration"
+FORCES = summary("asperity_load_share", "friction_coefficient", "friction_coefficient_oil", "friction_coefficient_boundary")
+MIXED = FIGURES + FORCES + summary("x_meniscus", "temperature_rise_film")
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
 ALL = {"is_sample": True}
 NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
@@ -92,6 +96,7 @@ FAMILIES = [
     Family("kappa", "kappa_spikes", "Spikes by the kappa scheme, given grids", FIGURES, steady.spike, 96, GRID),
     Family("kappa", "wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, steady.wide),
     Family("kappa", "stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, steady.stiff, 48),
+    Family("mixed", "mixed", "Asperities, starved, warm, given grids", MIXED, steady.mixed, 48, NUMERICAL),
     Family("pressure", "pressure_grids", "Largest pressure, grids of 64 to 4096 intervals", P_MAX, steady.pressure_on_a_grid, 60),
     Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling, 60),
     Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, in_time.pressure_in_time, 40, GRID),

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import namelists
 from judge import GRADED, LONGER, Member, beside, finer_sample
-from namelists import LAWS, Groups, plane, steel
+from namelists import LAWS, Groups, plane, scales, steel
 from samples import contacts, fresh_contacts
 
 NEWTONIAN = (LAWS[0], LAWS[3], {"viscosity_law": "constant", "density_law": "constant"})
@@ -133,7 +133,7 @@ def stiff(source: random.Random, i: int) -> Member:
     Every grid has a spike that it does not resolve beside the smallest film.
     """
     rise, l = 31 * (259 / 31) ** source.random(), source.uniform(10, 30)  # noqa: E741
-    m = 2 * math.pi * (rise / l) ** 2  # alpha p_h = L sqrt(M/(2 pi))
+    m = load_number(rise / namelists.OIL_ALPHA, l)
     return beside(plane(m, l, LAWS[i % 2]), {}, GRADED, accuracy={"target": TARGETS[i // 2 % 3]})
 
 
@@ -148,11 +148,15 @@ def pressure_on_a_grid(source: random.Random, i: int) -> Member:
     return beside(groups, {"intervals": 2 ** source.randint(6, 12)}, GRADED)
 
 
+def load_number(hertz: float, l: float) -> float:  # noqa: E741
+    """M of a largest pressure: alpha p_h = L sqrt(M/(2 pi))."""
+    return 2 * math.pi * (namelists.OIL_ALPHA * hertz / l) ** 2
+
+
 def rolling(source: random.Random, i: int) -> Member:
     """Eyring oils at 0.3 to 3 GPa that slide by 0 to 5 %, on grids that the program chooses: their spikes are corners."""
     hertz, l = 10 ** source.uniform(8.48, 9.48), source.uniform(8, 35)  # noqa: E741
-    speed_number = (l / (namelists.OIL_ALPHA * namelists.STEEL_MODULUS)) ** 4
-    m = 2 * math.pi * (hertz / namelists.STEEL_MODULUS) ** 2 / math.sqrt(speed_number)
+    m = load_number(hertz, l)
     slide = 0.0 if i % 3 == 0 else source.uniform(0, 0.05)
     groups = steel(m, l, slide, 10 ** source.uniform(6, 7.3), LAWS[i % 4])
     return beside(groups, {}, GRADED)
@@ -165,3 +169,25 @@ def friction_given(source: random.Random, _: int) -> Member:
     stress = 10 ** source.uniform(6.0, 7.5) if source.random() < 0.5 else None
     domain = {"x_inlet": -source.uniform(3.0, 12.0), "x_outlet": 2.0, "intervals": 2 ** source.randint(8, 11)}
     return beside(steel(m, l, slide, stress), domain, GRADED)
+
+
+def mixed(source: random.Random, i: int) -> Member:
+    """Rough contacts of 0.3 to 1.2 GPa on given grids, from hardly any load on asperities to nearly all; some starve or are warm."""
+    hertz, l = log_uniform(source, 0.3e9, 1.2e9), log_uniform(source, 1, 18)  # noqa: E741
+    stress, is_warm = (log_uniform(source, 2e6, 1e7) if i % 4 < 2 else None), source.random() < 0.3
+    slide = source.choice((0.05, 0.3, 1.5) if is_warm else (0.0, 0.05, 0.3, 1.5))
+    groups = steel(load_number(hertz, l), l, slide, stress, source.choice(LAWS) if stress is None else LAWS[3])
+    film = scales(groups)[1]
+    rms = film * log_uniform(source, 0.2, 10)
+    law = {"law": "exponential", "contact_pressure": hertz * source.uniform(0.5, 6), "decay_length": rms * source.uniform(0.3, 0.55)}
+    if i % 2:
+        radius = {"density_radius_height": source.uniform(0.03, 0.06), "height_over_radius": log_uniform(source, 1e-4, 1e-2)}
+        law = {"law": "greenwood_tripp"} | radius
+    groups["asperities"] = law | {"rms_height": rms, "flow": source.choice(("none", "patir_cheng"))}
+    if source.random() < 0.3:
+        groups["supply"] = {"film": max(film, rms) * log_uniform(source, 0.1, 1)}
+    if is_warm:
+        groups["thermal"] = {"temperature": source.uniform(20, 100)}
+        groups["lubricant"]["thermal_viscosity"] = source.uniform(0.02, 0.06)
+    groups["domain"] = {"intervals": source.choice((256, 512, 1024))}
+    return Member(groups, finer_sample(groups, 2))

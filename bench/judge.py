@@ -77,7 +77,7 @@ class Member:
 class Family:
     """Cases of one kind; `quantities` are paths of the result, `draw` makes the member of a number from a source of random numbers.
 
-    `estimate` is the attribute that is judged: `error_grid` where the truth has the same domain. `finish`, if there, draws what is
+    `estimate` is the attribute that is judged, or their sum: `error_grid` where the truth has the same domain. `finish`, if there, draws what is
     left of each member when all are there.
     """
 
@@ -196,7 +196,8 @@ def read(family: Family, file: h5py.File) -> Result:
     values = {}
     for path in (path for path in family.quantities if path in file):
         data = file[path]
-        values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], data.attrs.get(family.estimate, math.nan)))
+        bar = sum(data.attrs.get(part, math.nan) for part in family.estimate.split("+"))
+        values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], bar))
     domain, resolution = file["input/effective/domain"].attrs, None
     if "x_inlet" in domain:
         (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain["intervals"])

@@ -3,14 +3,14 @@
 !> one on n by the second-order scheme). Rules: modules grid_errors, pressure_errors.
 module grid_estimates
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use grid_errors, only: error_by_reference, error_in_time, error_on_grids, kappa_share, &
+   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, error_on_grids, kappa_share, &
       limit_in_time, orders, safety
    use kinds, only: wp
    use line_summary, only: line_summary_t, new_quantity, quantity_t
    use missing_value, only: larger, not_known
    use pressure_errors, only: estimate_crest, estimate_crest_in_time, top_of
    use quantities, only: h_central, is_chance, p_max, quantity_count, quantity_rows, &
-      rule_between, rule_crest, rule_node
+      rule_between, rule_crest, rule_first, rule_node
    implicit none (type, external)
    private
 
@@ -137,7 +137,8 @@ contains
       logical :: lasts
 
       bounds = merge(quantity_rows(i)%kappa_orders, orders, values%is_kappa)
-      lasts = .not. (is_spiked .and. is_chance(quantity_rows(i)))
+      lasts = .not. (is_spiked .and. (is_chance(quantity_rows(i)) &
+         .or. quantity_rows(i)%field == 'temperature_rise'))
       levels = on_levels(values, i, quantity)
       own = error_on_grids(levels%value, bounds, lasts)
       between = error_on_grids(levels%between, bounds, lasts)
@@ -148,6 +149,9 @@ contains
          own(1) = larger(own(1), between(1))
       case (rule_between)
          own = [between(1) + exit_jitter*dx, quantity%between]
+      case (rule_first)
+         own = [dx + error_from_levels(max(abs(levels(1)%value - levels(2)%value) - dx, 0.0_wp), &
+            0.0_wp, orders(2)), not_known()]
       case default   ! its own values are enough, or what is known of them
       end select
       if (allocated(values%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &

@@ -8,7 +8,8 @@ module inlet_errors
    use line_summary, only: line_summary_t, value_between
    use lubricant, only: fluid_t, fluid_viscosity
    use missing_value, only: quotient
-   use quantities, only: h_central, p_max, quantity_count, quantity_rows, rule_crest, sliding_rows
+   use quantities, only: asperity_share, boundary_friction, h_central, p_max, quantity_count, &
+      quantity_rows, rule_crest, sheared_rows
    use rheology, only: thins
    implicit none (type, external)
    private
@@ -65,10 +66,13 @@ contains
       shares = report%fit%inlet_error*min(1.0_wp, summary%of(h_central)%value)
       where (quantity_rows%field == 'pressure') shares = report%fit%inlet_pressure_error
       where (quantity_rows%field == 'film_thickness') shares = domain_error(report%fit%inlet_error)
-      where (quantity_rows%field == 'friction_coefficient' .or. quantity_rows%field == 'power') &
-         shares = domain_error(report%fit%inlet_error)
-      shares(sliding_rows) = shares(sliding_rows) + shear_response(fluid, &
+      where (quantity_rows%field == 'friction_coefficient' .or. quantity_rows%field == 'power' &
+         .or. quantity_rows%field == 'temperature_rise') shares = domain_error( &
+         report%fit%inlet_error)
+      shares(sheared_rows) = shares(sheared_rows) + shear_response(fluid, &
          summary%of(p_max)%value)*report%fit%inlet_pressure_error
+      shares([asperity_share, boundary_friction]) = abs(summary%asperity_response)*domain_error( &
+         report%fit%inlet_error)
    end function inlet_shares
 
    !> Relative error of sliding over the share of pressures lost at the inlet.

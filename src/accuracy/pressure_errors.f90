@@ -10,7 +10,8 @@ module pressure_errors
    use lubricant, only: fluid_t, viscosity_constant
    use missing_value, only: exceeds, not_known
    use pressure_spike, only: ceiling_of_spike, shear_of_spike, spike_law_t
-   use quantities, only: friction_coefficient, h_central, p_max, sliding_power, sliding_rows
+   use quantities, only: friction_coefficient, h_central, oil_friction, p_max, sheared_rows, &
+      sliding_power, sliding_rows
    use rheology, only: thins
    implicit none (type, external)
    private
@@ -94,13 +95,14 @@ contains
       end associate
    end subroutine allow_for_spike
 
-   !> Relative error of the sliding friction of `summary` by growth of a spike on grids finer than
+   !> Relative error of the sliding friction of `summary`, in `row`, by growth of a spike on grids finer than
    !> `dx`: it may carry most of the stress of a Newtonian oil, which rises with the viscosity. 0 if
    !> nothing slides or the viscosity does not rise so, NaN: not known.
-   pure function shear_doubt(law, dx, summary) result(doubt)
+   pure function shear_doubt(law, dx, summary, row) result(doubt)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(in) :: summary
+      integer, intent(in) :: row
       real(wp) :: doubt, force, growth
 
       doubt = 0.0_wp
@@ -117,6 +119,7 @@ contains
          growth = shear_of_spike(law, summary%crests, film, dx)
          ! in units of the force, by lambda (u2 - u1)/(6 (u1 + u2))
          growth = law%lambda/6*abs(of(sliding_power)%value)/force*growth/force
+         growth = growth*of(friction_coefficient)%value/of(row)%value
          if (growth <= largest_shear_growth) doubt = shear_safety*growth
       end associate
    end function shear_doubt
@@ -129,9 +132,10 @@ contains
       real(wp) :: doubt
       integer :: i
 
-      doubt = shear_doubt(law, dx, summary)
-      each_row: do i = 1, size(sliding_rows)
-         associate (quantity => summary%of(sliding_rows(i)))
+      each_row: do i = 1, size(sheared_rows)
+         doubt = shear_doubt(law, dx, summary, merge(oil_friction, friction_coefficient, &
+            i > size(sliding_rows) .and. summary%of(oil_friction)%value > 0.0_wp))
+         associate (quantity => summary%of(sheared_rows(i)))
             if (.not. ieee_is_finite(doubt)) then
                quantity%error_grid = not_known()
                quantity%extrapolated = not_known()
@@ -153,8 +157,8 @@ contains
 
       summary%of(p_max)%error_grid = 0.0_wp
       call allow_for_spike(spike_law_t(fluid, lambda), dx, summary)
-      summary%of(sliding_rows)%error_grid = shear_doubt(spike_law_t(fluid, lambda), dx, summary) &
-         *abs(summary%of(sliding_rows)%value)
+      summary%of(sliding_rows)%error_grid = shear_doubt(spike_law_t(fluid, lambda), dx, summary, &
+         friction_coefficient)*abs(summary%of(sliding_rows)%value)
    end subroutine doubt_spike
 
 end module pressure_errors

@@ -119,7 +119,10 @@ contains
             call check_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
          end if
          if (allocated(state%saturation)) then   ! the gap fills behind the first node
-            if (state%saturation(2) < 1.0_wp) report%fit%inlet_error = 0.0_wp
+            if (state%saturation(2) < 1.0_wp) then
+               report%fit%inlet_error = 0.0_wp
+               report%fit%inlet_pressure_error = 0.0_wp
+            end if
          end if
       end associate
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(at_moment(contact, &

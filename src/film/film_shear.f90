@@ -42,13 +42,15 @@ contains
       real(wp) :: rise, flux(level%n), gap(0:level%n + 1), speed, stressed
       real(wp), dimension(0:level%n) :: weights, inverse_film
       integer :: i, first, last, exit_node
-      logical :: has_speeds
+      logical :: has_speeds, is_full
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
          flux = mass_flux(level)
          speed = level%entrainment
          friction%load = level%moment%load
-         if (speed > 0.0_wp) then   ! else the gap in front is at rest
+         is_full = .true.
+         if (allocated(level%oil%saturation)) is_full = level%oil%saturation(1) >= 1.0_wp
+         if (speed > 0.0_wp .and. is_full) then   ! else the gap in front is at rest, or starved
             ahead = oil_in_front(level%fluid, level%lambda*speed, level%lambda*level%slide_to_roll &
                /12, level%elastic%elasticity*friction%load, [level%x(0), h(0), &
                1/level%moment%radius], max(flux(1), 0.0_wp)/speed)
@@ -64,7 +66,7 @@ contains
          call evaluate_drive(gap(1:level%n), p, h, drive)
          inverse_film = 1/h
          weights = merge(0.5_wp*(gap(:level%n) + gap(1:)), 0.0_wp, p > 0.0_wp)
-         weights(0) = 0.5_wp*gap(1)
+         weights(0) = merge(0.5_wp*gap(1), 0.0_wp, is_full)
          drive = merge(drive, 0.0_wp, weights > 0.0_wp)
          stress = 0.0_wp
          do first = 0, exit_node, block_size
@@ -92,6 +94,8 @@ contains
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
       if (allocated(level%rough)) then
          friction%asperity_share = sum(level%state%asperity_pressure)/sum(total_pressure(level))
+         friction%asperity_response = sum(level%rough%slope*level%state%film/level%rough%gap_slope) &
+            /max(sum(level%rough%pressure), tiny(1.0_wp))
          if (abs(friction%sliding_speed) > 0.0_wp) friction%boundary = sign(level%rough%friction &
             *level%dx*sum(level%state%asperity_pressure), friction%sliding_speed)
       end if

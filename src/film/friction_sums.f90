@@ -23,6 +23,8 @@ module friction_sums
       real(wp) :: load = 1.0_wp
       !> Force of the asperities, as `sliding`, and share of the load that they bear; 0: none touch.
       real(wp) :: boundary = 0.0_wp, asperity_share = 0.0_wp
+      !> Relative growth of their load by that of the film, negative.
+      real(wp) :: asperity_response = 0.0_wp
       !> X of the first node where oil fills the gap, if that is not the first one; 0: it is.
       real(wp) :: meniscus = 0.0_wp
       !> Largest temperature rise of the mean film and of surfaces 1 and 2 [K].

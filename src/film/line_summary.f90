@@ -9,7 +9,8 @@ module line_summary
    use line_state, only: line_state_t, turned
    use missing_value, only: larger, not_known
    use quantities, only: p_central, p_max, parabola_extreme, quantity_count, quantity_rows, &
-      quantity_values, rolling_power, rule_between, rule_crest, rule_node, rule_value, sliding_power
+      quantity_values, rolling_power, rule_between, rule_crest, rule_first, rule_node, &
+      rule_value, sliding_power
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private
@@ -68,6 +69,8 @@ module line_summary
       type(crests_t) :: crests
       !> Distance from the limit of Reynolds' equation; over several times the largest.
       type(reynolds_limits_t) :: limits
+      !> Relative growth of the load of asperities by that of the film, negative.
+      real(wp) :: asperity_response = 0.0_wp
       !> Power of sliding and rolling together at the last time, that time, and what it has added up
       !> to over a span.
       real(wp) :: power = 0.0_wp, last_time = 0.0_wp, work = 0.0_wp, span = 0.0_wp
@@ -110,6 +113,7 @@ contains
       end do
       summary%crests = crests_of(x, total, h)
       summary%limits = unknown_limits()
+      summary%asperity_response = forces%asperity_response
       summary%power = summary%of(sliding_power)%value + summary%of(rolling_power)%value
       summary%last_time = time
    end function summary_of_fields
@@ -222,7 +226,7 @@ contains
       integer, intent(in) :: i
 
       select case (quantity_rows(i)%rule)
-      case (rule_value)
+      case (rule_value, rule_first)
          value = summary%of(i)%value
       case (rule_crest)
          value = summary%crests%highest

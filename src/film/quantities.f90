@@ -27,8 +27,9 @@ module quantities
    !> transient by those between the nodes. `rule_node`: by both, plus their distance.
    !> `rule_between`: by those between the nodes, plus their distance; the value between the nodes
    !> counts as extrapolated. `rule_crest`: by the crests of the pressure, and the possible growth
-   !> of a spike.
-   integer, parameter, public :: rule_value = 1, rule_node = 2, rule_between = 3, rule_crest = 4
+   !> of a spike. `rule_first`: a node that is known to a spacing.
+   integer, parameter, public :: rule_value = 1, rule_node = 2, rule_between = 3, &
+      rule_crest = 4, rule_first = 5
 
    !> One quantity.
    type, public :: quantity_row_t
@@ -81,7 +82,7 @@ module quantities
          rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of the oil'), &
       quantity_row_t('friction_coefficient_boundary', '', 'friction_coefficient', 'largest', &
          rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of asperities'), &
-      quantity_row_t('x_meniscus', '', 'x', 'largest', rule_value, &
+      quantity_row_t('x_meniscus', '', 'x', 'largest', rule_first, &
          [1.0_wp, 2.0_wp], 1.0_wp, 'first node where oil fills the gap'), &
       quantity_row_t('temperature_rise_film', '', 'temperature_rise', 'largest', &
          rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'largest mean temperature rise across the film'), &
@@ -94,6 +95,9 @@ module quantities
 
    !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
+   !> These and other rows that the stress of the oil moves.
+   integer, parameter, public :: sheared_rows(*) = [sliding_rows, oil_friction, film_rise, &
+      rise_1, rise_2]
    !> Rows of contacts with asperities, that starve or are warm, alone; 0 for others, not reported.
    integer, parameter, public :: mixed_rows(*) = [asperity_share, oil_friction, &
       boundary_friction, meniscus, film_rise, rise_1, rise_2]

@@ -12,7 +12,8 @@ module result_sections
    use missing_value, only: exceeds, not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
-   use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows
+   use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows, &
+      x_cavitation
    use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t
    use text, only: joined
@@ -80,6 +81,7 @@ contains
          if (any(i == sliding_rows) .and. .not. ieee_is_finite(scaling%slide_to_roll)) cycle
          associate (row => quantity_rows(i), quantity => summary%of(i))
             if (any(i == mixed_rows) .and. .not. exceeds(abs(quantity%value), 0.0_wp)) cycle
+            if (i == x_cavitation .and. .not. ieee_is_finite(quantity%value)) cycle   ! no oil film
             extreme = ''   ! where there are several times and the text does not say which it is
             if (is_transient .and. index(row%text, trim(row%extreme)) == 0) extreme = ', ' &
                //trim(row%extreme)//' over time'
