@@ -179,12 +179,13 @@ VERDICTS = {
     **{name: {"needed": f"{OIL} roughness squeeze"} for name in ("06_ridge_passage", "07_waviness", "08_rough_in_oil")},
     "09_dry_machined": {"needed": "harmonics plasticity"},
     "10_run_in": {"needed": "harmonics", "irrelevant": "plasticity"},
+    "15_starved_bearing": {"needed": f"{OIL} supply"},
 }
 
 
 def test_every_scene_has_its_verdicts():
     assert sorted(VERDICTS) == [path.stem for path in SCENES]
-    assert len(SCENES) == 10
+    assert len(SCENES) == 11
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
