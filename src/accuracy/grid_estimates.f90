@@ -3,8 +3,8 @@
 !> one on n by the second-order scheme). Rules: modules grid_errors, pressure_errors.
 module grid_estimates
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, error_on_grids, kappa_share, &
-      limit_in_time, orders, safety
+   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, error_on_grids, &
+      kappa_share, limit_in_time, orders, safety
    use kinds, only: wp
    use line_summary, only: line_summary_t, new_quantity, quantity_t
    use missing_value, only: larger, not_known
