@@ -172,14 +172,15 @@ def friction_given(source: random.Random, _: int) -> Member:
 
 
 def mixed(source: random.Random, i: int) -> Member:
-    """Rough contacts of 0.3 to 1.2 GPa on given grids, from hardly any load on asperities to nearly all; some starve or are warm."""
+    """Rough contacts of 0.3 to 1.2 GPa on given grids, asperities bear hardly any load or nearly all; some starve or are warm."""
     hertz, l = log_uniform(source, 0.3e9, 1.2e9), log_uniform(source, 1, 18)  # noqa: E741
     stress, is_warm = (log_uniform(source, 2e6, 1e7) if i % 4 < 2 else None), source.random() < 0.3
     slide = source.choice((0.05, 0.3, 1.5) if is_warm else (0.0, 0.05, 0.3, 1.5))
     groups = steel(load_number(hertz, l), l, slide, stress, source.choice(LAWS) if stress is None else LAWS[3])
     film = scales(groups)[1]
     rms = film * log_uniform(source, 0.2, 10)
-    law = {"law": "exponential", "contact_pressure": hertz * source.uniform(0.5, 6), "decay_length": rms * source.uniform(0.3, 0.55)}
+    pressure, decay = hertz * source.uniform(0.5, 6), rms * source.uniform(0.3, 0.55)
+    law = {"law": "exponential", "contact_pressure": pressure, "decay_length": decay}
     if i % 2:
         radius = {"density_radius_height": source.uniform(0.03, 0.06), "height_over_radius": log_uniform(source, 1e-4, 1e-2)}
         law = {"law": "greenwood_tripp"} | radius

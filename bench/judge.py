@@ -77,8 +77,8 @@ class Member:
 class Family:
     """Cases of one kind; `quantities` are paths of the result, `draw` makes the member of a number from a source of random numbers.
 
-    `estimate` is the attribute that is judged, or their sum: `error_grid` where the truth has the same domain. `finish`, if there, draws what is
-    left of each member when all are there.
+    `estimate` is the attribute that is judged, or their sum: `error_grid` where the truth has the same domain. `finish`, if there,
+    draws what is left of each member when all are there.
     """
 
     group: str
