@@ -94,7 +94,8 @@ contains
       type(step_plan_t) :: plan
       integer :: steps
 
-      allocate (plan%attempts, source=time_step_attempts(contact, settings))
+      allocate (plan%attempts, source=time_step_attempts(contact, settings, &
+         has_parts=time%tolerance > 0.0_wp))
       call note_choice(report, plan%attempts(1))
       plan%length = time%time_step
       plan%scheme = time%scheme

@@ -28,10 +28,11 @@ module newton_line
    !> Most halvings of a step before the method gives up.
    integer, parameter :: max_halvings = 20
    !> The ends of the pressure creep if the number of nodes with pressure changes by no more than
-   !> the first number in as many steps in a row as the second; rows are tridiagonal where the film
-   !> has less than this share in the diagonal; most repetitions.
+   !> the first number in as many steps in a row as the second; most repetitions. Rows are
+   !> tridiagonal where the film has less than this share in the diagonal, on fine grids less than
+   !> this times dX^2: there its share falls so while the film bends as much under the pressure.
    integer, parameter :: largest_creep = 4, first_creep = 2, most_sweeps = 5000
-   real(wp), parameter :: thin_share = 1.0e-2_wp
+   real(wp), parameter :: thin_share = 1.0e-2_wp, thin_slope = 500.0_wp
    !> A step within a tolerance of the pressure must change every film, relatively, by less than
    !> this many times that: 0.01 p_h is all of a film of 1e-4 b^2/R.
    real(wp), parameter :: film_share = 10.0_wp
@@ -182,7 +183,8 @@ contains
       newton%active = active
       if (newton%creeping < first_creep) return
       newton%creeping = 0
-      associate (thick => abs(newton%jacobian%by_pressure(0, 1:level%n - 1) - 1) < thin_share)
+      associate (thick => abs(newton%jacobian%by_pressure(0, 1:level%n - 1) - 1) &
+         < min(thin_share, thin_slope*level%dx**2))
          first = findloc(thick, .true., 1)
          do while (first > 0)
             last = first - 1 + findloc([thick(first:), .false.], .false., 1) - 1

@@ -98,16 +98,18 @@ contains
    end function newton_starts
 
    !> Relaxations to try in turn for a time step; no line smoother, which diverges with the squeeze
-   !> term. All have the limits of the first.
+   !> term. All have the limits of the first. `has_parts`: a step that Newton's method does not
+   !> solve is shortened, not relaxed for seconds.
    !>
    !> If the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the equation
    !> of a step is H(P) = given: a sweep with only the diagonal K_0 of the kernel changes long waves
    !> of P by up to n/10 times too much, and the cycle diverges unless the coarse grids correct
    !> that. So given smoothers continue with a larger diagonal, at least 3 dX/pi, less relaxation
    !> and more sweeps.
-   pure function time_step_attempts(contact, settings) result(attempts)
+   pure function time_step_attempts(contact, settings, has_parts) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
+      logical, intent(in) :: has_parts
       type(relaxation_t), allocatable :: attempts(:)
       type(relaxation_t) :: base
 
@@ -122,7 +124,7 @@ contains
          end if
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, &
             one_level(method_newton_dense)]
-         if (contact%conserves_oil) attempts = pack(attempts, attempts%method &
+         if (contact%conserves_oil .or. has_parts) attempts = pack(attempts, attempts%method &
             == method_newton_krylov)
       else if (settings%smoother == 'gauss_seidel') then
          attempts = [with_sweeps(base, 0.8_wp, 2, 0.0_wp)]
