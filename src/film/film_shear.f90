@@ -94,8 +94,8 @@ contains
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
       if (allocated(level%rough)) then
          friction%asperity_share = sum(level%state%asperity_pressure)/sum(total_pressure(level))
-         friction%asperity_response = sum(level%rough%slope*level%state%film/level%rough%gap_slope) &
-            /max(sum(level%rough%pressure), tiny(1.0_wp))
+         friction%asperity_response = sum(level%rough%slope*level%state%film &
+            /level%rough%gap_slope)/max(sum(level%rough%pressure), tiny(1.0_wp))
          if (abs(friction%sliding_speed) > 0.0_wp) friction%boundary = sign(level%rough%friction &
             *level%dx*sum(level%state%asperity_pressure), friction%sliding_speed)
       end if

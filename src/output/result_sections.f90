@@ -80,8 +80,8 @@ contains
       do i = 1, quantity_count
          if (any(i == sliding_rows) .and. .not. ieee_is_finite(scaling%slide_to_roll)) cycle
          associate (row => quantity_rows(i), quantity => summary%of(i))
-            if (any(i == mixed_rows) .and. .not. exceeds(abs(quantity%value), 0.0_wp)) cycle
-            if (i == x_cavitation .and. .not. ieee_is_finite(quantity%value)) cycle   ! no oil film
+            if (any(i == [mixed_rows, x_cavitation]) .and. .not. exceeds(abs(quantity%value), &
+               0.0_wp)) cycle   ! without a film under pressure there is no exit
             extreme = ''   ! where there are several times and the text does not say which it is
             if (is_transient .and. index(row%text, trim(row%extreme)) == 0) extreme = ', ' &
                //trim(row%extreme)//' over time'
