@@ -9,8 +9,8 @@ module grid_estimates
    use line_summary, only: line_summary_t, new_quantity, quantity_t
    use missing_value, only: larger, not_known
    use pressure_errors, only: estimate_crest, estimate_crest_in_time, top_of
-   use quantities, only: h_central, is_chance, p_max, quantity_count, quantity_rows, &
-      rule_between, rule_crest, rule_first, rule_node
+   use quantities, only: asperity_share, boundary_friction, h_central, is_chance, p_max, &
+      quantity_count, quantity_rows, rule_between, rule_crest, rule_first, rule_node
    implicit none (type, external)
    private
 
@@ -137,8 +137,8 @@ contains
       logical :: lasts
 
       bounds = merge(quantity_rows(i)%kappa_orders, orders, values%is_kappa)
-      lasts = .not. (is_spiked .and. (is_chance(quantity_rows(i)) &
-         .or. quantity_rows(i)%field == 'temperature_rise'))
+      lasts = .not. (is_spiked .and. is_chance(quantity_rows(i)) &
+         .or. quantity_rows(i)%field == 'temperature_rise')   ! a maximum that moves with the nodes
       levels = on_levels(values, i, quantity)
       own = error_on_grids(levels%value, bounds, lasts)
       between = error_on_grids(levels%between, bounds, lasts)
@@ -156,6 +156,9 @@ contains
       end select
       if (allocated(values%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
          error_by_other_scheme(values, i) + abs(quantity%value - quantity%between)
+      ! the load of asperities falls with a film that grows from grid to grid, but not below 0
+      if (any(i == [asperity_share, boundary_friction]) .and. own(1) > quantity%value &
+         .and. levels(2)%value > quantity%value) own = [quantity%value, not_known()]
       quantity%error_grid = own(1)
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
