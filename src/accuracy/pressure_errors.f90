@@ -95,9 +95,8 @@ contains
       end associate
    end subroutine allow_for_spike
 
-   !> Relative error of the sliding friction of `summary`, in `row`, by growth of a spike on grids
-   !> finer than `dx`: it may carry most of the stress of a Newtonian oil, which rises with the
-   !> viscosity. 0 if nothing slides or the viscosity does not rise so, NaN: not known.
+   !> Relative error of the sliding friction in `row` of `summary` by a spike that grows on grids
+   !> finer than `dx`: it may carry most of the stress. 0: none slides or thickens; NaN: not known.
    pure function shear_doubt(law, dx, summary, row) result(doubt)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
