@@ -246,7 +246,7 @@ def test_a_stribeck_curve_by_one_command(tmp_path, program):
     found = read_gathered(tmp_path / "stribeck")
     total, oil, boundary = (found.numbers(f"friction_coefficient{part}") for part in ("", "_oil", "_boundary"))
     np.testing.assert_allclose(oil + boundary, total, rtol=1e-13)
-    assert total.argmin() == 3  # neither at the slow nor at the fast end
+    assert total.argmin() == 4  # neither at the slow nor at the fast end
     share, speed = found.numbers("asperity_load_share"), found.numbers("entrainment_speed")
     assert (np.diff(share, prepend=1.0, append=0.0) < 0).all()
     found.columns["temperature_rise_film"] = np.arange(5.0)
