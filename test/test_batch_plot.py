@@ -239,14 +239,15 @@ def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
 def test_a_stribeck_curve_by_one_command(tmp_path, program):
     shutil.copy(ROOT / "input" / "mixed_bearing.nml", tmp_path)
     text = (ROOT / "input" / "sweeps" / "stribeck.toml").read_text(encoding="utf-8").replace("../", "")
-    (tmp_path / "stribeck.toml").write_text(text.replace("count = 30", "count = 5").replace("= 512", "= 256"), encoding="utf-8")
+    text = text.replace("count = 30", "count = 5").replace("= 512", "= 256").replace("thermal.", "# ")  # as cold as the inlet
+    (tmp_path / "stribeck.toml").write_text(text, encoding="utf-8")
     done = call("all.py", "stribeck.toml", folder=tmp_path, program=program)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "stribeck" / "plot.png").stat().st_size > 20_000
     found = read_gathered(tmp_path / "stribeck")
     total, oil, boundary = (found.numbers(f"friction_coefficient{part}") for part in ("", "_oil", "_boundary"))
     np.testing.assert_allclose(oil + boundary, total, rtol=1e-13)
-    assert total.argmin() == 4  # neither at the slow nor at the fast end
+    assert total.argmin() == 3  # neither at the slow nor at the fast end
     share, speed = found.numbers("asperity_load_share"), found.numbers("entrainment_speed")
     assert (np.diff(share, prepend=1.0, append=0.0) < 0).all()
     found.columns["temperature_rise_film"] = np.arange(5.0)

@@ -115,11 +115,10 @@ def test_warm_films_of_the_prototype(solved_case, name):
 def test_what_is_left_out_is_measured(solved_case):
     """Each row of adequacy is the change to a run without the group; friction may err by what the full energy equation says."""
     groups = {"supply": f"&supply film = {0.12 * FILM} /\n", "heat": "&thermal temperature = 40 /\n", "asperities": EXPONENTIAL}
-    adequate = "&output si_copies = .false. /\n"
     films = {}
     for leave in ("", *groups):
         text = HOT.format(slow=0.4, fast=0.6).replace(groups["heat"], "")
-        with solved_case(text + "".join(groups[name] for name in groups if name != leave) + adequate) as file:
+        with solved_case(text + "".join(groups[name] for name in groups if name != leave)) as file:
             told_of = {name: "friction_coefficient" if name == "heat" else "h_central" for name in groups}  # what it changes
             films[leave] = {name: file["summary"][name][()] for name in set(told_of.values())}
             if not leave:

@@ -325,13 +325,12 @@ contains
       type(film_state_t), intent(in) :: start
 
       level%state%pressure = start%pressure
-      if (.not. allocated(start%separation)) then
-         call place_film(level, minval(start%film))
-      else if (allocated(level%rough)) then
+      if (allocated(level%rough) .and. allocated(start%separation)) then
          level%state%asperity_pressure = start%asperity_pressure
          call place_film(level, minval(start%separation))
       else   ! oil bears what asperities did
-         level%state%pressure = start%pressure + start%asperity_pressure
+         if (allocated(start%separation)) level%state%pressure = start%pressure &
+            + start%asperity_pressure
          call place_film(level, minval(start%film))
       end if
    end subroutine take_pressure

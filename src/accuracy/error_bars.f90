@@ -70,9 +70,8 @@ contains
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars%inlet, bars%spike_law%fluid, report, summary)
       oil_share = 1.0_wp   ! heat does not change the friction coefficient of asperities
-      associate (solid => summary%of(boundary_friction)%value)
-         if (exceeds(solid, 0.0_wp)) oil_share = 1 - solid/summary%of(friction_coefficient)%value
-      end associate
+      if (exceeds(summary%of(boundary_friction)%value, 0.0_wp)) oil_share = 1 &
+         - summary%of(boundary_friction)%value/summary%of(friction_coefficient)%value
       do i = 1, quantity_count
          associate (of => summary%of(i))
             if (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out(i)*abs(of%value)

@@ -156,6 +156,7 @@ contains
       end select
       if (allocated(values%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
          error_by_other_scheme(values, i) + abs(quantity%value - quantity%between)
+      ! loads that fall from grid to grid do not fall below 0
       if (any(i == [asperity_share, boundary_friction]) .and. own(1) > quantity%value &
          .and. levels(2)%value > quantity%value) own = [quantity%value, not_known()]
       quantity%error_grid = own(1)

@@ -131,9 +131,10 @@ contains
       real(wp) :: doubt
       integer :: i
 
+      doubt = shear_doubt(law, dx, summary, friction_coefficient)
       each_row: do i = 1, size(sheared_rows)
-         doubt = shear_doubt(law, dx, summary, merge(oil_friction, friction_coefficient, &
-            i > size(sliding_rows) .and. summary%of(oil_friction)%value > 0.0_wp))
+         if (sheared_rows(i) == oil_friction .and. summary%of(oil_friction)%value > 0.0_wp) doubt &
+            = shear_doubt(law, dx, summary, oil_friction)   ! also of the rows behind it
          associate (quantity => summary%of(sheared_rows(i)))
             if (.not. ieee_is_finite(doubt)) then
                quantity%error_grid = not_known()

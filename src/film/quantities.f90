@@ -95,15 +95,13 @@ module quantities
 
    !> Rows that are not known if the speeds of the surfaces are not.
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
-   !> These and other rows that the stress of the oil moves.
-   integer, parameter, public :: sheared_rows(*) = [sliding_rows, oil_friction, film_rise, &
-      rise_1, rise_2]
+   !> These and the oil's part of them, which a model of temperatures moves most; with the
+   !> temperatures all rows that the stress of the oil moves.
+   integer, parameter, public :: heated_rows(*) = [sliding_rows, oil_friction], &
+      sheared_rows(*) = [heated_rows, film_rise, rise_1, rise_2]
    !> Rows of contacts with asperities, that starve or are warm, alone; 0 for others, not reported.
    integer, parameter, public :: mixed_rows(*) = [asperity_share, oil_friction, &
       boundary_friction, meniscus, film_rise, rise_1, rise_2]
-   !> Rows that a model of temperatures moves most.
-   integer, parameter, public :: heated_rows(*) = [friction_coefficient, sliding_power, &
-      oil_friction]
 
 contains
 
