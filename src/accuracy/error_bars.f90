@@ -156,7 +156,7 @@ contains
          bars%spike_law, dx, summary)
       if (.not. report%converged) then
          reason = 'no solution'
-      else if (any(exceeds(bars%left_out, 0.0_wp))) then
+      else if (.not. all(exceeds(bars%left_out, -1.0_wp))) then   ! unknown
          reason = 'what was left out of the model may change it, or a pressure spike that this '// &
             'grid does not resolve'
       else if (allocated(bars%grid_errors) .and. (bars%has_longer .or. .not. bars%is_cut)) then
