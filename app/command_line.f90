@@ -180,7 +180,7 @@ contains
          command%problem = value
          if (has_word(every, value)) return
          call fail(error, input_error, 'found --template ' // value // ', expected ehl_line, '// &
-            'dry_line or dry_area')
+            'ehl_point, dry_line or dry_area')
       end select
    end subroutine read_option_value
 
@@ -221,7 +221,7 @@ contains
          // '  asperity table RESULT.h5 --profiles      CSV of x, pressure, film or gap and '// &
          'more, in SI' // nl &
          // '  asperity --template PROBLEM      write a commented, complete namelist: '// &
-            'ehl_line, dry_line or dry_area' // nl &
+            'ehl_line, ehl_point, dry_line or dry_area' // nl &
          // '  asperity --keys                  every group and key: unit, default, range, '// &
             'meaning' // nl &
          // '  asperity --version | --help' // nl // nl &

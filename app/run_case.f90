@@ -7,7 +7,7 @@ module run_case
    use errors, only: error_t
    use film_momentum, only: follow_momentum, prepare_momentum
    use iteration_report, only: ending_text, has_converged, report_t
-   use key_row, only: lubricated
+   use key_row, only: lubricated, point
    use line_contact, only: line_contact_t
    use line_model, only: choose_lean_model, measure_model, print_full_cost
    use line_solution, only: solve_line_case
@@ -16,6 +16,7 @@ module run_case
    use result_end, only: end_result
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
+   use run_point_case, only: solve_point_case
    use run_observer, only: run_observer_t
    use signals, only: begin_activity, begin_subject
    use xdmf_file, only: write_xdmf
@@ -63,6 +64,9 @@ contains
       if (words /= '') call log%say(words(2:))
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
+      else if (case%problem == point) then
+         call solve_point_case(case, path, log, command%threads, outcome, error)
+         if (allocated(error)) call give_up(error, log, outcome)
       else
          call solve_and_write(case, path, log, command%threads, outcome, error)
          if (allocated(error)) call give_up(error, log, outcome)

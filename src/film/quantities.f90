@@ -54,7 +54,7 @@ module quantities
 
    type(quantity_row_t), parameter, public :: quantity_rows(*) = [ &
       quantity_row_t('h_min', 'h_min', 'film_thickness', 'smallest', rule_value, &
-         [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness, parabola through three nodes'), &
+         [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness, of a parabola between nodes'), &
       quantity_row_t('h_min_node', '', 'film_thickness', 'smallest', rule_node, &
          [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness of a node'), &
       quantity_row_t('h_central', 'h_central', 'film_thickness', 'smallest', rule_value, &
@@ -73,9 +73,9 @@ module quantities
          rule_value, [1.0_wp, 2.0_wp], 1.0_wp, &
          'force of rolling on each surface over the load (dimensionless: times R/b)'), &
       quantity_row_t('sliding_power', '', 'power', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'power that sliding turns into heat, per length'), &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'power that sliding turns into heat'), &
       quantity_row_t('rolling_power', '', 'power', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat, per length'), &
+         [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat'), &
       quantity_row_t('asperity_load_share', '', '1', 'largest', rule_value, &
          [1.0_wp, 2.0_wp], 1.0_wp, 'share of the load that asperities bear'), &
       quantity_row_t('friction_coefficient_oil', '', 'friction_coefficient', 'largest', &

@@ -5,14 +5,15 @@ module body_input
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t
-   use key_row, only: lubricated
+   use key_row, only: film, has_word, lubricated, point
    use kinds, only: wp
    use surface_keys, only: has_shape, surfaces
    use text, only: joined, to_text
    implicit none (type, external)
    private
 
-   public :: check_bodies, check_load, derive_speeds, fill_bodies, find_load, modulus_of, radius_of
+   public :: check_bodies, check_curvature, check_load, derive_speeds, fill_bodies, find_load, &
+      has_plane, modulus_of, radius_of
 
    !> Curvature of the gap, 1/R [1/m]: the reverse of the range of reduced_radius.
    real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
@@ -47,12 +48,13 @@ contains
    subroutine check_bodies(values)
       type(input_values_t), intent(inout) :: values
 
-      if (values%problem /= lubricated) then
+      if (.not. has_word(film, trim(values%problem))) then
          call check_moduli(values)
          call check_radius(values)
       else if (values%has_group('bodies')) then
          if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-            'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'])
+            'reduced_radius'//axis_of(values), [character(len=20) :: radius_key(values, 1), &
+            radius_key(values, 2)])
          call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
             'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
          call check_speeds(values)
@@ -149,38 +151,62 @@ contains
       end if
    end subroutine check_radius
 
+   !> What the names of radii have behind them: those of a point contact are of x and of y.
+   pure function axis_of(values) result(axis)
+      type(input_values_t), intent(in) :: values
+      character(:), allocatable :: axis
+
+      axis = trim(merge('_x', '  ', values%problem == point))
+   end function axis_of
+
+   !> Key of the radius of body 1 or 2, in the plane of x.
+   pure function radius_key(values, body) result(key)
+      type(input_values_t), intent(in) :: values
+      integer, intent(in) :: body
+      character(:), allocatable :: key
+
+      key = 'radius'//axis_of(values)//'_'//to_text(body)
+   end function radius_key
+
    !> Whether one body has a radius and the other is a plane.
    pure logical function has_plane(values)
       type(input_values_t), intent(in) :: values
 
       has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
-         'radius_1') .neqv. values%is_given('bodies', 'radius_2'))
+         radius_key(values, 1)) .neqv. values%is_given('bodies', radius_key(values, 2)))
    end function has_plane
 
    !> A finding: two radii of bodies that do not touch, or lie in each other; a plane beside more or
    !> less than one radius, or one that is not convex.
    subroutine check_radii(values)
       type(input_values_t), intent(inout) :: values
-      character(len=8) :: key
-      real(wp) :: curvature
+      character(:), allocatable :: key
 
       if (has_plane(values)) then
-         key = merge('radius_1', 'radius_2', values%is_given('bodies', 'radius_1'))
+         key = radius_key(values, merge(1, 2, values%is_given('bodies', radius_key(values, 1))))
          if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
             'found '//to_text(values%real_value('bodies', key))// &
             ' with plane = .true., expected a radius > 0 [m]')
       else if (values%logical_value('bodies', 'plane')) then
-         call values%refuse('bodies', 'plane', &
-            'found .true., expected exactly one of radius_1 and radius_2 with it')
+         call values%refuse('bodies', 'plane', 'found .true., expected exactly one of '// &
+            radius_key(values, 1)//' and '//radius_key(values, 2)//' with it')
       end if
-      if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', &
-         'radius_2'))) return
-      curvature = 1.0_wp/values%real_value('bodies', 'radius_1') &
-         + 1.0_wp/values%real_value('bodies', 'radius_2')
-      if (curvature < least_curvature .or. curvature > largest_curvature) call values%refuse( &
-         'bodies', 'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(curvature) &
-         // ', expected 1e-9 to 1e9 [1/m]')
+      call check_curvature(values, radius_key(values, 1), radius_key(values, 2))
    end subroutine check_radii
+
+   !> A finding: two radii, of which both have a value, of bodies that do not touch.
+   subroutine check_curvature(values, key_1, key_2)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: key_1, key_2
+      real(wp) :: curvature
+
+      if (.not. (values%has_value('bodies', key_1) .and. values%has_value('bodies', key_2))) return
+      curvature = 1.0_wp/values%real_value('bodies', key_1) &
+         + 1.0_wp/values%real_value('bodies', key_2)
+      if (curvature < least_curvature .or. curvature > largest_curvature) call values%refuse( &
+         'bodies', key_1, 'found 1/'//key_1//' + 1/'//key_2//' = ' // to_text(curvature) &
+         // ', expected 1e-9 to 1e9 [1/m]')
+   end subroutine check_curvature
 
    !> Findings: no load, or more than one.
    subroutine check_load(values)
@@ -193,6 +219,10 @@ contains
       if (values%problem == lubricated) then
          keys = [character(len=16) :: 'load_per_length', 'load', 'hertz_pressure']
          fault = 'found more than one load, expected one of '//joined(keys, ', ')
+      else if (values%problem == point) then
+         keys = [character(len=16) :: 'load', 'hertz_pressure']
+         fault = 'found more than one load, expected one of '//joined(keys, ', ')
+         choice = 'load [N] or hertz_pressure [Pa]'
       else
          keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', merge('load_per_length', &
             'load           ', values%problem == 'dry_line'), 'separation']

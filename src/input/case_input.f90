@@ -10,7 +10,7 @@ module case_input
    use findings, only: findings_t
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: is_in_range, lubricated
+   use key_row, only: film, has_word, is_in_range, lubricated, point
    use key_rules, only: find_unusual, unusual_t
    use line_case, only: plan_line_case
    use line_profiles, only: make_surface
@@ -18,6 +18,7 @@ module case_input
    use kinds, only: wp
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
+   use point_input, only: fill_point_case
    use scaling, only: new_moes_scaling, new_scaling
    use set_entries, only: set_entry_t, mark_entries
    use text, only: to_text
@@ -52,11 +53,12 @@ contains
          call read_values(pieces, values)
          is_alone = .false.
          oil = ''
-         if (values%problem == lubricated) then
+         if (has_word(film, trim(values%problem))) then
             call derive_speeds(values)
             call derive_viscosity(values, oil)
             call complete_alpha(values, is_alone)
-            call read_duty(values, path_from_namelist(case, ''), case%duty)
+            if (values%problem == lubricated) call read_duty(values, path_from_namelist(case, ''), &
+               case%duty)
          end if
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)
@@ -87,6 +89,8 @@ contains
       case%model = values%word_value('case', 'model')
       if (case%problem == lubricated) then
          call fill_line_case(values, case)
+      else if (case%problem == point) then
+         call fill_point_case(values, case)
       else
          case%dry%values = values
          call fill_dry_case(path_from_namelist(case, ''), case%dry)

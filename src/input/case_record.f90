@@ -8,6 +8,7 @@ module case_record
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use lubricant, only: lubricant_t
+   use point_contact, only: point_contact_t
    use scaling, only: scaling_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
    use text, only: to_text
@@ -77,7 +78,7 @@ module case_record
    type, extends(line_case_t) :: case_t
       !> Free text of the user, UTF-8.
       character(:), allocatable :: title
-      !> 'ehl_line', 'dry_line' or 'dry_area'.
+      !> 'ehl_line', 'ehl_point', 'dry_line' or 'dry_area'.
       character(len=word_length) :: problem = ''
       !> 'full' or 'auto'.
       character(len=word_length) :: model
@@ -92,6 +93,8 @@ module case_record
       type(output_settings_t) :: output_settings
       !> Filled for dry problems.
       type(dry_case_t) :: dry
+      !> Of a lubricated point contact; its bodies, oil and scales stand where those of a line do.
+      type(point_contact_t), allocatable :: point
       !> Values outside the typical ranges of their keys.
       type(unusual_t), allocatable :: unusual(:)
       !> What the reader of the result should know about the input.

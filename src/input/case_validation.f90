@@ -5,7 +5,7 @@ module case_validation
    use body_input, only: check_bodies, check_load
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: expected_value, has_word, lubricated, word_kind
+   use key_row, only: dry, expected_value, film, has_word, lubricated, word_kind
    use key_rules, only: check_rules
    use kinds, only: wp
    use lubricant_input, only: check_lubricant
@@ -38,7 +38,7 @@ contains
       call check_case(values)
       call check_accuracy(values)
       call check_fields(values)
-      if (values%problem /= lubricated .and. .not. is_read) return
+      if (has_word(dry, trim(values%problem)) .and. .not. is_read) return
       call check_bodies(values)
       if (values%has_group('load') .or. values%is_given('history', 'file')) call check_load(values)
       call check_lubricant(values)
@@ -76,7 +76,7 @@ contains
       logical :: has_moes
       integer :: i
 
-      has_moes = values%problem == lubricated .and. values%has_group('moes')
+      has_moes = has_word(film, trim(values%problem)) .and. values%has_group('moes')
       do i = 1, size(group_rows)
          associate (row => group_rows(i))
             if (.not. has_word(row%problems, trim(values%problem))) cycle

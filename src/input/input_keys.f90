@@ -4,9 +4,9 @@
 !> The reader, its checks and messages, `--template`, `--keys` and the page docs/input.md all use
 !> it. Defaults of the solvers that stand in the code too are compared with it by a unit test.
 module input_keys
-   use key_row, only: dry, dry_area, dry_line, every, group_row_t, has_word, integer_kind, &
-      is_chosen, is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, &
-      reals_kind, text_kind, word_kind, words_kind
+   use key_row, only: dry, dry_area, dry_line, every, film, group_row_t, has_word, integer_kind, &
+      is_chosen, is_optional, is_required, key_row_t, logical_kind, lubricated, other_than_point, &
+      point, real_kind, reals_kind, text_kind, word_kind, words_kind
    use length_units, only: length_words => known_units
    implicit none (type, external)
    private
@@ -27,8 +27,8 @@ module input_keys
       group_row_t('load', 'the load (not with &moes)', every, &
          is_needed=.true., yields_to_moes=.true.), &
       group_row_t('moes', &
-         'dimensionless smooth Newtonian studies: replaces bodies, load and viscosity'), &
-      group_row_t('lubricant', 'the oil', is_needed=.true.), &
+         'dimensionless smooth Newtonian studies: replaces bodies, load and viscosity', film), &
+      group_row_t('lubricant', 'the oil', film, is_needed=.true.), &
       group_row_t('asperities', 'contact of the rough surfaces through the film', &
          yields_to_moes=.true.), &
       group_row_t('supply', 'oil that arrives, where it does not fill the inlet', &
@@ -37,10 +37,10 @@ module input_keys
          yields_to_moes=.true.), &
       group_row_t('surface_1', &
          'roughness of surface 1, moving at speed_1; heights count positive out of the material', &
-         every, yields_to_moes=.true.), &
+         other_than_point, yields_to_moes=.true.), &
       group_row_t('surface_2', &
          'roughness of surface 2, moving at speed_2; heights count positive out of the material', &
-         every, yields_to_moes=.true.), &
+         other_than_point, yields_to_moes=.true.), &
       group_row_t('domain', 'the computed stretch of the contact and its grid', every), &
       group_row_t('time', &
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
@@ -80,11 +80,13 @@ module input_keys
 
    type(key_row_t), parameter :: case_rows(*) = [ &
       key_row_t('case', 'title', text_kind, '', "''", 'free text, stored in the result', &
-         problems=every, example="'Case 1: smooth surfaces, steady'", &
+         problems=other_than_point, example="'Case 1: smooth surfaces, steady'", &
          dry_example="'Rough surface against a rigid plane'"), &
+      key_row_t('case', 'title', text_kind, '', "''", 'free text, stored in the result', &
+         problems=point, example="'Ball on a disc'"), &
       key_row_t('case', 'problem', word_kind, '', is_required, &
-         'ehl_line: lubricated line contact; dry_line, dry_area: dry contact of profiles ' &
-         //'and of areas', words=every, problems=every), &
+         'ehl_line, ehl_point: lubricated line and point contact; dry_line, dry_area: dry ' &
+         //'contact of profiles and of areas', words=every, problems=every), &
       key_row_t('case', 'output', text_kind, '', is_chosen, &
          'result file, relative to the namelist; chosen: name of the namelist + .h5, in the ' &
          //'current folder', problems=every, example="! 'case1.h5'", dry_example="! 'rough.h5'"), &
@@ -100,15 +102,32 @@ module input_keys
    type(key_row_t), parameter :: bodies_rows(*) = [ &
       key_row_t('bodies', 'radius_1', real_kind, 'm', is_optional, &
          'radius of body 1, negative if concave; radius_1 and radius_2, or one and plane, ' &
-         //'or reduced_radius', range='/= 0, >= -1e12, <= 1e12', problems=every, &
+         //'or reduced_radius', range='/= 0, >= -1e12, <= 1e12', problems=other_than_point, &
          typical=typical_radius, example='0.01', dry_example='! 0.01'), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, &
-         'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', problems=every, &
+         'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', problems=other_than_point, &
          typical=typical_radius, example='2.0', dry_example='! 2.0'), &
       key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
-         'the body whose radius is not given is a plane', problems=every, example='! .true.'), &
+         'the body whose radius is not given is a plane', problems=other_than_point, example='! .true.'), &
+      key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
+         'the body whose radius_x is not given is a plane', problems=point, example='.true.'), &
       key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, 'R of 1/R = 1/R1 + 1/R2', &
-         range='>= 1e-9, <= 1e9', problems=every, typical=typical_radius, example='! 9.950e-3'), &
+         range='>= 1e-9, <= 1e9', problems=other_than_point, typical=typical_radius, example='! 9.950e-3'), &
+      [(key_row_t('bodies', 'radius_x_'//numbers(i), real_kind, 'm', is_optional, &
+         'radius of body '//numbers(i)//' in the plane of x, negative if concave; those of both '// &
+         'bodies, or one and plane, or reduced_radius_x', range='/= 0, >= -1e12, <= 1e12', &
+         problems=point, typical=typical_radius, example=merge('12.7e-3', '! 0.05 ', i == 1)), &
+         i=1, 2)], &
+      [(key_row_t('bodies', 'radius_y_'//numbers(i), real_kind, 'm', is_chosen, &
+         'radius of body '//numbers(i)//' in the plane of y; chosen: that of x, a ball', &
+         range='/= 0, >= -1e12, <= 1e12', used='radius_x_'//numbers(i), problems=point, &
+         typical=typical_radius, example='! 0.05'), i=1, 2)], &
+      key_row_t('bodies', 'reduced_radius_x', real_kind, 'm', is_optional, &
+         'Rx of 1/Rx = 1/Rx1 + 1/Rx2', range='>= 1e-9, <= 1e9', problems=point, &
+         typical=typical_radius, example='! 6.35e-3'), &
+      key_row_t('bodies', 'reduced_radius_y', real_kind, 'm', is_chosen, &
+         'Ry; chosen: Rx, a circle', range='>= 1e-9, <= 1e9', used='reduced_radius_x', &
+         problems=point, typical=typical_radius, example='! 6.35e-3'), &
       key_row_t('bodies', 'youngs_modulus_1', real_kind, 'Pa', is_optional, &
          'of body 1; both moduli and Poisson ratios, or reduced_modulus', range='>= 1e3, <= 1e15', &
          problems=every, typical=typical_modulus, example='206e9', dry_example='210e9'), &
@@ -125,15 +144,18 @@ module input_keys
       key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_optional, &
          'surface speed u1 of body 1; both speeds, or entrainment_speed; the oil flows ' &
          //'towards +x: u1 + u2 > 0', range='>= -1e4, <= 1e4', typical=typical_speed, &
-         example='0.1'), &
+         example='0.1', problems=film), &
       key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_optional, 'surface speed u2 of body 2', &
-         range='>= -1e4, <= 1e4', typical=typical_speed, example='1.1'), &
+         range='>= -1e4, <= 1e4', typical=typical_speed, example='1.1', problems=film), &
       key_row_t('bodies', 'entrainment_speed', real_kind, 'm/s', is_optional, &
          'mean speed U = (u1 + u2)/2, in place of the two speeds', range='> 0, <= 1e4', &
-         typical=typical_speed, example='! 0.6'), &
+         typical=typical_speed, example='! 0.6', problems=film), &
       key_row_t('bodies', 'slide_to_roll', real_kind, '-', '0.0', &
          '(u2 - u1)/U: positive where surface 2 is the faster one', range='>= -1e3, <= 1e3', &
-         used='entrainment_speed', example='! 1.666667'), &
+         used='entrainment_speed', example='! 1.666667', problems=film), &
+      key_row_t('bodies', 'entrainment_angle', real_kind, 'deg', '0.0', &
+         'from the x of the radii to the x of the grid, along which the oil flows', &
+         range='>= -90, <= 90', problems=point, example='!'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
          'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', &
          range='>= 1, <= 1e15', problems=dry, typical=typical_hardness, example='4e9'), &
@@ -158,10 +180,13 @@ module input_keys
          problems='ehl_line dry_line', typical='50 to 2e7', example='1e5', dry_example='! 100e3'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
          'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13', &
-         typical=typical_pressure, example='! 0.6e9'), &
+         typical=typical_pressure, example='! 0.6e9', problems=film), &
       key_row_t('load', 'load', real_kind, 'N', is_optional, &
          'load of the whole contact_length', range='> 0, <= 1e15', typical='1e-2 to 1e8', &
          example='! 2000.0'), &
+      key_row_t('load', 'load', real_kind, 'N', is_optional, &
+         'load of the contact; or hertz_pressure', range='> 0, <= 1e15', problems=point, &
+         typical='1e-3 to 1e6', example='30.0'), &
       key_row_t('load', 'mean_pressure', reals_kind, 'Pa', is_optional, &
          'load over nominal area; several values: a sweep; or load_per_length, load, ' &
          //'hertz_pressure, separation', range='> 0, <= 1e15', problems=dry, &
@@ -180,68 +205,71 @@ module input_keys
          'virgin: each load acts on the virgin surface; history: on what the load before left', &
          words='virgin history', problems=dry), &
       key_row_t('moes', 'moes_m', real_kind, '-', is_required, 'load number M', &
-         range='>= 1e-3, <= 1e6', example='! 20'), &
+         range='>= 1e-3, <= 1e6', example='! 20', problems=film), &
       key_row_t('moes', 'moes_l', real_kind, '-', is_required, &
-         'material number L; 0: constant viscosity', range='>= 0, <= 1000', example='! 10'), &
+         'material number L; 0: constant viscosity', range='>= 0, <= 1000', example='! 10', problems=film), &
       key_row_t('moes', 'velocity', word_kind, '', is_required, &
          'velocity in M and L: mean is (u1+u2)/2, sum is u1+u2 (Venner and Lubrecht)', &
-         words='mean sum', example="! 'sum'")]
+         words='mean sum', example="! 'sum'", problems=film), &
+      key_row_t('moes', 'radius_ratio', real_kind, '-', '1.0', &
+         'D = Rx/Ry of the reduced radii, x along the entrainment at angle 0', &
+         range='>= 0.02, <= 50', problems=point, example='!')]
 
    type(key_row_t), parameter :: lubricant_rows(*) = [ &
       key_row_t('lubricant', 'viscosity', real_kind, 'Pa s', is_optional, &
          'viscosity mu_0 at ambient pressure; or viscosity_grade, or kinematic_viscosity', &
          range='>= 1e-9, <= 1e6', used=no_moes, &
          needed='no &moes: or viscosity_grade or kinematic_viscosity', typical='2e-4 to 5', &
-         example='0.14'), &
+         example='0.14', problems=film), &
       key_row_t('lubricant', 'viscosity_grade', integer_kind, '-', is_optional, &
          'ISO VG of a mineral oil: its viscosity class (ISO 3448)', range= &
          'one of 2 3 5 7 10 15 22 32 46 68 100 150 220 320 460 680 1000 1500 2200 3200', &
-         used=no_moes, example='! 46'), &
+         used=no_moes, example='! 46', problems=film), &
       key_row_t('lubricant', 'viscosity_index', real_kind, '-', '95.0', &
          'of the data sheet (ASTM D2270); default: mineral oil', range='>= 0, <= 400', &
-         used='viscosity_grade', typical='20 to 250', example='!'), &
+         used='viscosity_grade', typical='20 to 250', example='!', problems=film), &
       key_row_t('lubricant', 'kinematic_viscosity', reals_kind, 'mm2/s', is_optional, &
          'at the temperature of the inlet; or two, at 40 and 100 degC; mu_0: this times density', &
-         range='>= 1e-3, <= 2e7', used=no_moes, typical='0.5 to 5000', example='! 46.0, 6.8'), &
+         range='>= 1e-3, <= 2e7', used=no_moes, typical='0.5 to 5000', example='! 46.0, 6.8', problems=film), &
       key_row_t('lubricant', 'temperature', real_kind, 'degC', is_optional, &
          'of the oil in the inlet, for viscosity_grade or two values of kinematic_viscosity', &
-         range='>= -70, <= 370', used=no_moes, typical='5 to 200', example='! 60.0'), &
+         range='>= -70, <= 370', used=no_moes, typical='5 to 200', example='! 60.0', problems=film), &
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
-         'rise of viscosity with pressure', words='roelands barus constant'), &
+         'rise of viscosity with pressure', words='roelands barus constant', problems=film), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
          'alpha; Roelands needs alpha, or two of alpha, z, P0 (alpha alone: P0 = 1.96e8)', &
          moes_default='2.2e-8', range='>= 1e-12, <= 1e-6', &
          used='moes%moes_l /= 0, viscosity_law = roelands barus', &
          needed="no &moes, viscosity_law = barus: with viscosity_law = 'barus'", &
-         typical='3e-10 to 1e-7', example='! 2.3345e-8'), &
+         typical='3e-10 to 1e-7', example='! 2.3345e-8', problems=film), &
       key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, 'exponent z of Roelands', &
          moes_default='0.668', range='>= 0.01, <= 2', &
-         used='moes%moes_l /= 0, viscosity_law = roelands', typical='0.1 to 1.5', example='0.6'), &
+         used='moes%moes_l /= 0, viscosity_law = roelands', typical='0.1 to 1.5', example='0.6', problems=film), &
       key_row_t('lubricant', 'roelands_p0', real_kind, 'Pa', is_optional, &
          'reference pressure P0 of Roelands, about 1.96e8', moes_default='1.96e8', &
          range='>= 1e6, <= 1e11', used='moes%moes_l /= 0, viscosity_law = roelands', &
-         typical='5e7 to 1e9', example='1.98e8'), &
+         typical='5e7 to 1e9', example='1.98e8', problems=film), &
       key_row_t('lubricant', 'density_law', word_kind, '', "'dowson_higginson'", &
-         'rise of density with pressure', words='dowson_higginson constant'), &
+         'rise of density with pressure', words='dowson_higginson constant', problems=film), &
       key_row_t('lubricant', 'rheology', word_kind, '', "'newtonian'", 'flow law of the oil', &
-         words='newtonian eyring', example="'eyring'"), &
+         words='newtonian eyring', example="'eyring'", problems=film), &
       key_row_t('lubricant', 'eyring_stress', real_kind, 'Pa', is_optional, &
          'tau_0 of the Eyring law', range='>= 1e3, <= 1e15', used='rheology = eyring', &
          needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8', &
-         example='3.3e6'), &
+         example='3.3e6', problems=film), &
       key_row_t('lubricant', 'shear_limit', word_kind, '', "'none'", &
          'limiting shear stress tau_L in the friction: cut, at most tau_L; bair_winer, tau_L '// &
-         '(1 - exp(-tau/tau_L))', words='none cut bair_winer', used=no_moes), &
+         '(1 - exp(-tau/tau_L))', words='none cut bair_winer', used=no_moes, problems=film), &
       key_row_t('lubricant', 'limit_ratio', real_kind, '-', is_optional, &
          'tau_L over the pressure', range='>= 1e-3, <= 1', used='shear_limit = cut bair_winer', &
-         needed='shear_limit = cut bair_winer', typical='0.03 to 0.12', example='! 0.05'), &
+         needed='shear_limit = cut bair_winer', typical='0.03 to 0.12', example='! 0.05', problems=film), &
       key_row_t('lubricant', 'cavitation', word_kind, '', "'auto'", &
          'reynolds: P >= 0 alone (thesis); mass_conserving: no oil is lost; auto: that with '// &
          '&supply, &asperities or &thermal', words='auto reynolds mass_conserving'), &
       key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
          'at ambient pressure, for kinematic_viscosity, Reynolds number and &film inertia; '// &
          'default: mineral oil', &
-         range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500'), &
+         range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500', problems=film), &
       key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
          'for temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
          used=in_metres, typical='0.05 to 2'), &
@@ -292,11 +320,11 @@ module input_keys
          //'word for each element', words='smooth feature sinusoid file synthetic'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, &
          'height A of each element; a ridge is positive, a dent negative', range='>= -1, <= 1', &
-         used=of_features, needed=of_features, problems=every, typical='1e-9 to 1e-4', &
+         used=of_features, needed=of_features, problems=other_than_point, typical='1e-9 to 1e-4', &
          example='! 2e-7, -1e-7', dry_example='! 1e-6'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', range='>= 1e-12, <= 1e3', used=of_features, &
-         needed=of_features, problems=every, typical=typical_wave, example='! 1e-4, 5e-5', &
+         needed=of_features, problems=other_than_point, typical=typical_wave, example='! 1e-4, 5e-5', &
          dry_example='! 1e-4'), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
          'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
@@ -314,30 +342,30 @@ module input_keys
          used=of_features, problems=dry, example='!'), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, &
          'file of heights: table of positions and heights, or HDF5', used='shape = file', &
-         needed='shape = file', problems=every, example="! 'profile.csv'"), &
+         needed='shape = file', problems=other_than_point, example="! 'profile.csv'"), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, &
          'heights: name of the column (needed if there are more than two), or path in the ' &
-         //'HDF5 file', used='shape = file', problems=every, example="! 'z'"), &
+         //'HDF5 file', used='shape = file', problems=other_than_point, example="! 'z'"), &
       key_row_t('surface_1', 'positions', text_kind, '', is_optional, &
          'name of the column of positions, needed if there are more than two', &
-         used='shape = file', problems=every, example="! 'x'"), &
+         used='shape = file', problems=other_than_point, example="! 'x'"), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=every, example="! 'mm'"), &
+         words='auto '//length_words, used='shape = file', problems=other_than_point, example="! 'mm'"), &
       key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
          'unit of the heights in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=every, example="! 'um'"), &
+         words='auto '//length_words, used='shape = file', problems=other_than_point, example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
          'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
-         problems=every, example="! 'line'"), &
+         problems=other_than_point, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
          'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
          'cut-off lambda_s: shorter waves are removed by the same filter', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
          'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', &
@@ -347,19 +375,19 @@ module input_keys
          range='>= 1, <= 16777216', used=of_roughness, problems=dry, example='! 50'), &
       key_row_t('surface_1', 'seed', integer_kind, '-', '1', &
          'the same seed gives the same surface everywhere', range='>= 0, <= 2147483647', &
-         used=of_synthesis, problems=every, example='!', dry_example='1'), &
+         used=of_synthesis, problems=other_than_point, example='!', dry_example='1'), &
       key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', &
          'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
-         problems=every, example='!', dry_example='0.8'), &
+         problems=other_than_point, example='!', dry_example='0.8'), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
-         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=every, &
+         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=other_than_point, &
          typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
-         used=of_synthesis, problems=every, typical=typical_wave, example='! 4e-4'), &
+         used=of_synthesis, problems=other_than_point, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=other_than_point, typical=typical_wave, &
          example='! 1e-4', dry_example='1e-4'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, typical=typical_wave, &
@@ -369,9 +397,9 @@ module input_keys
          range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave, &
          example='1.25e-5'), &
       key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', 'Rsk', range='>= -3, <= 3', &
-         used=of_synthesis, problems=every, example='!', dry_example='0.0'), &
+         used=of_synthesis, problems=other_than_point, example='!', dry_example='0.0'), &
       key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', 'Rku', range='>= 1, <= 20', &
-         used=of_synthesis, problems=every, example='!', dry_example='3.0')]
+         used=of_synthesis, problems=other_than_point, example='!', dry_example='3.0')]
 
    type(key_row_t), parameter :: domain_rows(*) = [ &
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, &
@@ -399,6 +427,24 @@ module input_keys
          'number of nodes in '//axes(i) &
          //'; default: those of the file, which others resample (Fourier series)', &
          range='>= 2, <= 65536', used=no_target, problems=dry_area, example='256'), i=1, 2)], &
+      key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, &
+         'start of the domain, in the half-axis a of the radii of x', range='>= -1000, < -1', &
+         problems=point, example='! -4.5'), &
+      key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, 'end of the domain', &
+         range='> 1, <= 1000', problems=point, example='! 1.5'), &
+      key_row_t('domain', 'y_half_width', real_kind, 'half-widths', is_chosen, &
+         'half of its width', range='> 0.1, <= 1000', problems=point, example='! 3.0'), &
+      key_row_t('domain', 'intervals_x', integer_kind, '-', is_chosen, &
+         'grid intervals in x; chosen: for 1 % of h_central', &
+         range='>= 32, <= 4096, a power of two (times 3 or 5 or 7)', used=no_target, &
+         problems=point, example='! 256'), &
+      key_row_t('domain', 'intervals_y', integer_kind, '-', is_chosen, &
+         'in y; chosen: cells at most 1.5 times as long as in x', &
+         range='>= 32, <= 8192, a power of two (times 3 or 5 or 7)', used='intervals_x', &
+         problems=point, example='! 256'), &
+      key_row_t('domain', 'far_field', logical_kind, '', '.true.', &
+         'pressure of the far field on the border and the load beyond it; else both are 0', &
+         problems=point, is_expert=.true.), &
       key_row_t('domain', 'periodic', logical_kind, '', is_chosen, &
          'periodic surface; or an open half-space, which the contact must not leave; ' &
          //'chosen: .false. with a parabola', problems=dry, example='.true.'), &
@@ -493,10 +539,12 @@ module input_keys
          words='auto conjugate_gradient steepest_descent', problems=dry, is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', &
          'bound on the violation of the contact conditions', range='>= 1e-15, <= 1e-1', &
-         problems=dry, is_expert=.true.), &
+         problems='dry_line dry_area ehl_point', is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
          'most iterations for one load', range='>= 1, <= 10000000', &
-         problems=dry, is_expert=.true.)]
+         problems=dry, is_expert=.true.), &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', '40', 'most Newton steps on a grid', &
+         range='>= 1, <= 1000', problems=point, is_expert=.true.)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', &
@@ -522,9 +570,9 @@ module input_keys
          example='! 50e-9, 100e-9'), &
       key_row_t('output', 'adequacy', logical_kind, '', '.true.', &
          'measures the effect of each ingredient, for /adequacy: at most a tenth of the cost; '// &
-            'full: everything', words='full', problems=every), &
+            'full: everything', words='full', problems=other_than_point), &
       key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
-         'stores the fields and series that are dimensionless in SI too, in /si'), &
+         'stores the fields and series that are dimensionless in SI too, in /si', problems=film), &
       key_row_t('output', 'xdmf', logical_kind, '', '.false.', &
          'writes NAME.xdmf next to NAME.h5, with which ParaView shows the fields', &
          problems=every), &
@@ -533,7 +581,7 @@ module input_keys
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error for which grid and time step are chosen: of h_min, on a graded grid ' &
-         //'of all, dry: of the contact area', range='>= 1e-7, <= 0.1', problems=every, &
+         //'of all, of points also h_central; dry: of the contact area', range='>= 1e-7, <= 0.1', problems=every, &
          example='! 1e-3', dry_example='! 0.02'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]

@@ -4,8 +4,8 @@
 module input_manual
    use input_keys, only: group_rows, key_rows
    use key_rules, only: rules_text
-   use key_row, only: every, has_word, is_chosen, is_optional, is_required, key_row_t, kind_names, &
-      lubricated, word_list, words_kind
+   use key_row, only: dry, every, has_word, is_chosen, is_optional, is_required, key_row_t, kind_names, &
+      point, word_list, words_kind
    use quantity_text, only: wrapped
    implicit none (type, external)
    private
@@ -168,7 +168,8 @@ contains
       integer :: i
 
       template = '! A lubricated line contact (chapter 5, Case 1)'
-      if (problem /= lubricated) template = '! A dry rough contact'
+      if (problem == point) template = '! A ball on a disc with oil'
+      if (has_word(dry, problem)) template = '! A dry rough contact'
       template = template // '; asperity --keys shows the ranges too. Lines with ! in' // nl &
          // '! the first column hold keys that are optional here or replace others. The order '// &
             'of all is free.' // nl
@@ -210,7 +211,7 @@ contains
       character(:), allocatable :: example
 
       example = trim(row%example)
-      if (problem /= lubricated .and. row%dry_example /= '') example = trim(row%dry_example)
+      if (has_word(dry, problem) .and. row%dry_example /= '') example = trim(row%dry_example)
       if (row%key == 'problem') example = "'"//problem//"'"
       if (example == '') example = trim(row%default)
       if (example == '!') example = '! '//trim(row%default)

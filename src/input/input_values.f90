@@ -56,7 +56,9 @@ contains
       character(*), intent(in) :: group, key
       type(value_t) :: slot
 
-      slot = self%slots(find_key(group, key, self%problem))
+      associate (row => find_key(group, key, self%problem))
+         if (row > 0) slot = self%slots(row)
+      end associate
    end function slot
 
    !> The first real value of a key; `default` or 0 if there is none.
@@ -67,8 +69,9 @@ contains
 
       value = 0.0_wp
       if (present(default)) value = default
-      associate (slot => self%slots(find_key(group, key, self%problem)))
-         if (slot%has_value) value = slot%reals(1)
+      associate (row => find_key(group, key, self%problem))
+         if (row == 0) return   ! not of this problem
+         if (self%slots(row)%has_value) value = self%slots(row)%reals(1)
       end associate
    end function real_value
 
@@ -77,7 +80,10 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      value = self%slots(find_key(group, key, self%problem))%integer
+      value = 0
+      associate (row => find_key(group, key, self%problem))
+         if (row > 0) value = self%slots(row)%integer
+      end associate
    end function integer_value
 
    !> Whether a key is true; false if it has no value.
@@ -85,7 +91,10 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      value = self%slots(find_key(group, key, self%problem))%logical
+      value = .false.
+      associate (row => find_key(group, key, self%problem))
+         if (row > 0) value = self%slots(row)%logical
+      end associate
    end function logical_value
 
    !> The first word of a key; '?' if there is none.
@@ -95,8 +104,9 @@ contains
       character(len=word_length) :: word
 
       word = '?'
-      associate (slot => self%slots(find_key(group, key, self%problem)))
-         if (slot%has_value) word = slot%words(1)
+      associate (row => find_key(group, key, self%problem))
+         if (row == 0) return
+         if (self%slots(row)%has_value) word = self%slots(row)%words(1)
       end associate
    end function word_value
 
@@ -114,7 +124,10 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      is_given = self%slots(find_key(group, key, self%problem))%is_given
+      is_given = .false.
+      associate (row => find_key(group, key, self%problem))
+         if (row > 0) is_given = self%slots(row)%is_given
+      end associate
    end function is_given
 
    !> True if the key has a value, given or default.
@@ -122,7 +135,10 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      has_value = self%slots(find_key(group, key, self%problem))%has_value
+      has_value = .false.
+      associate (row => find_key(group, key, self%problem))
+         if (row > 0) has_value = self%slots(row)%has_value
+      end associate
    end function has_value
 
    !> True if the group is in the file.
@@ -152,6 +168,7 @@ contains
       integer :: line
 
       line = self%line_of(group, source)
+      if (find_key(group, key, self%problem) == 0) return
       associate (slot => self%slots(find_key(group, key, self%problem)))
          slot%is_given = .true.
          slot%has_value = .true.

@@ -21,16 +21,18 @@ module key_row
    character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', &
       is_optional = '-'
 
-   !> The problems: lubricated line; dry profiles and areas; all of them.
-   character(*), parameter, public :: lubricated = 'ehl_line', dry_line = 'dry_line', &
-      dry_area = 'dry_area', dry = 'dry_line dry_area', every = 'ehl_line dry_line dry_area'
+   !> The problems: lubricated line and point; dry profiles and areas; several of them.
+   character(*), parameter, public :: lubricated = 'ehl_line', point = 'ehl_point', &
+      dry_line = 'dry_line', dry_area = 'dry_area', film = 'ehl_line ehl_point', &
+      dry = 'dry_line dry_area', other_than_point = 'ehl_line dry_line dry_area', &
+      every = 'ehl_line ehl_point dry_line dry_area'
 
    !> One group.
    type, public :: group_row_t
       character(len=12) :: group
       character(len=100) :: meaning
       !> Problems that know the group, separated by blanks.
-      character(len=32) :: problems = lubricated
+      character(len=40) :: problems = lubricated
       !> True: it must be there.
       logical :: is_needed = .false.
       !> True: it must not be there together with &moes.
@@ -57,7 +59,7 @@ module key_row
       !> Value with &moes where none is given.
       character(len=8) :: moes_default = ''
       !> Problems that use the key, separated by blanks; each may have a row of its own.
-      character(len=32) :: problems = lubricated
+      character(len=40) :: problems = lubricated
       !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
       !> reported, as most often slips of a unit; empty: all of the range.
       character(len=20) :: typical = ''

@@ -2,7 +2,7 @@
 module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
-   use key_row, only: lubricated
+   use key_row, only: lubricated, point
    use kinds, only: wp
    use synthetic_surface, only: synthesis_t
    use text, only: to_text
@@ -78,6 +78,7 @@ contains
       type(value_t) :: shape
       real(wp) :: metres_a_second
 
+      if (values%problem == point) return   ! smooth
       shape = values%slot(group, 'shape')
       if (values%problem /= lubricated) then
          if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words &

@@ -13,10 +13,8 @@ module value_hints
    end type answer_t
 
    type(answer_t), parameter :: answers(*) = [ &
-      answer_t('point_', 'lubricated point contacts are not built: ehl_line is for '// &
-         'rollers, dry_area for a dry ball'), &
-      answer_t('ellip', 'lubricated elliptic contacts are not built: ehl_line serves an '// &
-         'ellipse five times as wide as long'), &
+      answer_t('point_', "problem = 'ehl_point' is for balls and crowned rollers"), &
+      answer_t('ellip', "problem = 'ehl_point' has elliptic contacts: radius_x_1, radius_y_1, ..."), &
       answer_t('target_p_max', 'target holds for p_max too, on the graded grid of a steady '// &
          'contact'), &
       answer_t('parabola', 'with oil the radii of &bodies give it'), &

@@ -8,7 +8,7 @@ module dense_solve
    implicit none (type, external)
    private
 
-   public :: solve_dense, use_one_blas_thread
+   public :: solve_dense, solve_factored, use_one_blas_thread
 
    interface
       !> LU factorisation with partial pivoting, and solution (LAPACK).
@@ -19,6 +19,17 @@ module dense_solve
          real(wp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info
       end subroutine dgesv
+
+      !> Solution with the factors of `dgesv` (LAPACK).
+      subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
+         import :: wp
+         implicit none (type, external)
+         character(len=1), intent(in) :: trans
+         integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
+         real(wp), intent(in) :: a(lda, *)
+         real(wp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dgetrs
    end interface
 
    abstract interface
@@ -71,5 +82,18 @@ contains
       if (info /= 0) call fail(error, internal_error, 'dgesv: matrix is singular, info = ' &
          //to_text(info))
    end subroutine solve_dense
+
+   !> Solves again with the factors and `pivots` that `solve_dense` has left.
+   subroutine solve_factored(factors, right_side, pivots)
+      real(wp), contiguous, intent(in) :: factors(:, :)
+      real(wp), contiguous, intent(inout) :: right_side(:)
+      integer, contiguous, intent(in) :: pivots(:)
+      integer :: info
+
+      !$omp critical (lapack)
+      call dgetrs('N', size(right_side), 1, factors, size(right_side), pivots, right_side, &
+         size(right_side), info)   ! info: no argument is wrong
+      !$omp end critical (lapack)
+   end subroutine solve_factored
 
 end module dense_solve

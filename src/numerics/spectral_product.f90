@@ -1,7 +1,7 @@
 !> Products with a matrix that is diagonal in Fourier space, on uniform grids of one or two
 !> dimensions, by FFTW.
 !>
-!> Periodic: y = F^-1 (symbol . F x) on the grid itself. Open: x is padded with zeros to at least
+!> Periodic: y = F^-1 (symbol . F x) on the grid itself. Open: x is padded with zeros to about
 !> twice its length, which makes the discrete convolution with a kernel exact (Hockney & Eastwood,
 !> Computer Simulation Using Particles, 1988, section 6-5-4). Plans are made once, by FFTW_ESTIMATE:
 !> a repeated run gives the same bits.
@@ -110,13 +110,13 @@ contains
       end if
    end subroutine plan_as_wanted
 
-   !> Length of the transform of an open line of `n` nodes: the smallest 2^a 3^b 5^c >= 2n - 1 (1
-   !> for a single node).
+   !> Length of the transform of an open line of `n` nodes: the smallest 2^a 3^b 5^c >= 2n - 2 (1
+   !> for a single node): the distances n - 1 and 1 - n, whose kernel is the same, share a place.
    pure function padded_size(n) result(m)
       integer, intent(in) :: n
       integer :: m, rest
 
-      m = max(2*n - 1, 1)
+      m = max(2*n - 2, 1)
       do
          rest = m
          do while (mod(rest, 2) == 0)

@@ -204,10 +204,12 @@ contains
    !> The contact, as one is described.
    function contact_line(scaling) result(line)
       type(scaling_t), intent(in) :: scaling
-      character(:), allocatable :: line
+      character(:), allocatable :: line, width
 
+      width = 'b '
+      if (allocated(scaling%ellipse)) width = 'b/a '//number_text(scaling%ellipse%ratio, 3)//', a '
       if (scaling%is_dimensional) then
-         line = 'p_h '//prefixed_text(scaling%hertz_pressure, 'Pa')//', b ' &
+         line = 'p_h '//prefixed_text(scaling%hertz_pressure, 'Pa')//', '//width &
             //prefixed_text(scaling%half_width, 'm')//', U ' &
             //number_text(0.5_wp*scaling%speed_sum, 4)//' m/s, slide-to-roll ' &
             //number_text(scaling%slide_to_roll, 4)

@@ -106,6 +106,8 @@ contains
          scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power, &
          scaling%load_per_length, scaling%reduced_radius, scaling%speed_sum, 1.0_wp]
       label = new_label(long_name, trim(si_units(i)), scales(i))
+      if (unit == 'power' .and. allocated(scaling%ellipse)) label = new_label(long_name, 'W', &
+         scaling%power)
    end function scaled_label
 
    !> Values (nx) of a field of `field_names`; none for one that the state does not hold.

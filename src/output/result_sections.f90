@@ -2,7 +2,6 @@
 module result_sections
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
-   use constants, only: pi
    use hdf5_axes, only: make_counter, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
@@ -10,12 +9,11 @@ module result_sections
    use kinds, only: wp
    use line_summary, only: line_summary_t, mean_power, quantity_t
    use missing_value, only: exceeds, not_known
-   use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
    use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows, &
       x_cavitation
    use result_labels, only: row_label, scaled_label
-   use scaling, only: scaling_t
+   use scaling, only: scaling_t, sum_per_mean
    use text, only: joined
    use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
@@ -41,18 +39,30 @@ contains
          'slide_to_roll', scaling%slide_to_roll, '1')
       call write_attribute(file, group, 'moes_m', scaling%moes_m, '1')
       call write_attribute(file, group, 'moes_l', scaling%moes_l, '1')
-      call write_attribute(file, group, 'moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
-      call write_attribute(file, group, 'moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
+      call write_attribute(file, group, 'moes_m_sum', scaling%moes_m*sum_per_mean**merge(-0.75_wp, &
+         -0.5_wp, allocated(scaling%ellipse)), '1')
+      call write_attribute(file, group, 'moes_l_sum', scaling%moes_l*sum_per_mean**0.25_wp, '1')
+      if (allocated(scaling%ellipse)) call write_attribute(file, group, 'ellipticity', &
+         scaling%ellipse%ratio, '1')
       if (scaling%hertz_pressure > 0.0_wp) call write_attribute(file, group, 'hertz_pressure', &
          scaling%hertz_pressure, 'Pa')
       if (.not. scaling%is_dimensional) return
-      call write_attribute(file, group, 'half_width', scaling%half_width, 'm')
-      call write_attribute(file, group, 'reduced_radius', scaling%reduced_radius, 'm')
       call write_attribute(file, group, 'reduced_modulus', scaling%reduced_modulus, 'Pa')
-      call write_attribute(file, group, 'load_per_length', scaling%load_per_length, 'N/m')
+      if (allocated(scaling%ellipse)) then
+         call write_attribute(file, group, 'half_width_x', scaling%half_width, 'm')
+         call write_attribute(file, group, 'half_width_y', scaling%half_width &
+            *scaling%ellipse%ratio, 'm')
+         call write_attribute(file, group, 'reduced_radius_x', scaling%reduced_radius, 'm')
+         call write_attribute(file, group, 'load', scaling%load_per_length, 'N')
+      else
+         call write_attribute(file, group, 'half_width', scaling%half_width, 'm')
+         call write_attribute(file, group, 'reduced_radius', scaling%reduced_radius, 'm')
+         call write_attribute(file, group, 'load_per_length', scaling%load_per_length, 'N/m')
+      end if
       call write_attribute(file, group, 'film_thickness', scaling%film, 'm')
       call write_attribute(file, group, 'shear_stress', scaling%shear_stress, 'Pa')
-      call write_attribute(file, group, 'power', scaling%power, 'W/m')
+      call write_attribute(file, group, 'power', scaling%power, trim(merge('W  ', 'W/m', &
+         allocated(scaling%ellipse))))
       call write_attribute(file, group, 'time', scaling%time, 's')
       call write_attribute(file, group, 'viscosity', scaling%viscosity, 'Pa s')
       call write_attribute(file, group, 'speed_sum', scaling%speed_sum, 'm/s')
@@ -90,7 +100,7 @@ contains
             if (row%field == 'film_thickness' .and. len_trim(row%short) > 0) call &
                write_quantity(trim(row%name)//'_moes', trim(row%name)// &
                " in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
-               quantity, 8.0_wp*scaling%moes_m/pi, new_label('', '1'))
+               quantity, scaling%film_moes, new_label('', '1'))
          end associate
       end do
       if (ieee_is_finite(lambda_ratio)) call write_value(file, '/summary/lambda_ratio', &

@@ -2,6 +2,9 @@
 !> dimensionless values.
 module scaling
    use bodies, only: bodies_t
+   use constants, only: pi
+   use elliptic_contact, only: ellipse_t, new_ellipse, point_alpha_bar, point_film_unit, &
+      point_lambda
    use eyring, only: eyring_t, ln_b_of_no_sliding
    use film_heating, only: heating_t
    use flow_law, only: flow_law_t
@@ -15,8 +18,11 @@ module scaling
    implicit none (type, external)
    private
 
-   public :: inertia_number, new_heating, new_scaling, new_moes_scaling, scaled_fluid
+   public :: inertia_number, new_heating, new_moes_scaling, new_point_moes_scaling, &
+      new_point_scaling, new_scaling, scaled_fluid
 
+   !> u1 + u2 over the mean speed: M falls with its power 3/4, L rises with its power 1/4.
+   real(wp), parameter, public :: sum_per_mean = 2.0_wp
    !> Rheologies, mu at any shear and Eyring (module eyring), and their names in the input.
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
    character(len=16), parameter, public :: rheologies(0:1) = [character(len=16) :: 'newtonian', &
@@ -44,7 +50,7 @@ module scaling
       real(wp) :: slope = 0.0_wp
       !> p_h b/R [Pa], unit of shear stress.
       real(wp) :: shear_stress = 0.0_wp
-      !> p_h b^2/R u_s [W/m], unit of power per length.
+      !> p_h b^2/R u_s [W/m], unit of power per length; of a point contact p_h a^3/Rx u_s [W].
       real(wp) :: power = 0.0_wp
    end type scales_t
 
@@ -60,8 +66,13 @@ module scaling
       !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive if surface 2 is faster, as in
       !> chapter 6; NaN: speeds not known.
       real(wp) :: slide_to_roll = 0.0_wp
+      !> Unit of the film in units of Moes, mean speed.
+      real(wp) :: film_moes = 0.0_wp
       !> Whether the SI scales are known.
       logical :: is_dimensional = .false.
+      !> Shape of a point contact, whose a, Rx and load [N] stand in the scales for b, R and w; not
+      !> allocated: of a line contact.
+      type(ellipse_t), allocatable :: ellipse
    end type scaling_t
 
 contains
@@ -100,6 +111,7 @@ contains
       end if
       scaling%moes_m = moes_m_mean_from_sum(moes_m_sum_from_lambda(scaling%lambda))
       scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
+      scaling%film_moes = 8.0_wp*scaling%moes_m/pi
    end subroutine new_scaling
 
    !> Sets the scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean
@@ -114,6 +126,7 @@ contains
 
       scaling%moes_m = moes_m_mean
       scaling%moes_l = moes_l_mean
+      scaling%film_moes = 8.0_wp*scaling%moes_m/pi
       scaling%slide_to_roll = not_known()
       scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
       scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
@@ -121,6 +134,75 @@ contains
          scaling%hertz_pressure = scaling%alpha_bar/lubricant%pressure_viscosity
       end if
    end subroutine new_moes_scaling
+
+   !> Sets the scaling of a point contact given in SI: `bodies` with Rx, D = Rx/Ry = `radius_ratio`,
+   !> `load` [N]: a = Rx (3 W/(pi^2 C kappa))^(1/3), W = w/(E' Rx^2), p_h = (pi/2) C E' a/Rx.
+   pure subroutine new_point_scaling(scaling, bodies, radius_ratio, lubricant, load)
+      type(scaling_t), intent(out) :: scaling
+      type(bodies_t), intent(in) :: bodies
+      real(wp), intent(in) :: radius_ratio, load
+      type(lubricant_t), intent(in) :: lubricant
+      real(wp) :: speed
+
+      scaling%ellipse = new_ellipse(radius_ratio)
+      scaling%is_dimensional = .true.
+      scaling%reduced_radius = bodies%reduced_radius
+      scaling%reduced_modulus = bodies%reduced_modulus
+      scaling%load_per_length = load
+      scaling%half_width = point_half_width(scaling%ellipse, bodies, load)
+      scaling%slope = scaling%half_width/bodies%reduced_radius
+      scaling%hertz_pressure = 0.5_wp*pi*scaling%ellipse%compliance*bodies%reduced_modulus &
+         *scaling%slope
+      scaling%film = scaling%half_width*scaling%slope
+      scaling%speed_sum = bodies%speed_1 + bodies%speed_2
+      scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
+      scaling%shear_stress = scaling%hertz_pressure*scaling%slope
+      scaling%power = scaling%shear_stress*scaling%half_width**2*scaling%speed_sum
+      scaling%slide_to_roll = 2.0_wp*(bodies%speed_2 - bodies%speed_1)/scaling%speed_sum
+      scaling%viscosity = lubricant%viscosity
+      scaling%lambda = 6.0_wp*scaling%speed_sum*lubricant%viscosity &
+         /(scaling%hertz_pressure*scaling%half_width*scaling%slope**2)
+      if (lubricant%viscosity_law /= viscosity_constant) scaling%alpha_bar = &
+         lubricant%pressure_viscosity*scaling%hertz_pressure
+      ! U of the mean speed
+      speed = 0.5_wp*lubricant%viscosity*scaling%speed_sum/(bodies%reduced_modulus &
+         *bodies%reduced_radius)
+      scaling%moes_m = load/(bodies%reduced_modulus*bodies%reduced_radius**2)*speed**(-0.75_wp)
+      scaling%moes_l = scaling%alpha_bar/scaling%hertz_pressure*bodies%reduced_modulus &
+         *speed**0.25_wp
+      scaling%film_moes = scaling%slope**2/sqrt(speed)
+   end subroutine new_point_scaling
+
+   !> Half-axis a [m] along Rx of the dry contact under `load` [N].
+   pure real(wp) function point_half_width(ellipse, bodies, load) result(half_width)
+      type(ellipse_t), intent(in) :: ellipse
+      type(bodies_t), intent(in) :: bodies
+      real(wp), intent(in) :: load
+
+      half_width = (3*load*bodies%reduced_radius/(pi**2*ellipse%compliance*ellipse%ratio &
+         *bodies%reduced_modulus))**(1.0_wp/3.0_wp)
+   end function point_half_width
+
+   !> Sets the scaling of a smooth Newtonian point contact given by D = `radius_ratio` and Moes'
+   !> numbers, mean speed; as `new_moes_scaling`.
+   pure subroutine new_point_moes_scaling(scaling, radius_ratio, moes_m_mean, moes_l_mean, &
+      lubricant)
+      type(scaling_t), intent(out) :: scaling
+      real(wp), intent(in) :: radius_ratio, moes_m_mean, moes_l_mean
+      type(lubricant_t), intent(in) :: lubricant
+      real(wp) :: m
+
+      m = moes_m_mean*sum_per_mean**(-0.75_wp)
+      scaling%ellipse = new_ellipse(radius_ratio)
+      scaling%moes_m = moes_m_mean
+      scaling%moes_l = moes_l_mean
+      scaling%slide_to_roll = not_known()
+      scaling%lambda = point_lambda(scaling%ellipse, m)
+      scaling%alpha_bar = point_alpha_bar(scaling%ellipse, m, moes_l_mean*sum_per_mean**0.25_wp)
+      scaling%film_moes = point_film_unit(scaling%ellipse, m)*sqrt(sum_per_mean)
+      if (lubricant%pressure_viscosity > 0.0_wp) scaling%hertz_pressure = scaling%alpha_bar &
+         /lubricant%pressure_viscosity
+   end subroutine new_point_moes_scaling
 
    !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] over its pressure.
    !> Dimensional scaling only.

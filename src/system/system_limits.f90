@@ -11,7 +11,7 @@ module system_limits
    private
 
    public :: check_stack, dry_memory, group_memory, lubricated_memory, memory_fault, peak_memory, &
-      processors, settle_memory, thread_memory
+      point_memory, processors, settle_memory, thread_memory
 
    !> What the program itself takes, and its libraries for it, without a grid [bytes].
    real(wp), parameter :: of_program = 20.0e6_wp
@@ -65,6 +65,14 @@ contains
       if (is_dense) bytes = bytes + of_entry*n**2
       if (layers > 0) bytes = bytes + (8*m*(36*m + 130) + of_profile*steps)*n
    end function lubricated_memory
+
+   !> The same of a lubricated point contact, with all its coarser grids.
+   pure real(wp) function point_memory(nx, ny) result(bytes)
+      integer, intent(in) :: nx, ny
+      real(wp), parameter :: of_node = 1000.0_wp
+
+      bytes = of_node*(nx + 1)*(ny + 1)
+   end function point_memory
 
    !> "found ..., expected ..." for something, `what`, that takes this many `bytes` beside the
    !> program, and `mapped` ones of address space that it hardly writes to; empty if there is

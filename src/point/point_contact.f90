@@ -1,0 +1,190 @@
+!> The smooth lubricated point contact, dimensionless: X along entrainment, lengths in the half-axis
+!> a that belongs to Rx, pressure in p_h, film in a^2/Rx. The ellipse turns under the grid, not the
+!> grid under the oil.
+!>
+!>     div( e grad P ) - d(rho H)/dX = 0 ,  e = rho H^3 S/(lambda mu) ,  P >= 0
+!>     H = H0 + q0 X^2/2 + q1 X Y + q2 Y^2/2 + C II P/R dA ,  II P dA = 2 pi kappa/3
+!>
+!> With the flow of small pressure gradients on sliding along X, an Eyring oil has the viscosities mu
+!> / S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
+module point_contact
+   use constants, only: pi
+   use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &
+      point_film_unit, point_lambda
+   use expected_film, only: thinned_central_film
+   use kinds, only: wp
+   use lubricant, only: fluid_t
+   implicit none (type, external)
+   private
+
+   public :: far_load, film_error, far_pressure, first_intervals, hertz_pressure_at, &
+      intervals_for, new_point_contact, rows_for
+
+   !> Where the contact is solved [a].
+   type, public :: point_domain_t
+      real(wp) :: x_inlet = 0.0_wp, x_outlet = 0.0_wp, y_half_width = 0.0_wp
+      !> Intervals in x and y.
+      integer :: nx = 0, ny = 0
+   end type point_domain_t
+
+   !> The contact.
+   type, public :: point_contact_t
+      type(ellipse_t) :: ellipse
+      type(fluid_t) :: fluid
+      !> D = Rx/Ry, and the angle from the x axis of the ellipse to the entrainment [rad].
+      real(wp) :: radius_ratio = 1.0_wp, angle = 0.0_wp
+      !> Moes' numbers of the sum of the speeds, and lambda [-].
+      real(wp) :: moes_m = 1.0_wp, moes_l = 0.0_wp, lambda = 1.0_wp
+      !> II P dA [-].
+      real(wp) :: load = 0.0_wp
+      !> q0, q1, q2, and half-widths of the turned ellipse along X and Y [-].
+      real(wp) :: curvature(3) = 0.0_wp, half_widths(2) = 1.0_wp
+      !> Central film to be expected [a^2/Rx].
+      real(wp) :: expected_film = 0.0_wp
+      !> The pressure around the domain is that of rigid bodies, not 0; its g of P = g.r/H^2.
+      logical :: has_far_field = .true.
+      real(wp) :: far(2) = 0.0_wp
+      type(point_domain_t) :: domain
+   end type point_contact_t
+
+   !> Cells are at most so many times as long in y as in x: longer ones cost iterations.
+   real(wp), parameter :: longest_cell = 1.5_wp
+   !> Fewest intervals in x of a grid that is solved.
+   integer, parameter :: fewest = 32
+   !> Directions in which the load outside the domain is summed.
+   integer, parameter :: directions = 4000
+
+contains
+
+   !> The contact of D = `radius_ratio` > 0, Moes' M > 0 and L >= 0 of the sum of the speeds, the
+   !> `angle` [rad] and the `fluid` in the scales of this contact. Its domain is the usual one.
+   pure function new_point_contact(radius_ratio, moes_m, moes_l, angle, fluid) result(contact)
+      real(wp), intent(in) :: radius_ratio, moes_m, moes_l, angle
+      type(fluid_t), intent(in) :: fluid
+      type(point_contact_t) :: contact
+      real(wp) :: along, trace, width
+
+      contact%radius_ratio = radius_ratio
+      contact%moes_m = moes_m
+      contact%moes_l = moes_l
+      contact%angle = angle
+      contact%fluid = fluid
+      contact%ellipse = new_ellipse(radius_ratio)
+      contact%lambda = point_lambda(contact%ellipse, moes_m)
+      associate (c => cos(angle), s => sin(angle), kappa => contact%ellipse%ratio, &
+         d => radius_ratio, q => contact%curvature, b => contact%half_widths)
+         contact%load = 2*pi*kappa/3
+         q = [c**2 + d*s**2, (d - 1)*c*s, s**2 + d*c**2]
+         b = [hypot(c, kappa*s), hypot(s, kappa*c)]
+         along = q(1)
+         contact%expected_film = central_point_film(moes_m*along**1.25_wp, moes_l*along**0.25_wp, &
+            q(3)/along)/sqrt(along)/point_film_unit(contact%ellipse, moes_m)
+         contact%expected_film = thinned_central_film(fluid, contact%lambda, contact%expected_film)
+         ! (Q + 2 tr(Q) I) g = -lambda Q e_x
+         trace = 2*(q(1) + q(3))
+         contact%far = -contact%lambda*[(q(3) + trace)*q(1) - q(2)**2, (q(1) + trace)*q(2) &
+            - q(2)*q(1)]/((q(1) + trace)*(q(3) + trace) - q(2)**2)
+         width = max(1.0_wp, sqrt(2*contact%expected_film))
+         contact%domain%x_inlet = -b(1) - 3.5_wp*width
+         contact%domain%x_outlet = b(1) + 0.5_wp*width
+         contact%domain%y_half_width = b(2) + 2*sqrt(b(2))*width
+      end associate
+   end function new_point_contact
+
+   !> Pressure of rigid bodies and an oil of constant viscosity far from the contact, of the film
+   !> `h` at (x, y): a paraboloid gap has P = (g1 X + g2 Y)/H^2 (P. L. Kapitza, Zh. Tekh. Fiz. 25,
+   !> 1955, 747), where that is positive.
+   pure elemental real(wp) function far_pressure(contact, x, y, h) result(p)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: x, y, h
+
+      p = 0.0_wp
+      if (contact%has_far_field) p = max((contact%far(1)*x + contact%far(2)*y)/h**2, 0.0_wp)
+   end function far_pressure
+
+   !> Load of that pressure outside the domain, half a cell `hx`, `hy` beyond its border: the sum
+   !> over the directions e of 4 (g.e)/(e.Q e)^2/distance.
+   pure real(wp) function far_load(contact, hx, hy) result(load)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: hx, hy
+      real(wp) :: angle, distance, e(2), side
+      integer :: i
+
+      load = 0.0_wp
+      if (.not. contact%has_far_field) return
+      associate (domain => contact%domain, q => contact%curvature)
+         do i = 1, directions
+            angle = (i - 0.5_wp)*2*pi/directions
+            e = [cos(angle), sin(angle)]
+            side = merge(domain%x_outlet, -domain%x_inlet, e(1) > 0.0_wp) + 0.5_wp*hx
+            distance = min(side/max(abs(e(1)), tiny(1.0_wp)), (domain%y_half_width + 0.5_wp*hy) &
+               /max(abs(e(2)), tiny(1.0_wp)))
+            load = load + 4*max(dot_product(contact%far, e), 0.0_wp)/(q(1)*e(1)**2 &
+               + 2*q(2)*e(1)*e(2) + q(3)*e(2)**2)**2/distance
+         end do
+      end associate
+      load = load*2*pi/directions
+   end function far_load
+
+   !> Pressure of the dry contact at (x, y).
+   pure elemental real(wp) function hertz_pressure_at(contact, x, y) result(p)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: x, y
+
+      associate (c => cos(contact%angle), s => sin(contact%angle))
+         p = sqrt(max(1 - (c*x - s*y)**2 - ((s*x + c*y)/contact%ellipse%ratio)**2, 0.0_wp))
+      end associate
+   end function hertz_pressure_at
+
+   !> Relative error of H_c to be expected on cells `hx` long: 0.5 M^0.24 hx^2/H_c, measured.
+   pure real(wp) function film_error(contact, hx) result(error)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: hx
+
+      error = 0.5_wp*max(contact%moes_m, 1.0_wp)**0.24_wp*hx**2/contact%expected_film
+   end function film_error
+
+   !> Fewest intervals in x, a power of two, for a relative error of H_c.
+   pure integer function intervals_for(contact, error) result(nx)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: error
+
+      nx = 2*fewest
+      do while (film_error(contact, length(contact)/nx) > error .and. nx < 2**20)
+         nx = 2*nx
+      end do
+   end function intervals_for
+
+   !> Intervals in x of the first grid, `nx` halved as often as it holds the film: hx at most
+   !> sqrt(1.15 H_c/M^0.4).
+   pure integer function first_intervals(contact, nx) result(first)
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: nx
+      real(wp) :: most
+
+      most = sqrt(1.15_wp*contact%expected_film/max(contact%moes_m, 1.0_wp)**0.4_wp)
+      first = nx
+      do while (first > fewest .and. mod(first, 2) == 0 .and. 2*length(contact)/first <= most)
+         first = first/2
+      end do
+   end function first_intervals
+
+   !> Intervals in y to `nx` in x: that, times 3/2 or 4/2 and so on until cells are short enough.
+   pure integer function rows_for(contact, nx) result(ny)
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: nx
+
+      ny = nx
+      do while (2*contact%domain%y_half_width/ny > longest_cell*length(contact)/nx)
+         ny = merge(3*(ny/2), 4*(ny/3), iand(ny, ny - 1) == 0)
+      end do
+   end function rows_for
+
+   !> Length of the domain along X.
+   pure real(wp) function length(contact)
+      type(point_contact_t), intent(in) :: contact
+
+      length = contact%domain%x_outlet - contact%domain%x_inlet
+   end function length
+
+end module point_contact

@@ -1,0 +1,228 @@
+!> One multigrid cycle that solves J v = f of a point contact approximately: the preconditioner of
+!> its Newton method.
+!>
+!> A V(1,1) cycle with line relaxation, downstream in y before the coarse grid and back behind it.
+!> The equations of coarse grids are those of the injected pressure, film and cavity; the coarsest
+!> one is solved exactly. The film of the correction is carried along: that of the smoothed v on its
+!> own grid and the bilinear one of the coarse correction, so that a cycle takes one product with
+!> the kernel of its grid.
+module point_cycle
+   use dense_solve, only: solve_dense, solve_factored
+   use errors, only: error_t
+   use kinds, only: wp
+   use point_contact, only: point_contact_t
+   use point_equations, only: evaluate, multiply_bands
+   use point_level, only: deflect, new_level, point_level_t
+   use point_smoother, only: factor_lines, point_smoother_t, sweep_lines
+   implicit none (type, external)
+   private
+
+   public :: new_hierarchy, prepare_cycle, run_cycle
+
+   !> Fewest intervals in each direction, and nodes, of the coarsest grid.
+   integer, parameter :: fewest = 16
+
+   !> Fields of one level on which its cycle works.
+   type :: cycle_work_t
+      real(wp), allocatable, dimension(:, :) :: right_side, residual, v, film
+   end type cycle_work_t
+
+   !> The levels, the finest first, and all that a cycle needs.
+   type, public :: point_hierarchy_t
+      type(point_level_t), allocatable :: levels(:)
+      type(point_smoother_t), allocatable :: smoothers(:)
+      type(cycle_work_t), allocatable :: work(:)
+      !> Factored equations of the coarsest level.
+      real(wp), allocatable :: coarsest(:, :), unknown(:)
+      integer, allocatable :: pivots(:)
+      integer :: threads = 1
+   end type point_hierarchy_t
+
+contains
+
+   !> Makes the levels of `nx` times `ny` intervals and below. Fails (internal_error) if FFTW does.
+   subroutine new_hierarchy(hierarchy, contact, nx, ny, threads, error)
+      type(point_hierarchy_t), intent(inout) :: hierarchy
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: nx, ny, threads
+      type(error_t), allocatable, intent(out) :: error
+      integer :: k, levels, n(2)
+
+      hierarchy%threads = threads
+      n = [nx, ny]
+      levels = 1
+      do while (all(mod(n, 2) == 0) .and. all(n/2 >= fewest))
+         n = n/2
+         levels = levels + 1
+      end do
+      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels, hierarchy%smoothers, &
+         hierarchy%work, hierarchy%coarsest, hierarchy%unknown, hierarchy%pivots)
+      allocate (hierarchy%levels(levels), hierarchy%smoothers(levels), hierarchy%work(levels))
+      do k = 1, levels
+         n = [nx, ny]/2**(k - 1)
+         call new_level(hierarchy%levels(k), contact, n(1), n(2), threads, error)
+         if (allocated(error)) return
+         associate (work => hierarchy%work(k), level => hierarchy%levels(k))
+            allocate (work%right_side, work%residual, work%v, work%film, mold=level%film)
+         end associate
+      end do
+      allocate (hierarchy%unknown((n(1) - 1)*(n(2) - 1)))
+      allocate (hierarchy%pivots(size(hierarchy%unknown)), &
+         hierarchy%coarsest(size(hierarchy%unknown), size(hierarchy%unknown)))
+   end subroutine new_hierarchy
+
+   !> Prepares cycles for the bands of the finest level: the coarse ones, lines, factors. Fails
+   !> (internal_error) if the coarsest matrix is singular.
+   subroutine prepare_cycle(hierarchy, contact, error)
+      type(point_hierarchy_t), intent(inout) :: hierarchy
+      type(point_contact_t), intent(in) :: contact
+      type(error_t), allocatable, intent(out) :: error
+      integer :: k
+
+      do k = 1, size(hierarchy%levels)
+         associate (level => hierarchy%levels(k))
+            if (k > 1) then
+               associate (finer => hierarchy%levels(k - 1))
+                  level%pressure = finer%pressure(::2, ::2)
+                  level%film = finer%film(::2, ::2)
+                  level%flowing = finer%flowing(::2, ::2)
+               end associate
+               call evaluate(level, contact, .true., hierarchy%threads)
+            end if
+            if (k < size(hierarchy%levels)) call factor_lines(hierarchy%smoothers(k), level, &
+               hierarchy%threads)
+         end associate
+      end do
+      call factor_coarsest(hierarchy, error)   ! error: handed up
+   end subroutine prepare_cycle
+
+   !> Sets and factors the equations of the coarsest level.
+   subroutine factor_coarsest(hierarchy, error)
+      type(point_hierarchy_t), intent(inout) :: hierarchy
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: di(6) = [-2, -1, 0, 1, 0, 0], dj(6) = [0, 0, 0, 0, -1, 1]
+      integer :: a, b, column, i, j, k, row
+
+      associate (level => hierarchy%levels(size(hierarchy%levels)), matrix => hierarchy%coarsest)
+         matrix = 0.0_wp
+         row = 0
+         do j = 1, level%ny - 1
+            do i = 1, level%nx - 1
+               row = row + 1
+               if (.not. level%flowing(i, j) > 0.0_wp) then
+                  matrix(row, row) = 1.0_wp
+                  cycle
+               end if
+               column = 0
+               do b = 1, level%ny - 1
+                  do a = 1, level%nx - 1
+                     column = column + 1
+                     if (.not. level%flowing(a, b) > 0.0_wp) cycle
+                     do k = 1, 6
+                        if (i + di(k) < 0) cycle
+                        matrix(row, column) = matrix(row, column) + level%by_film(k, i, j) &
+                           *level%kernel(abs(i + di(k) - a), abs(j + dj(k) - b))
+                        if (i + di(k) == a .and. j + dj(k) == b) matrix(row, column) = &
+                           matrix(row, column) + level%by_pressure(k, i, j)
+                     end do
+                  end do
+               end do
+            end do
+         end do
+         hierarchy%unknown = 0.0_wp
+         call solve_dense(matrix, hierarchy%unknown, hierarchy%pivots, error)   ! error: handed up
+      end associate
+   end subroutine factor_coarsest
+
+   !> Computes v of one cycle for the right side `f`, both on all nodes of the finest level; v is 0
+   !> where nothing flows.
+   subroutine run_cycle(hierarchy, f, v)
+      type(point_hierarchy_t), intent(inout) :: hierarchy
+      real(wp), intent(in) :: f((hierarchy%levels(1)%nx + 1)*(hierarchy%levels(1)%ny + 1))
+      real(wp), intent(out) :: v(size(f))
+
+      hierarchy%work(1)%right_side = reshape(f, shape(hierarchy%work(1)%v))
+      call descend(hierarchy, 1)
+      v = reshape(hierarchy%work(1)%v, [size(f)])
+   end subroutine run_cycle
+
+   !> The cycle from level `k` on.
+   recursive subroutine descend(hierarchy, k)
+      type(point_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: k
+
+      associate (level => hierarchy%levels(k), work => hierarchy%work(k), &
+         threads => hierarchy%threads)
+         if (k == size(hierarchy%levels)) then
+            hierarchy%unknown = reshape(work%right_side(1:level%nx - 1, 1:level%ny - 1) &
+               *level%flowing(1:level%nx - 1, 1:level%ny - 1), [size(hierarchy%unknown)])
+            call solve_factored(hierarchy%coarsest, hierarchy%unknown, hierarchy%pivots)
+            work%v = 0.0_wp
+            work%v(1:level%nx - 1, 1:level%ny - 1) = reshape(hierarchy%unknown, &
+               [level%nx - 1, level%ny - 1])
+         else
+            work%right_side = level%flowing*work%right_side
+            work%residual = work%right_side
+            work%v = 0.0_wp
+            call sweep_lines(hierarchy%smoothers(k), level, .false., work%residual, work%v)
+            call deflect(level, work%v, work%film)
+            call find_residual()
+            call restrict(work%residual, hierarchy%work(k + 1)%right_side)
+            call descend(hierarchy, k + 1)
+            call add_bilinear(hierarchy%work(k + 1)%v, work%v)
+            call add_bilinear(hierarchy%work(k + 1)%film, work%film)
+            work%v = level%flowing*work%v
+            call find_residual()
+            call sweep_lines(hierarchy%smoothers(k), level, .true., work%residual, work%v)
+         end if
+         if (k > 1) call deflect(level, work%v, work%film)
+      end associate
+
+   contains
+
+      !> f - J v with the film at hand.
+      subroutine find_residual()
+
+         associate (work => hierarchy%work(k))
+            call multiply_bands(hierarchy%levels(k), work%v, work%film, work%residual, &
+               hierarchy%threads)
+            work%residual = work%right_side - work%residual
+         end associate
+      end subroutine find_residual
+
+   end subroutine descend
+
+   !> Full weighting of a `fine` residual, 0 on the border.
+   pure subroutine restrict(fine, coarse)
+      real(wp), intent(in) :: fine(0:, 0:)
+      real(wp), intent(out) :: coarse(0:, 0:)
+      integer :: i, j
+
+      coarse = 0.0_wp
+      do j = 1, ubound(coarse, 2) - 1
+         do i = 1, ubound(coarse, 1) - 1
+            associate (a => 2*i, b => 2*j)
+               coarse(i, j) = (4*fine(a, b) + 2*(fine(a - 1, b) + fine(a + 1, b) + fine(a, b - 1) &
+                  + fine(a, b + 1)) + fine(a - 1, b - 1) + fine(a + 1, b - 1) + fine(a - 1, b + 1) &
+                  + fine(a + 1, b + 1))/16
+            end associate
+         end do
+      end do
+   end subroutine restrict
+
+   !> Adds the bilinear interpolation of `coarse` to `fine`.
+   pure subroutine add_bilinear(coarse, fine)
+      real(wp), intent(in) :: coarse(0:, 0:)
+      real(wp), intent(inout) :: fine(0:, 0:)
+      real(wp) :: row(0:ubound(coarse, 1))
+      integer :: j, nx
+
+      nx = ubound(coarse, 1)
+      do j = 0, ubound(fine, 2)
+         row = 0.5_wp*(coarse(:, j/2) + coarse(:, (j + 1)/2))
+         fine(0::2, j) = fine(0::2, j) + row
+         fine(1::2, j) = fine(1::2, j) + 0.5_wp*(row(:nx - 1) + row(1:))
+      end do
+   end subroutine add_bilinear
+
+end module point_cycle

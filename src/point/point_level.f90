@@ -1,0 +1,120 @@
+!> One grid of a point contact: its nodes, fields and elastic deflection.
+!>
+!> Fields are (0:nx, 0:ny), x fastest, the border included. Their elastic deflection is that of a
+!> pressure constant over the cell around each node, C times A. E. H. Love's integral (module
+!> half_space_response).
+module point_level
+   use constants, only: pi
+   use errors, only: error_t
+   use half_space_response, only: open_area_kernel
+   use kinds, only: wp
+   use point_contact, only: point_contact_t
+   use spectral_product, only: new_convolution, spectral_product_t
+   implicit none (type, external)
+   private
+
+   public :: deflect, load_on, new_level, set_point_film
+
+   !> Distance, in nodes, up to which the deflection is kept.
+   integer, parameter :: reach = 64
+   !> Neighbours of a node in its equation: (i-2 ... i+1, j), (i, j-1), (i, j+1).
+   integer, parameter, public :: bands = 6
+
+   !> The nodes.
+   type :: point_grid_t
+      integer :: nx = 0, ny = 0
+      real(wp) :: hx = 0.0_wp, hy = 0.0_wp
+      !> Positions (0:nx) and (0:ny).
+      real(wp), allocatable :: x(:), y(:)
+      !> Gap of the rigid bodies less the heights of the surfaces.
+      real(wp), allocatable :: rigid(:, :)
+      !> Deflection by a unit pressure at small distances (of small grids at all), and the product
+      !> with all of it.
+      real(wp), allocatable :: kernel(:, :)
+      type(spectral_product_t) :: elastic
+   end type point_grid_t
+
+   !> Grid and fields. Do not copy it: it owns FFTW plans.
+   type, extends(point_grid_t), public :: point_level_t
+      real(wp), allocatable :: pressure(:, :), film(:, :)
+      real(wp) :: rigid_displacement = 0.0_wp
+      !> 1 where oil flows under pressure, 0 where it cavitates and on the border.
+      real(wp), allocatable :: flowing(:, :)
+      !> Residual r, its diagonal, the part of the flow in it, and the round-off of r.
+      real(wp), allocatable :: residual(:, :), diagonal(:, :), flow(:, :)
+      real(wp) :: floor = 0.0_wp
+      !> Jacobian (bands, 0:nx, 0:ny): change of r with P and with H.
+      real(wp), allocatable :: by_pressure(:, :, :), by_film(:, :, :)
+      !> 1 where the flow is strong beside the wedge, else 0; d ln mu/dP along X.
+      real(wp), allocatable :: is_local(:, :), rise(:, :)
+   end type point_level_t
+
+contains
+
+   !> Makes the level of `nx` times `ny` intervals for the domain of `contact`, planned for
+   !> `threads`. Fails (internal_error) if FFTW does.
+   subroutine new_level(level, contact, nx, ny, threads, error)
+      type(point_level_t), intent(inout) :: level
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: nx, ny, threads
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: kernel(:, :)
+      integer :: i, j
+
+      level%nx = nx
+      level%ny = ny
+      allocate (level%x(0:nx), level%y(0:ny), level%rigid(0:nx, 0:ny))
+      associate (domain => contact%domain, q => contact%curvature)
+         level%hx = (domain%x_outlet - domain%x_inlet)/nx
+         level%hy = 2*domain%y_half_width/ny
+         do i = 0, nx
+            level%x(i) = domain%x_inlet + i*level%hx
+         end do
+         do j = 0, ny
+            level%y(j) = (j - 0.5_wp*ny)*level%hy
+            level%rigid(:, j) = 0.5_wp*q(1)*level%x**2 + q(2)*level%x*level%y(j) &
+               + 0.5_wp*q(3)*level%y(j)**2
+         end do
+      end associate
+      allocate (level%pressure, level%film, level%flowing, level%is_local, mold=level%rigid)
+      allocate (level%residual, level%diagonal, level%flow, level%rise, mold=level%rigid)
+      level%residual = 0.0_wp
+      level%diagonal = 1.0_wp
+      level%flow = 0.0_wp
+      level%rise = 0.0_wp
+      level%is_local = 0.0_wp
+      allocate (level%by_pressure(bands, 0:nx, 0:ny), level%by_film(bands, 0:nx, 0:ny))
+      level%by_pressure = 0.0_wp
+      level%by_film = 0.0_wp
+      kernel = 2*pi*contact%ellipse%compliance*open_area_kernel(nx + 1, ny + 1, level%hx, level%hy)
+      allocate (level%kernel(0:min(reach, nx), 0:min(reach, ny)))
+      level%kernel = kernel(:size(level%kernel, 1), :size(level%kernel, 2))
+      call new_convolution(level%elastic, kernel, threads, error)   ! error: handed up
+   end subroutine new_level
+
+   !> Computes the deflection of the pressure `p`, both on all nodes.
+   subroutine deflect(level, p, deflection)
+      type(point_level_t), intent(inout) :: level
+      real(wp), intent(in) :: p((level%nx + 1)*(level%ny + 1))
+      real(wp), intent(out) :: deflection((level%nx + 1)*(level%ny + 1))
+
+      call level%elastic%apply(p, deflection)
+   end subroutine deflect
+
+   !> Sets the film to that of the pressure and of H0.
+   subroutine set_point_film(level)
+      type(point_level_t), intent(inout) :: level
+
+      call deflect(level, level%pressure, level%film)
+      level%film = level%rigid_displacement + level%rigid + level%film
+   end subroutine set_point_film
+
+   !> hx hy times the sum of the pressure `p` on all nodes.
+   pure real(wp) function load_on(level, p) result(load)
+      type(point_level_t), intent(in) :: level
+      real(wp), intent(in) :: p((level%nx + 1)*(level%ny + 1))
+
+      load = level%hx*level%hy*sum(p)
+   end function load_on
+
+end module point_level

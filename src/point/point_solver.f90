@@ -1,0 +1,228 @@
+!> The steady point contact from its data to its fields and quantities: nested grids, from the dry
+!> contact on the first one that holds the film.
+module point_solver
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_summary, only: line_summary_t
+   use listener, only: listener_t
+   use missing_value, only: exceeds
+   use point_contact, only: first_intervals, hertz_pressure_at, intervals_for, point_contact_t
+   use point_cycle, only: new_hierarchy, point_hierarchy_t
+   use point_level, only: deflect, load_on, point_level_t
+   use point_newton, only: point_newton_t, solve_point_newton
+   use point_quantities, only: estimate_point_errors, summary_of_point
+   use quantities, only: central_value, h_central, h_min
+   use text, only: to_text
+   use transfer, only: prolong_cubic
+   implicit none (type, external)
+   private
+
+   public :: measure_domain, point_run_t, solve_point_steady
+
+   !> The start lies this many times the expected film above the dry contact.
+   real(wp), parameter :: start_film = 1.5_wp
+   !> Most Newton steps on a grid.
+   integer, parameter, public :: most_steps = 40
+   !> The longer domain has an eighth more intervals on either side together, on a grid with a quarter
+   !> of them.
+   integer, parameter :: coarsening = 4, extension = 8
+
+   !> How to solve a contact, and its solution with the quantities on all grids.
+   type :: point_run_t
+      real(wp) :: tolerance = 1.0e-8_wp
+      integer :: max_steps = most_steps
+      !> Relative error of h_central and h_min for which the grid is chosen, up to that of the
+      !> contact; 0: that of the contact.
+      real(wp) :: target = 0.0_wp
+      !> 2 (u2 - u1)/(u1 + u2); NaN: not known.
+      real(wp) :: slide_to_roll = 0.0_wp
+      integer :: threads = 1
+      type(point_newton_t) :: newton
+      !> Quantities on each grid, the first one the coarsest.
+      type(line_summary_t), allocatable :: grids(:)
+      !> Newton steps and iterations of GMRES (2, grids).
+      integer, allocatable :: work(:, :)
+   end type point_run_t
+
+contains
+
+   !> Solves the contact on its grid, or on the first one for the target: `contact%domain` has it
+   !> then. Not converging is in the report. Error (internal_error): LAPACK or FFTW.
+   subroutine solve_point_steady(run, contact, listener, report, error)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(inout) :: contact
+      class(listener_t), intent(inout) :: listener
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: coarse(:, :)
+      real(wp) :: h0
+      integer :: most, nx, ny
+
+      allocate (run%grids(0), run%work(2, 0))
+      most = contact%domain%nx
+      nx = first_intervals(contact, most)
+      report%method = 'newton_krylov'
+      do
+         ny = contact%domain%ny/(most/nx)
+         call listener%on_stage(to_text(nx)//' x '//to_text(ny)//' intervals')
+         call new_hierarchy(run%newton%hierarchy, contact, nx, ny, run%threads, error)
+         if (allocated(error)) return
+         associate (level => run%newton%hierarchy%levels(1), newton => run%newton)
+            if (allocated(coarse)) then
+               level%rigid_displacement = h0
+               call interpolate(coarse, level%pressure)
+            else
+               call start_dry(contact, level)
+            end if
+            call solve_point_newton(newton, contact, run%tolerance, run%max_steps, listener, error)
+            if (allocated(error)) return
+            run%work = reshape([run%work, newton%steps, newton%iterations], [2, size(run%work, 2) &
+               + 1])
+            call fill_report(newton, report)
+            if (.not. newton%is_converged) exit
+            run%grids = [run%grids, summary_of_point(level, contact, run%slide_to_roll)]
+            if (nx == most .or. meets_target(run)) exit
+            coarse = level%pressure
+            h0 = level%rigid_displacement
+            nx = 2*nx
+         end associate
+      end do
+      if (.not. report%converged) call blame(contact, nx, report)
+      contact%domain%nx = nx
+      contact%domain%ny = ny
+   end subroutine solve_point_steady
+
+   !> Whether the errors of the films by the last grid are within the target.
+   pure logical function meets_target(run) result(is_met)
+      type(point_run_t), intent(in) :: run
+      type(line_summary_t) :: last
+      integer :: n
+
+      n = size(run%grids)
+      is_met = run%target > 0.0_wp .and. n > 2
+      if (.not. is_met) return
+      last = run%grids(n)
+      call estimate_point_errors(last, run%grids(n - 1:1:-1), 0.0_wp)
+      associate (of => last%of([h_min, h_central]))
+         is_met = all(exceeds(run%target*of%value - of%error_grid, 0.0_wp))
+      end associate
+   end function meets_target
+
+   !> Takes over how the last grid went.
+   subroutine fill_report(newton, report)
+      type(point_newton_t), intent(in) :: newton
+      type(report_t), intent(inout) :: report
+      integer :: k
+
+      report%converged = newton%is_converged
+      report%reason = newton%reason
+      report%cycles = report%cycles + newton%steps
+      report%residual = newton%residual
+      report%load_error = abs(newton%load_error)
+      report%tolerance_effective = newton%bound
+      associate (levels => newton%hierarchy%levels)
+         report%numbers%levels = size(levels)
+         do k = 1, size(levels)
+            report%cost%fft_pairs = report%cost%fft_pairs + pairs_of(levels(k))
+         end do
+      end associate
+   end subroutine fill_report
+
+   !> Pairs of transforms that a level has made.
+   pure integer(int64) function pairs_of(level) result(pairs)
+      type(point_level_t), intent(in) :: level
+      integer :: done(4)
+
+      done = level%elastic%transforms()
+      pairs = done(3)
+   end function pairs_of
+
+   !> Says that the grid is too coarse for the film where the rule for first grids says so.
+   subroutine blame(contact, nx, report)
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: nx
+      type(report_t), intent(inout) :: report
+      integer :: needed
+
+      needed = first_intervals(contact, 2**20)
+      if (nx < needed) report%reason = 'grid too coarse for the film, needs '//to_text(needed) &
+         //' intervals in x (has '//to_text(nx)//'); '//report%reason
+   end subroutine blame
+
+   !> Solves the contact on a quarter of its intervals, and on a domain about 1.5 times as long with
+   !> the same spacing: quantities `near` and `far`. `is_known`: both have a solution. Error as above.
+   subroutine measure_domain(run, contact, near, far, is_known, error)
+      type(point_run_t), intent(in) :: run
+      type(point_contact_t), intent(in) :: contact
+      type(line_summary_t), intent(out) :: near, far
+      logical, intent(out) :: is_known
+      type(error_t), allocatable, intent(out) :: error
+      type(point_run_t) :: other
+      type(point_contact_t) :: longer
+      type(report_t) :: report
+      type(listener_t) :: nobody
+      real(wp) :: spacing
+      integer :: behind, k, more
+
+      is_known = .false.
+      k = size(run%grids) - 2
+      if (k < 1) return
+      near = run%grids(k)
+      longer = contact
+      associate (domain => longer%domain)
+         more = contact%domain%nx/extension
+         spacing = coarsening*(domain%x_outlet - domain%x_inlet)/domain%nx
+         behind = nint(more*domain%x_outlet/(domain%x_outlet - domain%x_inlet))
+         domain%x_inlet = domain%x_inlet - (more - behind)*spacing
+         domain%x_outlet = domain%x_outlet + behind*spacing
+         domain%nx = contact%domain%nx/coarsening + more
+         domain%y_half_width = domain%y_half_width*(1 + real(coarsening, wp)/extension)
+         domain%ny = contact%domain%ny/coarsening + contact%domain%ny/extension
+      end associate
+      other%tolerance = run%tolerance
+      other%slide_to_roll = run%slide_to_roll
+      other%threads = run%threads
+      call solve_point_steady(other, longer, nobody, report, error)
+      if (allocated(error)) return
+      is_known = report%converged
+      if (is_known) far = other%grids(size(other%grids))
+   end subroutine measure_domain
+
+   !> Starts from the pressure of the dry contact, with the load and a film in the middle.
+   subroutine start_dry(contact, level)
+      type(point_contact_t), intent(in) :: contact
+      type(point_level_t), intent(inout) :: level
+      integer :: j
+
+      level%pressure = 0.0_wp
+      do j = 1, level%ny - 1
+         level%pressure(1:level%nx - 1, j) = hertz_pressure_at(contact, level%x(1:level%nx - 1), &
+            level%y(j))
+      end do
+      level%pressure = level%pressure*(contact%load/load_on(level, level%pressure))
+      call deflect(level, level%pressure, level%film)
+      level%film = level%rigid + level%film
+      level%rigid_displacement = start_film*contact%expected_film - central_value(level%x, &
+         level%film(:, level%ny/2))
+   end subroutine start_dry
+
+   !> Cubic interpolation of the pressure `coarse` to twice as many intervals, along x, then y.
+   pure subroutine interpolate(coarse, fine)
+      real(wp), intent(in) :: coarse(:, :)
+      real(wp), intent(out) :: fine(:, :)
+      real(wp), allocatable :: along(:, :), line(:)
+      integer :: i, j
+
+      allocate (along(size(fine, 1), size(coarse, 2)), line(size(fine, 2)))
+      do j = 1, size(coarse, 2)
+         call prolong_cubic(coarse(:, j), along(:, j))
+      end do
+      do i = 1, size(fine, 1)
+         call prolong_cubic(along(i, :), line)
+         fine(i, :) = line
+      end do
+   end subroutine interpolate
+
+end module point_solver
