@@ -79,12 +79,13 @@ contains
       call write_point_result(result%file, case, run, summary, missing)
       call result%publish(report, error)
       if (allocated(error)) return
-      call close_case(log, summary, report, result%name%path, passage_times_t(), closing_words_t())
+      call close_case(log, summary, report, result%name%path, passage_times_t(), &
+         closing_words_t())
       ending = outcome_of(report)
    end subroutine solve_point_case
 
-   !> The quantities of the last grid with their errors, and why one is `missing`; without a solution
-   !> they are not known.
+   !> The quantities of the last grid with their errors, and why one is `missing`; without a
+   !> solution they are not known.
    subroutine find_quantities(case, run, report, summary, missing, error)
       type(case_t), intent(in) :: case
       type(point_run_t), intent(in) :: run
@@ -115,7 +116,8 @@ contains
       if (allocated(error)) return
       report%cost%phase_seconds(phase_error_bars) = wall_seconds() - start
       if (is_known) then
-         call estimate_point_errors(summary, run%grids(n - 1:1:-1), report%residual, near, far)
+         call estimate_point_errors(summary, case%point, run%grids(n - 1:1:-1), report%residual, &
+            near, far)
          missing = 'a pressure spike that this grid does not resolve'
       else
          missing = 'a longer domain has no solution to compare with'

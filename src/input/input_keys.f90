@@ -105,16 +105,20 @@ module input_keys
          //'or reduced_radius', range='/= 0, >= -1e12, <= 1e12', problems=other_than_point, &
          typical=typical_radius, example='0.01', dry_example='! 0.01'), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, &
-         'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', problems=other_than_point, &
+         'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', &
+         problems=other_than_point, &
          typical=typical_radius, example='2.0', dry_example='! 2.0'), &
       key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
-         'the body whose radius is not given is a plane', problems=other_than_point, example='! .true.'), &
+         'the body whose radius is not given is a plane', problems=other_than_point, &
+         example='! .true.'), &
       key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
          'the body whose radius_x is not given is a plane', problems=point, example='.true.'), &
       key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, 'R of 1/R = 1/R1 + 1/R2', &
-         range='>= 1e-9, <= 1e9', problems=other_than_point, typical=typical_radius, example='! 9.950e-3'), &
+         range='>= 1e-9, <= 1e9', problems=other_than_point, typical=typical_radius, &
+         example='! 9.950e-3'), &
       [(key_row_t('bodies', 'radius_x_'//numbers(i), real_kind, 'm', is_optional, &
-         'radius of body '//numbers(i)//' in the plane of x, negative if concave; those of both '// &
+         'radius of body '//numbers(i)//' in the plane of x, &
+         negative if concave; those of both '// &
          'bodies, or one and plane, or reduced_radius_x', range='/= 0, >= -1e12, <= 1e12', &
          problems=point, typical=typical_radius, example=merge('12.7e-3', '! 0.05 ', i == 1)), &
          i=1, 2)], &
@@ -207,7 +211,8 @@ module input_keys
       key_row_t('moes', 'moes_m', real_kind, '-', is_required, 'load number M', &
          range='>= 1e-3, <= 1e6', example='! 20', problems=film), &
       key_row_t('moes', 'moes_l', real_kind, '-', is_required, &
-         'material number L; 0: constant viscosity', range='>= 0, <= 1000', example='! 10', problems=film), &
+         'material number L; 0: constant viscosity', range='>= 0, <= 1000', example='! 10', &
+         problems=film), &
       key_row_t('moes', 'velocity', word_kind, '', is_required, &
          'velocity in M and L: mean is (u1+u2)/2, sum is u1+u2 (Venner and Lubrecht)', &
          words='mean sum', example="! 'sum'", problems=film), &
@@ -230,10 +235,12 @@ module input_keys
          used='viscosity_grade', typical='20 to 250', example='!', problems=film), &
       key_row_t('lubricant', 'kinematic_viscosity', reals_kind, 'mm2/s', is_optional, &
          'at the temperature of the inlet; or two, at 40 and 100 degC; mu_0: this times density', &
-         range='>= 1e-3, <= 2e7', used=no_moes, typical='0.5 to 5000', example='! 46.0, 6.8', problems=film), &
+         range='>= 1e-3, <= 2e7', used=no_moes, typical='0.5 to 5000', example='! 46.0, 6.8', &
+         problems=film), &
       key_row_t('lubricant', 'temperature', real_kind, 'degC', is_optional, &
          'of the oil in the inlet, for viscosity_grade or two values of kinematic_viscosity', &
-         range='>= -70, <= 370', used=no_moes, typical='5 to 200', example='! 60.0', problems=film), &
+         range='>= -70, <= 370', used=no_moes, typical='5 to 200', example='! 60.0', &
+         problems=film), &
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
          'rise of viscosity with pressure', words='roelands barus constant', problems=film), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
@@ -244,7 +251,8 @@ module input_keys
          typical='3e-10 to 1e-7', example='! 2.3345e-8', problems=film), &
       key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, 'exponent z of Roelands', &
          moes_default='0.668', range='>= 0.01, <= 2', &
-         used='moes%moes_l /= 0, viscosity_law = roelands', typical='0.1 to 1.5', example='0.6', problems=film), &
+         used='moes%moes_l /= 0, viscosity_law = roelands', typical='0.1 to 1.5', example='0.6', &
+         problems=film), &
       key_row_t('lubricant', 'roelands_p0', real_kind, 'Pa', is_optional, &
          'reference pressure P0 of Roelands, about 1.96e8', moes_default='1.96e8', &
          range='>= 1e6, <= 1e11', used='moes%moes_l /= 0, viscosity_law = roelands', &
@@ -262,7 +270,8 @@ module input_keys
          '(1 - exp(-tau/tau_L))', words='none cut bair_winer', used=no_moes, problems=film), &
       key_row_t('lubricant', 'limit_ratio', real_kind, '-', is_optional, &
          'tau_L over the pressure', range='>= 1e-3, <= 1', used='shear_limit = cut bair_winer', &
-         needed='shear_limit = cut bair_winer', typical='0.03 to 0.12', example='! 0.05', problems=film), &
+         needed='shear_limit = cut bair_winer', typical='0.03 to 0.12', example='! 0.05', &
+         problems=film), &
       key_row_t('lubricant', 'cavitation', word_kind, '', "'auto'", &
          'reynolds: P >= 0 alone (thesis); mass_conserving: no oil is lost; auto: that with '// &
          '&supply, &asperities or &thermal', words='auto reynolds mass_conserving'), &
@@ -324,7 +333,8 @@ module input_keys
          example='! 2e-7, -1e-7', dry_example='! 1e-6'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', range='>= 1e-12, <= 1e3', used=of_features, &
-         needed=of_features, problems=other_than_point, typical=typical_wave, example='! 1e-4, 5e-5', &
+         needed=of_features, problems=other_than_point, typical=typical_wave, example='! 1e-4, &
+         5e-5', &
          dry_example='! 1e-4'), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
          'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
@@ -351,21 +361,25 @@ module input_keys
          used='shape = file', problems=other_than_point, example="! 'x'"), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=other_than_point, example="! 'mm'"), &
+         words='auto '//length_words, used='shape = file', problems=other_than_point, &
+         example="! 'mm'"), &
       key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
          'unit of the heights in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=other_than_point, example="! 'um'"), &
+         words='auto '//length_words, used='shape = file', problems=other_than_point, &
+         example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
          'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
          problems=other_than_point, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
          'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, &
+         typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
          'cut-off lambda_s: shorter waves are removed by the same filter', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, &
+         typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
          'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', &
@@ -380,14 +394,16 @@ module input_keys
          'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
          problems=other_than_point, example='!', dry_example='0.8'), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
-         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=other_than_point, &
+         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, &
+         problems=other_than_point, &
          typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
          used=of_synthesis, problems=other_than_point, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=other_than_point, typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=other_than_point, &
+         typical=typical_wave, &
          example='! 1e-4', dry_example='1e-4'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, typical=typical_wave, &
@@ -543,7 +559,7 @@ module input_keys
       key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
          'most iterations for one load', range='>= 1, <= 10000000', &
          problems=dry, is_expert=.true.), &
-      key_row_t('solver', 'max_cycles', integer_kind, '-', '40', 'most Newton steps on a grid', &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', '60', 'most Newton steps on a grid', &
          range='>= 1, <= 1000', problems=point, is_expert=.true.)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &
@@ -581,7 +597,8 @@ module input_keys
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error for which grid and time step are chosen: of h_min, on a graded grid ' &
-         //'of all, of points also h_central; dry: of the contact area', range='>= 1e-7, <= 0.1', problems=every, &
+         //'of all, of points also h_central; dry: of the contact area', range='>= 1e-7, &
+         <= 0.1', problems=every, &
          example='! 1e-3', dry_example='! 0.02'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]

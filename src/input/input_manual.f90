@@ -4,7 +4,8 @@
 module input_manual
    use input_keys, only: group_rows, key_rows
    use key_rules, only: rules_text
-   use key_row, only: dry, every, has_word, is_chosen, is_optional, is_required, key_row_t, kind_names, &
+   use key_row, only: dry, every, has_word, &
+      is_chosen, is_optional, is_required, key_row_t, kind_names, &
       point, word_list, words_kind
    use quantity_text, only: wrapped
    implicit none (type, external)

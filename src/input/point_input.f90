@@ -80,7 +80,7 @@ contains
       end if
    end subroutine fill_point_case
 
-   !> The bodies, and D = Rx/Ry. Findings: bodies that do not touch in y; a ratio that is not solved.
+   !> The bodies, and D = Rx/Ry. Findings: bodies that do not touch in y; a ratio not solved.
    subroutine fill_radii(values, case, ratio)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case

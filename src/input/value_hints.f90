@@ -14,7 +14,7 @@ module value_hints
 
    type(answer_t), parameter :: answers(*) = [ &
       answer_t('point_', "problem = 'ehl_point' is for balls and crowned rollers"), &
-      answer_t('ellip', "problem = 'ehl_point' has elliptic contacts: radius_x_1, radius_y_1, ..."), &
+      answer_t('ellip', "problem = 'ehl_point' has ellipses: radius_x_1, radius_y_1, ..."), &
       answer_t('target_p_max', 'target holds for p_max too, on the graded grid of a steady '// &
          'contact'), &
       answer_t('parabola', 'with oil the radii of &bodies give it'), &

@@ -17,8 +17,8 @@ module point_result
 
 contains
 
-   !> Writes /scaling, /solution, /summary and what the grids have taken; `missing`: why a quantity
-   !> whose error is NaN has none.
+   !> Writes /scaling, /solution, /summary and what the grids have taken; `missing`: why a
+   !> quantity whose error is NaN has none.
    subroutine write_point_result(file, case, run, summary, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(case_t), intent(in) :: case
@@ -33,8 +33,8 @@ contains
       call make_counter(file, '/report/grid', size(run%work, 2), 'number of the grid')
       call make_counter(file, '/report/kind_of_work', 2, &
          'number of: Newton steps, iterations of GMRES')
-      call write_dataset(file, '/report/grid_work', real(run%work, wp), new_label('Newton steps '// &
-         'and iterations of GMRES on each grid, the coarsest first', '1'))
+      call write_dataset(file, '/report/grid_work', real(run%work, wp), new_label( &
+         'Newton steps and iterations of GMRES on each grid, the coarsest first', '1'))
       call name_axes(file, '/report/grid_work', 'kind_of_work grid')
    end subroutine write_point_result
 

@@ -5,8 +5,8 @@
 !>     div( e grad P ) - d(rho H)/dX = 0 ,  e = rho H^3 S/(lambda mu) ,  P >= 0
 !>     H = H0 + q0 X^2/2 + q1 X Y + q2 Y^2/2 + C II P/R dA ,  II P dA = 2 pi kappa/3
 !>
-!> With the flow of small pressure gradients on sliding along X, an Eyring oil has the viscosities mu
-!> / S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
+!> With the flow of small pressure gradients on sliding along X, an Eyring oil has the viscosities
+!> mu/S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
 module point_contact
    use constants, only: pi
    use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &

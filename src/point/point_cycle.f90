@@ -12,7 +12,7 @@ module point_cycle
    use kinds, only: wp
    use point_contact, only: point_contact_t
    use point_equations, only: evaluate, multiply_bands
-   use point_level, only: deflect, new_level, point_level_t
+   use point_level, only: bands, deflect, new_level, point_level_t
    use point_smoother, only: factor_lines, point_smoother_t, sweep_lines
    implicit none (type, external)
    private
@@ -100,34 +100,33 @@ contains
    subroutine factor_coarsest(hierarchy, error)
       type(point_hierarchy_t), intent(inout) :: hierarchy
       type(error_t), allocatable, intent(out) :: error
-      integer, parameter :: di(6) = [-2, -1, 0, 1, 0, 0], dj(6) = [0, 0, 0, 0, -1, 1]
+      integer, parameter :: di(bands) = [-2, -1, 0, 1, 0, 0], dj(bands) = [0, 0, 0, 0, -1, 1]
       integer :: a, b, column, i, j, k, row
 
       associate (level => hierarchy%levels(size(hierarchy%levels)), matrix => hierarchy%coarsest)
          matrix = 0.0_wp
          row = 0
          do j = 1, level%ny - 1
-            do i = 1, level%nx - 1
+            rows: do i = 1, level%nx - 1
                row = row + 1
                if (.not. level%flowing(i, j) > 0.0_wp) then
                   matrix(row, row) = 1.0_wp
-                  cycle
+                  cycle rows
                end if
                column = 0
                do b = 1, level%ny - 1
-                  do a = 1, level%nx - 1
+                  columns: do a = 1, level%nx - 1
                      column = column + 1
-                     if (.not. level%flowing(a, b) > 0.0_wp) cycle
-                     do k = 1, 6
-                        if (i + di(k) < 0) cycle
+                     if (.not. level%flowing(a, b) > 0.0_wp) cycle columns
+                     do k = merge(2, 1, i == 1), bands
                         matrix(row, column) = matrix(row, column) + level%by_film(k, i, j) &
                            *level%kernel(abs(i + di(k) - a), abs(j + dj(k) - b))
                         if (i + di(k) == a .and. j + dj(k) == b) matrix(row, column) = &
                            matrix(row, column) + level%by_pressure(k, i, j)
                      end do
-                  end do
+                  end do columns
                end do
-            end do
+            end do rows
          end do
          hierarchy%unknown = 0.0_wp
          call solve_dense(matrix, hierarchy%unknown, hierarchy%pivots, error)   ! error: handed up

@@ -4,9 +4,9 @@
 !>             - ( 3 rH(i) - 4 rH(i-1) + rH(i-2) )/(2 hx)
 !>     Q(1|2) = (E1 + E2)/2 L(m1, m2) (P2 - P1) ,  E = rho H^3/lambda ,  m = S/mu
 !>
-!> of first order in the wedge at i = 1; P >= 0, r <= 0, P r = 0. The logarithmic mean L(a, b) = (a -
-!> b)/(ln a - ln b) is exact where ln mu is linear, and Q never falls with the pressure that drives
-!> it, however steep ln mu is: the arithmetic mean of e has twice the error and rows of both signs.
+!> of first order in the wedge at i = 1; P >= 0, r <= 0, P r = 0. The logarithmic mean L(a, b) =
+!> (a - b)/(ln a - ln b) is exact where ln mu is linear, and Q never falls with the pressure that
+!> drives it, however steep ln mu is: the arithmetic mean of e has twice the error.
 module point_equations
    use flow_law, only: largest_exponent
    use kinds, only: wp
@@ -49,8 +49,8 @@ contains
 
       !$omp parallel do num_threads(threads) schedule(static)
       do t = 1, threads
-         call evaluate_rows(level, contact, has_bands, share_end(t - 1, threads, level%ny - 1) + 1, &
-            share_end(t, threads, level%ny - 1), floors(t))
+         call evaluate_rows(level, contact, has_bands, share_end(t - 1, threads, level%ny - 1) &
+            + 1, share_end(t, threads, level%ny - 1), floors(t))
       end do
       !$omp end parallel do
       level%floor = round_off*maxval(floors)*(1/level%hx**2 + 1/level%hy**2)
@@ -191,7 +191,7 @@ contains
    pure real(wp) function wedge_diagonal(level) result(diagonal)
       type(point_level_t), intent(in) :: level
 
-      diagonal = (1.5_wp*level%kernel(0, 0) - 2*level%kernel(1, 0) + 0.5_wp*level%kernel(2, 0))/level%hx
+      diagonal = dot_product([1.5_wp, -2.0_wp, 0.5_wp], level%kernel(0:2, 0))/level%hx
    end function wedge_diagonal
 
    !> Bands of row `j`, and where its flow is strong.

@@ -21,8 +21,8 @@ module point_newton
 
    public :: solve_point_newton
 
-   !> GMRES leaves this share of the residual, far from the solution the first, after at most so many
-   !> iterations.
+   !> GMRES leaves this share of the residual, far from the solution the first, after at most so
+   !> many iterations.
    real(wp), parameter :: rough_tolerance = 0.1_wp, linear_tolerance = 1.0e-2_wp, &
       far_residual = 1.0e-2_wp
    integer, parameter :: most_iterations = 40
@@ -33,6 +33,8 @@ module point_newton
    !> The bent step is tried where the plain one leaves more than the first share of the residual,
    !> the second share of the plain one where both leave more than the third.
    real(wp), parameter :: good_share = 0.5_wp, part_step = 0.4_wp, poor_share = 0.9_wp
+   !> A residual below this, as pressures, over the load is round-off: the plain step is taken.
+   real(wp), parameter :: least_measure = 1.0e-13_wp
    !> The residual may stay above the tolerance by this many times its round-off.
    real(wp), parameter :: floors = 5.0_wp
 
@@ -229,7 +231,9 @@ contains
             flowing_share*(level%diagonal - level%flow))
          best_measure = huge(1.0_wp)
          call try_step(step, 1.0_wp)
-         if (best_measure > good_share*before) call try_step(bent, 1.0_wp)
+         before = max(before, least_measure*load/good_share)
+         if (best_measure > good_share*before .and. any(abs(bent - step) > 0.0_wp)) call try_step( &
+            bent, 1.0_wp)
          if (best_measure > poor_share*before) call try_step(step, part_step)
          is_taken = best_measure < huge(1.0_wp)
          if (.not. is_taken) return
@@ -269,8 +273,8 @@ contains
 
    end subroutine take_step
 
-   !> Residual as pressures, and load error: sqrt(hx hy sum z^2) + |load error|, z = r/D, or P where P
-   !> + r/D <= 0.
+   !> Residual as pressures, and load error: sqrt(hx hy sum z^2) + |load error|, z = r/D, or P where
+   !> P + r/D <= 0.
    pure real(wp) function measure_of(level, load) result(measure)
       type(point_level_t), intent(in) :: level
       real(wp), intent(in) :: load

@@ -74,15 +74,14 @@ contains
       line = 0.0_wp
       associate (p => level%by_pressure, h => level%by_film, flowing => level%flowing, &
          kernel => smoother%pattern)
-         do i = 1, nx - 1
+         rows: do i = 1, nx - 1
             if (.not. flowing(i, j) > 0.0_wp) then
                line(0, i) = 1.0_wp
-               cycle
+               cycle rows
             end if
-            do k = -2, 2
+            unknowns: do k = max(-2, 1 - i), min(2, nx - 1 - i)
                c = i + k
-               if (c < 1 .or. c > nx - 1) cycle
-               if (.not. flowing(c, j) > 0.0_wp) cycle
+               if (.not. flowing(c, j) > 0.0_wp) cycle unknowns
                alone = 0.0_wp
                spread = 0.0_wp
                if (k < 2) alone = p(3 + k, i, j)
@@ -96,8 +95,8 @@ contains
                end do
                line(k, i) = alone + film(0)
                if (level%is_local(c, j) < 0.5_wp) line(k, i) = alone - spread + film(1)
-            end do
-         end do
+            end do unknowns
+         end do rows
       end associate
    end subroutine set_line
 

@@ -24,9 +24,9 @@ module point_solver
    !> The start lies this many times the expected film above the dry contact.
    real(wp), parameter :: start_film = 1.5_wp
    !> Most Newton steps on a grid.
-   integer, parameter, public :: most_steps = 40
-   !> The longer domain has an eighth more intervals on either side together, on a grid with a quarter
-   !> of them.
+   integer, parameter, public :: most_steps = 60
+   !> The longer domain has an eighth more intervals on both sides together, on a grid with a
+   !> quarter of them.
    integer, parameter :: coarsening = 4, extension = 8
 
    !> How to solve a contact, and its solution with the quantities on all grids.
@@ -60,7 +60,8 @@ contains
       real(wp) :: h0
       integer :: most, nx, ny
 
-      allocate (run%grids(0), run%work(2, 0))
+      run%grids = [line_summary_t ::]
+      run%work = reshape([integer ::], [2, 0])
       most = contact%domain%nx
       nx = first_intervals(contact, most)
       report%method = 'newton_krylov'
@@ -83,7 +84,7 @@ contains
             call fill_report(newton, report)
             if (.not. newton%is_converged) exit
             run%grids = [run%grids, summary_of_point(level, contact, run%slide_to_roll)]
-            if (nx == most .or. meets_target(run)) exit
+            if (nx == most .or. meets_target(run, contact)) exit
             coarse = level%pressure
             h0 = level%rigid_displacement
             nx = 2*nx
@@ -95,8 +96,9 @@ contains
    end subroutine solve_point_steady
 
    !> Whether the errors of the films by the last grid are within the target.
-   pure logical function meets_target(run) result(is_met)
+   pure logical function meets_target(run, contact) result(is_met)
       type(point_run_t), intent(in) :: run
+      type(point_contact_t), intent(in) :: contact
       type(line_summary_t) :: last
       integer :: n
 
@@ -104,7 +106,7 @@ contains
       is_met = run%target > 0.0_wp .and. n > 2
       if (.not. is_met) return
       last = run%grids(n)
-      call estimate_point_errors(last, run%grids(n - 1:1:-1), 0.0_wp)
+      call estimate_point_errors(last, contact, run%grids(n - 1:1:-1), 0.0_wp)
       associate (of => last%of([h_min, h_central]))
          is_met = all(exceeds(run%target*of%value - of%error_grid, 0.0_wp))
       end associate
@@ -152,7 +154,8 @@ contains
    end subroutine blame
 
    !> Solves the contact on a quarter of its intervals, and on a domain about 1.5 times as long with
-   !> the same spacing: quantities `near` and `far`. `is_known`: both have a solution. Error as above.
+   !> the same spacing: quantities `near` and `far`. `is_known`: both have a solution. Error: as
+   !> above.
    subroutine measure_domain(run, contact, near, far, is_known, error)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
