@@ -27,8 +27,9 @@ contains
 
    !> Turns rows, divided by their diagonals, from oil pressure and mean gap to total pressure and
    !> separation, where asperities touch: dP_oil = dP - pc' dH where oil fills the gap; elsewhere it
-   !> is -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). (The
-   !> change of H two nodes downstream, with a thinning oil, is taken one node nearer.)
+   !> is -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). What such
+   !> a row knows of dq goes on to the rows behind. (The change of H two nodes downstream, with a
+   !> thinning oil, is taken one node nearer.)
    pure subroutine share_rows(level, jacobian, is_cavitated, step)
       type(line_level_t), intent(in) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
