@@ -78,7 +78,8 @@ SLOW = """&case problem = 'ehl_line' /
 &bodies reduced_radius = 0.01, reduced_modulus = 226.4e9, speed_1 = 2e-4, speed_2 = 2e-4 /
 &load load_per_length = 5e4 /
 &lubricant viscosity = 0.04, pressure_viscosity = 2.2e-8, viscosity_law = 'barus' /
-&asperities law = 'greenwood_tripp', rms_height = 2.7e-9, density_radius_height = 0.06, height_over_radius = 4e-4, flow = 'patir_cheng' /
+&asperities law = 'greenwood_tripp', rms_height = 2.7e-9, density_radius_height = 0.06, height_over_radius = 4e-4,
+            flow = 'patir_cheng' /
 &domain intervals = 512 /
 """
 STARVED = {"dry": (4e-8, case_of(0.003, EXPONENTIAL)), "shared": (7e-8, case_of(0.03, EXPONENTIAL)), "smoother": (9e-10, SLOW)}
