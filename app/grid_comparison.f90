@@ -8,7 +8,7 @@ module grid_comparison
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
       run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
-   use domain_choice, only: choose_domain
+   use domain_choice, only: choose_domain, cut_asperities
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
@@ -92,8 +92,8 @@ contains
       call note_measured_error(case, listener, state, report)
    end subroutine check_forecast
 
-   !> Both ends of the domain of the solved contact, for its error bars. A note where
-   !> the outlet cuts the film off, unless that is known to change the quantities only a little.
+   !> Both ends of the domain of the solved contact, for its error bars. A note where one cuts off
+   !> asperities, or the outlet the film, unless that is known to change the quantities a little.
    !> Error: memory or a library failed.
    subroutine check_ends(case, listener, report, error)
       type(case_t), intent(in) :: case
@@ -106,6 +106,7 @@ contains
       logical :: is_small
 
       if (.not. report%converged) return
+      call add_note(case, listener, cut_asperities(case%contact), report%note)
       bars = listener%writer%bars
       if (case%solver%wants_coarse_runs) then
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())

@@ -74,6 +74,40 @@ def test_the_chosen_domain_holds_all_asperities_that_touch(solved_case, speed, s
     assert solid[[1, -2]].max() < 1e-6 * solid.max()
 
 
+SLOW = """&case problem = 'ehl_line' /
+&bodies reduced_radius = 0.01, reduced_modulus = 226.4e9, speed_1 = 2e-4, speed_2 = 2e-4 /
+&load load_per_length = 5e4 /
+&lubricant viscosity = 0.04, pressure_viscosity = 2.2e-8, viscosity_law = 'barus' /
+&asperities law = 'greenwood_tripp', rms_height = 2.7e-9, density_radius_height = 0.06, height_over_radius = 4e-4,
+            flow = 'patir_cheng' /
+&domain intervals = 512 /
+"""
+STARVED = {"dry": (4e-8, case_of(0.003, EXPONENTIAL)), "shared": (7e-8, case_of(0.03, EXPONENTIAL)), "smoother": (9e-10, SLOW)}
+
+
+@pytest.mark.parametrize("name", STARVED)
+def test_what_arrives_passes_the_centre(solved_case, name):
+    """Films of a few nanometres, starved: the front lies where pressures are high, and moves far when a little less oil arrives."""
+    supply, text = STARVED[name]
+    with solved_case(text + f"&supply film = {supply} /\n" + LEAN) as file:
+        gap = file["solution/film_thickness"]
+        content = gap[()] * gap.attrs["si_scale"] * file["solution/density"][()] * file["solution/saturation"][()]
+        x = file["solution/x"][()]
+    assert np.interp(0, x, content) == pytest.approx(supply, rel=0.02)
+
+
+@pytest.mark.parametrize(("ends", "status"), [((-1.2, 1.2), 2), ((-4.0, 1.5), 0)])
+def test_a_domain_that_cuts_off_asperities_is_told(solved_case, ends, status):
+    """Such contacts have no solution, or one that lacks what asperities behind the end would bear."""
+    rough = f"&asperities law = 'exponential', rms_height = 1e-6, contact_pressure = {2 * P_H}, decay_length = 5e-7 /\n"
+    text = case_of(0.1, rough).replace("x_inlet = -4.0, x_outlet = 1.5", f"x_inlet = {ends[0]}, x_outlet = {ends[1]}")
+    with solved_case(text + LEAN, status=status) as file:
+        told = (file.attrs["reason"] if status else file["report/note"][()]).decode()
+    end = min(map(abs, ends))
+    assert f"{end:.3f}, where asperities still press with about 0." in told
+    assert "of the Hertz pressure: leave out x_" in told
+
+
 def test_ridge_of_the_prototype(solved_case):
     rough = f"&asperities law = 'exponential', rms_height = 5e-8, contact_pressure = {4 * P_H}, decay_length = 2.25e-8 /\n"
     ridge = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4, position = -2.5 /\n"

@@ -2,7 +2,8 @@
 """Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below: they fall,
 and rise for a capability alone (the graded grid: sources by 1400, tests by 450; the tail of passages: 160 and 70;
 loads, radii and speeds over time: 1510 and 920; how sure 60;
-mixed, starved and warm films: 1624, 883, bench 42; fine grids of histories: 6, 12)."""
+mixed, starved and warm films: 1624, 883, bench 42; fine grids of histories: 6, 12;
+starved rough contacts, asperities beyond an end: 60, 34, how sure 1)."""
 
 import pathlib
 import re
@@ -18,9 +19,9 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 46_407,
-    "how sure": 6_700,
-    "tests": 36_072,
+    "sources": 46_467,
+    "how sure": 6_701,
+    "tests": 36_106,
     "bench": 5_642,
     "words of pages": 45_000,
     "imports of a file": 22,

@@ -1,7 +1,8 @@
 !> The lubricated line contact, from its data to its fields; read it with chapter 2 of the thesis.
 module ehl_line_solver
    use contact_moment, only: at_moment, least_speed
-   use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
+   use domain_choice, only: choose_anew, choose_domain, cut_asperities, farthest, inlet_error, &
+      inlet_pressure_error
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -141,6 +142,7 @@ contains
       type(time_settings_t), intent(in) :: time
       class(listener_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
+      character(:), allocatable :: cut
       type(line_contact_t) :: posed
 
       posed = contact
@@ -154,6 +156,8 @@ contains
          if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), &
             contact, report)
          call blame_grid(contact, settings, .not. time%is_transient, listener, report)
+         cut = cut_asperities(contact)
+         if (cut /= '') report%reason = cut//'; '//report%reason
       end if
    end subroutine solve_start
 

@@ -20,9 +20,13 @@ module newton_line
 
    !> A step changes no pressure by more than the first share of max(1, P), a bent one by no more
    !> than the second, the total with that of asperities by no more than the third, and reduces no
-   !> film below the fourth, no gap where asperities touch below the fifth.
+   !> film below the fourth, no gap where asperities touch below the fifth. There the pressures that
+   !> it leaves at 0 in place of below move no surface by more than the last share of the gap: in
+   !> front of a heavy contact the oil of a starved one cavitates over a length whose pressures bend
+   !> the surfaces by many times the film.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, &
-      largest_shared_step = 1.0_wp, smallest_film_share = 0.5_wp, smallest_gap_share = 0.2_wp
+      largest_shared_step = 1.0_wp, smallest_film_share = 0.5_wp, smallest_gap_share = 0.2_wp, &
+      largest_cut_share = 0.1_wp
    !> Largest change of Sigma of the slip factor in a step.
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> Most halvings of a step before the method gives up.
@@ -261,11 +265,13 @@ contains
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: share
       real(wp) :: solid(merge(level%n - 1, 0, allocated(level%rough))), least, longest
+      real(wp), allocatable :: opening(:)
+      logical :: is_fair
       integer :: halving, n
 
       n = level%n
       if (allocated(level%rough)) then
-         call split_step(newton, level, solid)
+         call split_step(newton, level, solid, opening)
       else
          ! an iterative solution misses this by its tolerance, and the node would count as one with
          ! pressure
@@ -294,7 +300,10 @@ contains
                max(old%asperity_pressure(1:n - 1) + share*solid, 0.0_wp)
             new%rigid_displacement = old%rigid_displacement + share*step(n)
             call set_film(level)
-            if (all(new%film > least*old%film)) exit
+            is_fair = all(new%film > least*old%film)
+            if (is_fair .and. allocated(level%rough)) is_fair = all(abs(new%separation &
+               - old%separation - share*opening) <= largest_cut_share*old%film)
+            if (is_fair) exit
             share = 0.5_wp*share
          end do
          if (halving > max_halvings) then
@@ -314,19 +323,23 @@ contains
    end subroutine apply_step
 
    !> Splits the step of the total pressure, where asperities touch, into that of the oil, which
-   !> stays in `newton`, and that of the asperities, `solid` (1:n-1).
-   subroutine split_step(newton, level, solid)
+   !> stays in `newton`, and that of the asperities, `solid` (1:n-1). `opening` (0:n): the change of
+   !> the separation.
+   subroutine split_step(newton, level, solid, opening)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: solid(:)
-      real(wp), dimension(0:level%n) :: change, deflection
+      real(wp), allocatable, intent(out) :: opening(:)
+      real(wp) :: change(0:level%n)
 
       associate (n => level%n, step => newton%step, rough => level%rough, state => level%state)
          change = [0.0_wp, step(1:n - 1), 0.0_wp]
-         call level%elastic%apply(change, deflection)
+         allocate (opening(0:n))
+         call level%elastic%apply(change, opening)
+         opening = step(n) - opening
          step(1:n - 1) = merge(-state%pressure(1:n - 1), change(1:n - 1) - rough%slope(1:n - 1) &
-            *(step(n) - deflection(1:n - 1)) + state%asperity_pressure(1:n - 1) &
-            - rough%pressure(1:n - 1), newton%is_cavitated)
+            *opening(1:n - 1) + state%asperity_pressure(1:n - 1) - rough%pressure(1:n - 1), &
+            newton%is_cavitated)
          solid = change(1:n - 1) - step(1:n - 1)
       end associate
    end subroutine split_step

@@ -27,33 +27,38 @@ contains
 
    !> Turns rows, divided by their diagonals, from oil pressure and mean gap to total pressure and
    !> separation, where asperities touch: dP_oil = dP - pc' dH where oil fills the gap; elsewhere it
-   !> is -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). (The
-   !> change of H two nodes downstream, with a thinning oil, is taken one node nearer.)
+   !> is -P_oil, which goes to the right side `step` (1:n-1), and the row says P = pc(H). What such
+   !> a row knows of dq goes on to the rows behind. (The change of H two nodes downstream, with a
+   !> thinning oil, is taken one node nearer.)
    pure subroutine share_rows(level, jacobian, is_cavitated, step)
       type(line_level_t), intent(in) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
       logical, intent(in) :: is_cavitated(:)
       real(wp), intent(inout) :: step(:)
-      real(wp) :: diagonal, right
+      real(wp) :: diagonal, known, passed, right
       integer :: i, o
 
       associate (jp => jacobian%by_pressure, jh => jacobian%by_film, rough => level%rough, &
          kernel => level%elastic%kernel, solid => level%state%asperity_pressure, &
          oil => level%state%pressure)
+         passed = 0.0_wp
          do i = 1, level%n - 1
-            right = step(i)
+            known = passed/jacobian%diagonal(i)
             do o = max(-2, -i), 1
                jh(o, i) = jh(o, i)*rough%gap_slope(i + o)
             end do
             do o = max(-2, 1 - i), min(2, level%n - 1 - i)
                if (is_cavitated(i + o)) then
-                  right = right + jp(o, i)*oil(i + o)
+                  known = known + jp(o, i)*oil(i + o)
                   jp(o, i) = 0.0_wp
                else
-                  right = right - jp(o, i)*(solid(i + o) - rough%pressure(i + o))
+                  known = known - jp(o, i)*(solid(i + o) - rough%pressure(i + o))
                   jh(min(o, 1), i) = jh(min(o, 1), i) - rough%slope(i + o)*jp(o, i)
                end if
             end do
+            passed = 0.0_wp
+            if (allocated(jacobian%carry)) passed = jacobian%carry(i)*known*jacobian%diagonal(i)
+            right = step(i) + known
             if (is_cavitated(i)) then
                step(i) = rough%pressure(i) - solid(i) - oil(i)
                cycle

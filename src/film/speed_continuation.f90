@@ -19,8 +19,9 @@ module speed_continuation
    !> Power of the speed with which films grow, and a factor beside it; the first film over its
    !> estimate.
    real(wp), parameter :: growth = 0.7_wp, slack = 1.01_wp, first_share = 2.0_wp
-   !> Most steps for a first solution and for a further one; steps of an easy one.
-   integer, parameter :: first_steps = 60, next_steps = 25, easy_steps = 8
+   !> Most steps for a first solution and for a further one; steps of an easy one. Where less oil
+   !> arrives, its front moves by about a node a step, by up to one of so many of the nodes.
+   integer, parameter :: first_steps = 60, next_steps = 25, easy_steps = 8, front_share = 4
    !> Speeds to start from, at most; factor from speed to speed: first, and from supply to supply,
    !> largest, smallest.
    integer, parameter :: most_starts = 5
@@ -98,13 +99,15 @@ contains
          real(wp), intent(in) :: first
          logical, intent(in) :: is_supply
          real(wp) :: reached, ratio, next
+         integer :: steps
 
          reached = first
+         steps = merge(max(next_steps, level%n/front_share), next_steps, is_supply)
          ratio = merge(supply_ratio, first_ratio, is_supply)
          do while (reached > 1.0_wp)
             good = level%state
             next = max(1.0_wp, reached/ratio)
-            call solve_at(next, is_supply, next_steps)
+            call solve_at(next, is_supply, steps)
             if (is_stopped(listener)) exit
             if (is_solved) then
                reached = next
