@@ -139,7 +139,7 @@ CONTENTS = {
     ),
     "long_string": (
         STEADY.replace("'ehl_line'", f"'{LONG}'"),
-        f"1: &case problem: found '{LONG[:48]}...', expected 'ehl_line', 'dry_line' or 'dry_area'",
+        f"1: &case problem: found '{LONG[:48]}...', expected 'ehl_line', 'ehl_point', 'dry_line' or 'dry_area'",
     ),
     "long_title": (STEADY.replace("Öl, smooth", "t" * 10_001), "1: &case title: found 10001 bytes, expected at most 10000"),
 }

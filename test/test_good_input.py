@@ -204,7 +204,7 @@ BAD_CALLS = {
     "threads_word": (["a.nml", "--threads", "two"], "found --threads two, expected a number of threads"),
     "no_threads": (["a.nml", "--threads", "0"], "found --threads 0, expected a number of threads"),
     "resume_of_nothing": (["--resume"], "found no namelist file"),
-    "unknown_template": (["--template", "wet"], "found --template wet, expected ehl_line, dry_line or dry_area"),
+    "unknown_template": (["--template", "wet"], "found --template wet, expected ehl_line, ehl_point, dry_line or dry_area"),
     "no_template": (["--template"], "found --template without a value"),
     "two_actions": (["--keys", "--version"], "found --keys and --version, expected one of them"),
 }

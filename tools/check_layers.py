@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Check the order of the layers by the `use` lines: a module uses only its own layer and those to its left.
 
-    base -> physics -> numerics -> surface -> film -> stokes -> dry -> accuracy -> system -> hdf5 -> heights -> input -> output
-    -> app
+    base -> physics -> numerics -> surface -> film -> stokes -> dry -> accuracy -> point -> system -> hdf5 -> heights -> input
+    -> output -> app
 
 physics and numerics do not use each other, nor dry and film or stokes. Every module lies in a layer
 folder and has the name of its file.
@@ -14,7 +14,7 @@ import re
 import sys
 
 LAYERS = [
-    *("base", "physics", "numerics", "surface", "film", "stokes", "dry", "accuracy"),
+    *("base", "physics", "numerics", "surface", "film", "stokes", "dry", "accuracy", "point"),
     *("system", "hdf5", "heights", "input", "output", "app"),
 ]
 STRANGERS = {("numerics", "physics"), ("dry", "film"), ("dry", "stokes")}

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface")
+COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface", "src/point")
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
     r"src/accuracy/|/(contact_edges|grid_comparison"

@@ -53,7 +53,7 @@ contains
          call check_radius(values)
       else if (values%has_group('bodies')) then
          if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-            'reduced_radius'//axis_of(values), [character(len=20) :: radius_key(values, 1), &
+            'reduced_radius'//trim(axis_of(values)), [character(len=20) :: radius_key(values, 1), &
             radius_key(values, 2)])
          call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
             'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
@@ -154,18 +154,18 @@ contains
    !> What the names of radii have behind them: those of a point contact are of x and of y.
    pure function axis_of(values) result(axis)
       type(input_values_t), intent(in) :: values
-      character(:), allocatable :: axis
+      character(len=2) :: axis
 
-      axis = trim(merge('_x', '  ', values%problem == point))
+      axis = merge('_x', '  ', values%problem == point)
    end function axis_of
 
    !> Key of the radius of body 1 or 2, in the plane of x.
    pure function radius_key(values, body) result(key)
       type(input_values_t), intent(in) :: values
       integer, intent(in) :: body
-      character(:), allocatable :: key
+      character(len=10) :: key
 
-      key = 'radius'//axis_of(values)//'_'//to_text(body)
+      key = 'radius'//trim(axis_of(values))//'_'//to_text(body)
    end function radius_key
 
    !> Whether one body has a radius and the other is a plane.
@@ -173,7 +173,7 @@ contains
       type(input_values_t), intent(in) :: values
 
       has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
-         radius_key(values, 1)) .neqv. values%is_given('bodies', radius_key(values, 2)))
+         trim(radius_key(values, 1))) .neqv. values%is_given('bodies', trim(radius_key(values, 2))))
    end function has_plane
 
    !> A finding: two radii of bodies that do not touch, or lie in each other; a plane beside more or
@@ -182,16 +182,20 @@ contains
       type(input_values_t), intent(inout) :: values
       character(:), allocatable :: key
 
-      if (has_plane(values)) then
-         key = radius_key(values, merge(1, 2, values%is_given('bodies', radius_key(values, 1))))
+      key = 'reduced_radius'//trim(axis_of(values))
+      if (has_plane(values) .and. values%is_given('bodies', key)) then
+         call values%refuse('bodies', key, 'found together with plane, expected one of the two')
+      else if (has_plane(values)) then
+         key = trim(radius_key(values, merge(1, 2, values%is_given('bodies', trim(radius_key(values, &
+            1))))))
          if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
             'found '//to_text(values%real_value('bodies', key))// &
             ' with plane = .true., expected a radius > 0 [m]')
       else if (values%logical_value('bodies', 'plane')) then
          call values%refuse('bodies', 'plane', 'found .true., expected exactly one of '// &
-            radius_key(values, 1)//' and '//radius_key(values, 2)//' with it')
+            trim(radius_key(values, 1))//' and '//trim(radius_key(values, 2))//' with it')
       end if
-      call check_curvature(values, radius_key(values, 1), radius_key(values, 2))
+      call check_curvature(values, trim(radius_key(values, 1)), trim(radius_key(values, 2)))
    end subroutine check_radii
 
    !> A finding: two radii, of which both have a value, of bodies that do not touch.

@@ -13,7 +13,6 @@ module case_input
    use key_row, only: film, has_word, is_in_range, lubricated, point
    use key_rules, only: find_unusual, unusual_t
    use line_case, only: plan_line_case
-   use line_profiles, only: make_surface
    use lubricant_input, only: complete_alpha, derive_viscosity, fill_lubricant
    use kinds, only: wp
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
@@ -131,9 +130,7 @@ contains
       call list_effective(values, case)
       if (allocated(case%duty)) call set_effective(case, 'history', 'table_checksum', &
          text=case%duty%digits)
-      call make_surface(values, 'surface_1', case)
-      call make_surface(values, 'surface_2', case)
-      if (values%findings%count == 0) call plan_line_case(values, case)
+      call plan_line_case(values, case)
    end subroutine fill_line_case
 
    !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.

@@ -12,7 +12,7 @@ module line_case
    use input_values, only: input_values_t
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
-   use line_profiles, only: place_surface
+   use line_profiles, only: make_surface, place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
    use scaling, only: new_heating, scaled_fluid
@@ -41,6 +41,9 @@ contains
       type(case_t), intent(inout) :: case
       type(time_settings_t) :: given
 
+      call make_surface(values, 'surface_1', case)
+      call make_surface(values, 'surface_2', case)
+      if (values%findings%count > 0) return
       call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
       call read_heat(values, case)

@@ -18,7 +18,7 @@ module point_equations
    implicit none (type, external)
    private
 
-   public :: evaluate, multiply_bands, wedge_diagonal
+   public :: evaluate, multiply_bands
 
    !> What a row of nodes is made of, by column: P, H, E, rho, E'/E by P, rho', then ln of the
    !> effective viscosity along x, its slopes by P and H, and 1/S mu; the same across.

@@ -49,8 +49,8 @@ module point_newton
       !> Whether the residual is below the tolerance; else why not.
       logical :: is_converged = .false.
       character(:), allocatable :: reason
-      !> Newton steps, iterations of GMRES of all and the most of one, max |r| and load error.
-      integer :: steps = 0, iterations = 0, most = 0
+      !> Newton steps and iterations of GMRES, max |r| and load error.
+      integer :: steps = 0, iterations = 0
       real(wp) :: residual = huge(1.0_wp), load_error = huge(1.0_wp)
       !> Bound on both.
       real(wp) :: bound = 0.0_wp
@@ -78,7 +78,6 @@ contains
       newton%reason = 'the start has no film'
       newton%steps = 0
       newton%iterations = 0
-      newton%most = 0
       newton%gmres%max_iterations = most_iterations
       associate (level => newton%hierarchy%levels(1), threads => newton%hierarchy%threads)
          load = contact%load - far_load(contact, level%hx, level%hy)
@@ -174,7 +173,6 @@ contains
          call solve_gmres(newton%gmres, newton, merge(rough_tolerance, linear_tolerance, &
             newton%residual > far_residual), x, is_solved)
          newton%iterations = newton%iterations + newton%gmres%iterations
-         newton%most = max(newton%most, newton%gmres%iterations)
          step = reshape(x(:n) + fixed, shape(step))
          step_h0 = x(n + 1)
       end associate

@@ -1,0 +1,97 @@
+"""Lubricated point contacts from the namelist on: SI and Moes, bodies, grids, targets, ends of runs."""
+
+import numpy as np
+import pytest
+from cases import ended, write
+
+BALL = """&case problem = 'ehl_point' /
+&bodies plane = .true., radius_x_1 = 12.7e-3, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
+        poisson_ratio_1 = 0.3, poisson_ratio_2 = 0.3, speed_1 = 0.5, speed_2 = 0.7 /
+&load load = 30.0 /
+&lubricant viscosity = 0.04, pressure_viscosity = 2e-8, roelands_z = 0.6 /
+"""
+MOES = """&case problem = 'ehl_point' /
+&moes moes_m = {m}, moes_l = {l}, velocity = '{velocity}', radius_ratio = {ratio} /
+&lubricant viscosity_law = '{law}', density_law = 'constant' /
+&domain intervals_x = 64, far_field = .false. /
+"""
+
+
+def moes(m, l, velocity="sum", ratio=1.0, law="barus"):
+    return MOES.format(m=m, l=l, velocity=velocity, ratio=ratio, law=law)
+
+
+def test_moes_numbers_of_both_velocities(solved_case):
+    # H_c = 3.8522417 in units of the sum of speeds (stored solution of another program)
+    with solved_case(moes(200, 10)) as file:
+        first = file["summary/h_central_moes"][()]
+        assert first / 2**0.5 == pytest.approx(3.852241713325187, rel=1e-6)
+    with solved_case(moes(200 * 2**0.75, 10 / 2**0.25, "mean")) as file:
+        assert file["summary/h_central_moes"][()] == pytest.approx(first, rel=1e-9)
+
+
+def test_si_and_moes_are_the_same_contact(solved_case):
+    barus = BALL.replace("roelands_z = 0.6", "viscosity_law = 'barus', density_law = 'constant'")
+    with solved_case(barus + "&domain intervals_x = 64, far_field = .false. /\n") as file:
+        scales, film = dict(file["scaling"].attrs), file["summary/h_central"]
+        radius, modulus = 12.7e-3, 206e9 / 0.91
+        load = 30.0
+        half_width = (1.5 * load * radius / modulus) ** (1 / 3)
+        assert scales["half_width_x"] == pytest.approx(half_width, rel=1e-12)
+        assert scales["hertz_pressure"] == pytest.approx(1.5 * load / (np.pi * half_width**2), rel=1e-12)
+        speed = 0.04 * 1.2 / (modulus * radius)
+        assert scales["moes_m_sum"] == pytest.approx(load / (modulus * radius**2) * speed**-0.75, rel=1e-12)
+        assert scales["moes_l_sum"] == pytest.approx(2e-8 * modulus * speed**0.25, rel=1e-12)
+        dimensionless = film.attrs["dimensionless"]
+        assert film[()] == pytest.approx(dimensionless * half_width**2 / radius, rel=1e-12)
+        load_of_fields = file["si/solution/pressure"][()].sum() * np.prod([np.diff(file[f"si/solution/{k}"])[0] for k in "xy"])
+        assert load_of_fields == pytest.approx(load, rel=1e-7)
+    with solved_case(moes(scales["moes_m_sum"], scales["moes_l_sum"])) as file:
+        assert file["summary/h_central"].attrs["dimensionless"] == pytest.approx(dimensionless, rel=1e-8)
+
+
+def test_two_ways_to_give_the_same_bodies(solved_cases):
+    swapped = BALL.replace("radius_x_1", "radius_x_2").replace("speed_1 = 0.5, speed_2 = 0.7", "speed_1 = 0.7, speed_2 = 0.5")
+    reduced = BALL.replace("plane = .true., radius_x_1 = 12.7e-3", "reduced_radius_x = 12.7e-3, reduced_radius_y = 12.7e-3")
+    coarse = "&domain intervals_x = 64 /\n"
+    files = solved_cases(a=BALL + coarse, b=swapped + coarse, c=reduced + coarse)
+    films, frictions = ([file[f"summary/{name}"][()] for file in files] for name in ("h_central", "friction_coefficient"))
+    np.testing.assert_allclose(films, films[0], rtol=1e-12)
+    np.testing.assert_allclose(frictions, frictions[0], rtol=1e-12)
+
+
+def test_a_long_ellipse_is_a_line_in_its_middle(solved_cases):
+    long = BALL.replace("radius_x_1 = 12.7e-3", "radius_x_1 = 12.7e-3, radius_y_1 = 0.5").replace("load = 30.0", "hertz_pressure = 0.7e9")
+    line = long.replace("ehl_point", "ehl_line").replace("radius_x_1 = 12.7e-3, radius_y_1 = 0.5", "radius_1 = 12.7e-3")
+    point, strip = solved_cases(point=long + "&domain intervals_x = 128 /\n", line=line)
+    assert point["scaling"].attrs["ellipticity"] > 10
+    assert point["summary/h_central"][()] == pytest.approx(strip["summary/h_central"][()], rel=0.04)
+
+
+def test_error_bars_and_target(solved_case):
+    with solved_case(BALL + "&accuracy target = 4e-3 /\n") as file:
+        for name in ("h_min", "h_central"):
+            film = file[f"summary/{name}"]
+            assert 0 < film.attrs["error_estimate"] <= 4e-3 * film[()]
+            known = film[()], film.attrs["error_estimate"]
+        intervals = file["input/effective/domain"].attrs["intervals_x"]
+    with solved_case(BALL + f"&domain intervals_x = {2 * intervals} /\n") as file:
+        assert abs(file["summary/h_central"][()] - known[0]) < known[1]
+
+
+def test_a_coarse_grid_is_told(told_case):
+    result, said = told_case(moes(1000, 10), status=2)
+    assert "grid too coarse for the film, needs 128 intervals in x (has 64)" in " ".join(said.split())
+    assert np.isnan(result["summary/h_central"])
+
+
+def test_threads_change_nothing_but_round_off(asperity, tmp_path):
+    import h5py
+
+    films = []
+    for threads in ("1", "2"):
+        write(tmp_path, "ball.nml", BALL + "&domain intervals_x = 64 /\n")
+        ended(asperity("ball.nml", "--quiet", "--threads", threads))
+        with h5py.File(tmp_path / "ball.h5") as file:
+            films.append(file["solution/film_thickness"][()])
+    np.testing.assert_allclose(films[0], films[1], rtol=1e-12)
