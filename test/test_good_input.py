@@ -119,7 +119,7 @@ def test_input_cases_are_there():
     assert {"case1", "case2", "case3", "case3_demo", "minimal", "moes_barus", "rolling_sinusoid"} <= names
 
 
-PROBLEMS = ["ehl_line", "dry_line", "dry_area"]
+PROBLEMS = ["ehl_line", "ehl_point", "dry_line", "dry_area"]
 
 
 @pytest.mark.path
@@ -134,7 +134,7 @@ def test_template_names_every_key(asperity, problem):
     for line in asperity("--keys-markdown").stdout.splitlines():
         if line.startswith("| `"):
             key = line.split("`")[1]
-            problems = re.search(r"\(((?:ehl_line|dry_line|dry_area| )+)\) \|$", line)
+            problems = re.search(r"\(((?:ehl_line|ehl_point|dry_line|dry_area| )+)\) \|$", line)
             assert f" {key} = " in template or (problems and problem not in problems[1].split())
 
 
