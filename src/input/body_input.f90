@@ -47,14 +47,16 @@ contains
    !> All checks of &bodies over more than one key.
    subroutine check_bodies(values)
       type(input_values_t), intent(inout) :: values
+      character(len=20) :: radii(2)
 
       if (.not. has_word(film, trim(values%problem))) then
          call check_moduli(values)
          call check_radius(values)
       else if (values%has_group('bodies')) then
+         radii(1) = radius_key(values, 1)   ! in a constructor gfortran 12 writes beyond their ends
+         radii(2) = radius_key(values, 2)
          if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-            'reduced_radius'//axis_of(values), [character(len=20) :: radius_key(values, 1), &
-            radius_key(values, 2)])
+            'reduced_radius'//axis_of(values), radii)
          call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
             'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
          call check_speeds(values)
