@@ -102,8 +102,10 @@ def draw_map(panel: Axes, contact: Contact, name: str, is_light: bool = False) -
         panel.clabel(panel.contour(px, py, lines, levels, colors="white", linewidths=0.5), fontsize=6)
     panel.contour(px, py, radius, [1.0], **ELLIPSE | ({"colors": "white"} if is_light else {}))
     panel.set(xlabel=f"{axes[0].plain_label}, flow to the right", ylabel=axes[1].plain_label)
-    if 1 / SLENDER < np.ptp(py) / np.ptp(px) < SLENDER:
+    if 1 / SLENDER < np.ptp(y) / np.ptp(x) < SLENDER:
         panel.set_aspect("equal")
+    else:
+        panel.set_ylabel(f"{axes[1].plain_label}, not to scale")
 
 
 def draw_cut(panel: Axes, contact: Contact, along: str) -> list:
