@@ -34,7 +34,7 @@ PROBLEMS = {
 CONTACT = {
     "reduced_radius": "Reduced radius",
     "reduced_radius_x": "Reduced radius in the plane of x",
-    "radius_ratio": "Its ratio to that in the plane of y",
+    "radius_ratio": "Ratio of the reduced radii, x over y",
     "reduced_modulus": "Reduced modulus",
     "load": "Load",
     "load_per_length": "Load per length",
@@ -177,7 +177,8 @@ def figures_of(path: Path, folder: Path, problem: str, is_transient: bool, has_s
         "xt": "Film thickness and pressure over position and time",
         "history": "Over time",
         "maps": "Pressure and contact",
-        "point": "Light of three wavelengths, film, and both along and across the flow; thin and dashed: Hertz",
+        "point": ("Interference of light" if has_si else "Pressure")
+        + ", film, cuts along and across the flow; thin, dashed: Hertz",
         "sweep": "Over the load, with error bars",
         "surface": "Heights before, under and after the load",
         "convergence": "Convergence",

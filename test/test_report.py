@@ -60,6 +60,7 @@ def test_results_have_units_errors_and_times(folder):
     assert page.row("roughness")[3] == "smooth surfaces"
     dry = Page((folder / "pages" / "dry.html").read_text(encoding="utf-8"))
     assert re.fullmatch(r"[\d.]+ µm", dry.row("Mean separation")[1])
+    assert 'alt="Interference of light, film' in (folder / "pages" / "point.html").read_text(encoding="utf-8")
     point = Page((folder / "pages" / "point.html").read_text(encoding="utf-8"))
     assert re.fullmatch(r"[\d.]+ nm", point.row("Central film thickness")[1])
     assert float(point.row("Half-axis along y")[1].split()[0]) > 3 * float(
