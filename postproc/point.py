@@ -21,14 +21,12 @@ from result_file import Axis, Result, inputs_of, opened, read_result
 
 PROGRAM = "point.py"
 EXAMPLE = "python postproc/point.py results/ball.h5 --output results"
-# Red, green, blue [m], and the refractive index of the oil.
-WAVELENGTHS = np.array([630e-9, 530e-9, 460e-9])
-REFRACTION = 1.5
+WAVELENGTHS = np.array([630e-9, 530e-9, 460e-9])  # red, green, blue [m]
+REFRACTION = 1.5  # of the oil
 # What is shown, in half-widths of the ellipse: in front of it, behind it, to each side; pixels along each direction.
 ROOM = (1.5, 1.35, 1.4)
 PIXELS = 400
-# Films are shown up to so many times that at the centre.
-WIDE = 1.6
+WIDE = 1.6  # films are shown up to so many times that at the centre
 SLENDER = 2.5  # a longer window is not drawn to scale
 HERTZ = {"color": style.PRESSURE["color"], "linestyle": "--", "linewidth": 0.8}
 ELLIPSE = {"colors": "#ff6a3d", "linewidths": 0.7}
@@ -63,10 +61,9 @@ class Contact:
 
     def axis(self, name: str) -> Axis:
         """Factor and label of a dataset, in SI if it has that."""
-        quantity, shown = self.result.solution[name], self.window()
-        if name == "film_thickness":
-            quantity = replace(quantity, largest=style.film_limit(self.field(name, *shown), self.field("pressure", *shown)))
-        return quantity.axis(quantity.has_si)
+        quantity = self.result.solution[name]
+        largest = WIDE * self.field(name, np.zeros(1), np.zeros(1)).item() if name == "film_thickness" else None
+        return replace(quantity, largest=largest).axis(quantity.has_si)
 
 
 def read_contact(path: Path) -> Contact:
@@ -93,8 +90,7 @@ def draw_map(panel: Axes, contact: Contact, name: str, is_light: bool = False) -
         panel.set_title("Light of 630, 530, 460 nm")
     else:
         shown = values * axis.factor
-        centre = contact.field(name, np.zeros(1), np.zeros(1)).item() * axis.factor
-        top = min(shown.max(), WIDE * centre)
+        top = min(shown.max(), WIDE * contact.field(name, np.zeros(1), np.zeros(1)).item() * axis.factor)
         image = panel.imshow(shown, cmap=style.COLOUR_MAP, vmax=top, **look)
         panel.figure.colorbar(image, ax=panel, label=axis.plain_label, extend="max" if top < shown.max() else "neither")
         levels = MaxNLocator(10).tick_values(shown.min(), top)[1:-1]
@@ -111,21 +107,18 @@ def draw_map(panel: Axes, contact: Contact, name: str, is_light: bool = False) -
 def draw_cut(panel: Axes, contact: Contact, along: str) -> list:
     """Film, pressure and Hertz pressure on y = 0 or on x = 0; returns their lines."""
     x, y = (pixels if name == along else np.zeros(1) for name, pixels in zip("xy", contact.window(), strict=True))
-    place = (x if along == "x" else y) * contact.axis(along).factor
-    p_axis, h_axis = contact.axis("pressure"), contact.axis("film_thickness")
+    axis, p_axis, h_axis = (contact.axis(name) for name in (along, "pressure", "film_thickness"))
+    place = (x if along == "x" else y) * axis.factor
     pressure, film = contact.field("pressure", x, y).ravel(), contact.field("film_thickness", x, y).ravel()
     hertz = np.sqrt(np.maximum(1 - contact.squared_radius(x, y).ravel(), 0))
     twin = panel.twinx()
     lines = panel.plot(place, pressure * p_axis.factor, label="pressure", **style.PRESSURE)
     lines += panel.plot(place, hertz * p_axis.factor, label="Hertz", **HERTZ)
     lines += twin.plot(place, film * h_axis.factor, label="film", **style.FILM)
-    panel.set(xlabel=contact.axis(along).plain_label, ylabel=p_axis.plain_label, xlim=(place[0], place[-1]))
-    panel.set_ylim(0, 1.08 * max(pressure.max(), 1.0) * p_axis.factor)
-    twin.set_ylim(0, style.film_limit(film, pressure) * h_axis.factor)
-    twin.set_ylabel(h_axis.plain_label)
-    panel.set_title("$y = 0$" if along == "x" else "$x = 0$")
+    panel.set(xlabel=axis.plain_label, ylabel=p_axis.plain_label, title="$y = 0$" if along == "x" else "$x = 0$")
+    panel.set(xlim=(place[0], place[-1]), ylim=(0, 1.08 * max(pressure.max(), 1.0) * p_axis.factor))
+    twin.set(ylim=(0, style.film_limit(film, pressure) * h_axis.factor), ylabel=h_axis.plain_label)
     panel.tick_params(right=False)
-    twin.tick_params(left=False)
     return lines
 
 
