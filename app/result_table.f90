@@ -37,6 +37,8 @@ module result_table
       'film_thickness', 'gap', 'viscosity', 'density', 'slip_factor', 'shear_stress_1', &
       'shear_stress_mean', 'shear_stress_2', 'roughness_1', 'roughness_2', 'height_undeformed', &
       'height_loaded', 'height_unloaded', 'plastic_deformation']
+   !> Problems whose fields are not over x alone.
+   character(len=9), parameter :: maps(*) = [character(len=9) :: 'dry_area', 'ehl_point']
    character(len=*), parameter :: nl = new_line('a')
    !> Widest cell of the text; the layout from which on every result has a seal.
    integer, parameter :: cell_width = 512, sealed_layout = 3
@@ -101,9 +103,9 @@ contains
 
       call read_row(file, row)
       if (row%is_read .and. row%problem == '') row%reason = 'the run has not ended'
-      if (row%problem == 'dry_area') row%reason = 'an area has maps, no profile: read them with'// &
-         ' h5py or, with &output xdmf = .true., ParaView'
-      if (.not. row%is_read .or. any(row%problem == ['        ', 'dry_area'])) then
+      if (any(row%problem == maps)) row%reason = 'an area has maps, no profile: read them with '// &
+         'h5py or, with &output xdmf = .true., ParaView'
+      if (.not. row%is_read .or. row%problem == '' .or. any(row%problem == maps)) then
          call fail(error, input_error, file//': '//row%reason)
          return
       end if

@@ -35,6 +35,8 @@ HISTORIES = {
     **{"spur_gear.toml": (11, "gear", 2), "cam.toml": (12, "cam", 2), "reciprocating.nml": (13, "", 4)},
     **{"stop_start.nml": (14, "", 4), "mixed_start.nml": (16, "", 4), "rough_ring.nml": (17, "", 2)},
 }
+# Of a point contact error bars are judged as well, on a grid so many times finer along each axis.
+POINT_FINER = 2
 QUANTITIES, WITHIN = (*adequacy.QUANTITIES, "mean_power", "asperity_load_share"), "within the error bar"
 
 
@@ -61,15 +63,18 @@ def judge(name: str, groups: Groups) -> list[Row]:
 def judge_history(path: Path, finer: int) -> list[Row]:
     """Whether `finer` times the intervals change each quantity by no more than its error bar; the change of a row is none."""
 
-    def told(file: h5py.File) -> tuple[dict[str, tuple[float, float]], int]:
-        own = {q: file["summary"][q] for q in QUANTITIES if q in file["summary"]}
+    def told(file: h5py.File) -> tuple[dict[str, tuple[float, float]], dict[str, int]]:
+        domain, own = file["input/effective/domain"].attrs, {q: file["summary"][q] for q in QUANTITIES if q in file["summary"]}
         found = {q: (float(row[()]), float(row.attrs["error_estimate"])) for q, row in own.items()}
-        return found, int(file["input/effective/domain"].attrs["intervals"])
+        return found, {key: finer * int(domain[key]) for key in ("intervals", "intervals_x", "intervals_y") if key in domain}
 
     groups = groups_of(f90nml.read(path))
-    files = {table: (path.parent / table).read_bytes() for table in (groups["history"]["file"],)}
-    said, intervals = run(groups, told, files)
-    fine, _ = run(bare(groups, domain={"intervals": finer * intervals}), told, files)
+    files = {group["file"]: (path.parent / group["file"]).read_bytes() for key, group in groups.items() if key == "history"}
+    said, domain = run(groups, told, files)
+    truth = bare(groups, domain=domain)
+    if "intervals_x" in domain:
+        del truth["output"]  # points have no /adequacy to leave out
+    fine, _ = run(truth, told, files)
     rows = []
     for q, (value, bar) in ((q, pair) for q, pair in said.items() if pair[0] > 0):
         truth, error = fine[q][0] / value - 1, bar / value
@@ -115,7 +120,7 @@ def main() -> int:
         if options.quick and "&time" in path.read_text(encoding="utf-8"):
             continue
         print(path.stem, file=sys.stderr)
-        finer = HISTORIES.get(source.name, (0,))[-1]
+        finer = HISTORIES.get(source.name, (POINT_FINER if "ehl_point" in path.read_text(encoding="utf-8") else 0,))[-1]
         rows += judge_history(path, finer) if finer else judge(path.stem, groups_of(f90nml.read(path)))
         save(folder / "scenes.csv", rows)
     text = summary(rows)

@@ -21,6 +21,7 @@ FIGURES = {
     "01": (("profile.py", "--si", "--window", "-15", "4"), "profile", "pressure and film"),  # inside the journal
     "06": (("transient.py", "--parts", "film_strip"), "film_strip", "the ridge at several places"),
     **dict.fromkeys(("09", "10"), (("dry.py",), "profile", "the profile, undeformed, under load and unloaded")),
+    **dict.fromkeys(("18", "19", "20"), (("point.py",), "point", "interferogram, film and pressure")),
 }
 OVER_TIME = "load, radius or load of asperities, speeds, film, pressure and friction over time"
 HISTORY = (("transient.py", "--si", "--parts", "history"), "history", OVER_TIME)
@@ -28,7 +29,7 @@ PROFILE = (("profile.py", "--si"), "profile", "pressure and film, of a passage a
 TARGET = 0.03
 WIDTH = 128
 
-HEAD = """# Seventeen scenes
+HEAD = """# Twenty scenes
 
 Contacts as they occur, in [input/scenes/](../input/scenes) and [input/duty/](../input/duty). Each section shows the input, the
 closing table, the place on the chart of Moes, and the needs of the model, compared with fine grids. `make scenes` runs the scenes,
@@ -47,8 +48,8 @@ of h_min, dry profiles on 8 times the nodes with the heights of the scene's grid
 known` is no error, but no answer: the measurement may cost a tenth of the run, and gives no verdict where its error bar is too
 large. Without squeeze there are steady solutions with the waves at their places, which no namelist describes: there `fine grids` is
 the program's own value on 4 times the nodes and time steps. Rigid bodies are 2000 times as stiff, or less where they have no
-solution, which still shows whether elasticity is needed. Where load, speeds or radius change in time, error bars are judged, by
-the change on 2 or 4 times the intervals.
+solution, which still shows whether elasticity is needed. Where load, speeds or radius change in time, and of point contacts,
+error bars are judged, by the change on 2 or 4 times the intervals.
 
 """
 
@@ -75,7 +76,7 @@ def closing_table(printed: str, name: str) -> str:
     """The end of what the program prints, without times of the machine and the name of the result."""
     lines = printed.splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith(f"{name}.nml: converged"))
-    lines[first] = re.sub(r", [\d.E+-]+ s$", "", lines[first])
+    lines[first] = re.sub(r", [\d.E+-]+ s(, [\d.E+-]+ MB)?$", "", lines[first])
     return "\n".join(line for line in lines[first:] if not line.startswith("  result "))
 
 

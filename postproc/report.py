@@ -17,6 +17,7 @@ import figure_style as style
 import h5py
 import jinja2
 import numpy as np
+import point
 import transient
 from matplotlib import pyplot as plt
 from result_file import WORDS, ResultError, inputs_of, opened, prefix_of, read_result, short_words, text_of, values_of
@@ -25,16 +26,22 @@ PROGRAM = "report.py"
 EXAMPLE = "python postproc/report.py results/case1.h5 --output results"
 PROBLEMS = {
     "ehl_line": "lubricated line contact",
+    "ehl_point": "lubricated point contact",
     "dry_line": "dry contact of a rough profile",
     "dry_area": "dry contact of a rough area",
 }
 # What the contact is: attribute of /scaling, words.
 CONTACT = {
     "reduced_radius": "Reduced radius",
+    "reduced_radius_x": "Reduced radius in the plane of x",
+    "radius_ratio": "Ratio of the reduced radii, x over y",
     "reduced_modulus": "Reduced modulus",
+    "load": "Load",
     "load_per_length": "Load per length",
     "hertz_pressure": "Hertzian pressure",
     "half_width": "Half-width of the Hertzian contact",
+    "half_width_x": "Half-axis of the Hertzian ellipse along x",
+    "half_width_y": "Half-axis along y",
     "speed_sum": "Sum of the surface speeds",
     "slide_to_roll": "Slide-to-roll ratio",
     "viscosity": "Ambient viscosity",
@@ -91,7 +98,7 @@ def results_of(summary: h5py.Group) -> list[dict[str, str]]:
         when = f"{name}_time"
         rows.append(
             {
-                "words": words,
+                "words": words.removesuffix(", per length") if unit == "W" else words,
                 "value": shown(value, unit),
                 "error": f"± {percent(share)}" if math.isfinite(share) else "not known",
                 "time": shown(float(values_of(summary[when])), attribute(summary[when], "units")) if when in summary else "",
@@ -170,6 +177,8 @@ def figures_of(path: Path, folder: Path, problem: str, is_transient: bool, has_s
         "xt": "Film thickness and pressure over position and time",
         "history": "Over time",
         "maps": "Pressure and contact",
+        "point": ("Interference of light" if has_si else "Pressure")
+        + ", film, cuts along and across the flow; thin, dashed: Hertz",
         "sweep": "Over the load, with error bars",
         "surface": "Heights before, under and after the load",
         "convergence": "Convergence",
@@ -179,6 +188,8 @@ def figures_of(path: Path, folder: Path, problem: str, is_transient: bool, has_s
             files = film_profile.draw(path, options)
             if is_transient:
                 files += draw_histories(path, folder) + transient.draw(path, options)
+        elif problem == "ehl_point":
+            files = point.draw(path, options)
         else:
             captions["profile"] = "Pressure and heights"
             files = dry.draw(path, options)
@@ -202,7 +213,7 @@ def content_of(path: Path, folder: Path) -> dict[str, object]:
             "name": path.name,
             "title": attribute(file, "title") or path.stem,
             "problem": PROBLEMS[problem],
-            "state": "in time" if is_transient else "steady" if problem == "ehl_line" else "",
+            "state": "in time" if is_transient else "steady" if problem in ("ehl_line", "ehl_point") else "",
             "is_converged": bool(file.attrs["converged"]),
             "is_outside": attribute(file, "outcome").startswith("outside"),
             "reason": attribute(file, "reason"),
@@ -222,7 +233,7 @@ def content_of(path: Path, folder: Path) -> dict[str, object]:
             "version": f"{attribute(file, 'version')}, commit {attribute(file, 'git_commit')}",
             "seconds": f"{float(values_of(file['report/wall_seconds'])):.3g}",
         }
-        has_si = problem != "ehl_line" or attribute(file["solution/x"], "si_units") == "m"
+        has_si = not problem.startswith("ehl_") or attribute(file["solution/x"], "si_units") == "m"
     content["figures"] = figures_of(path, folder, problem, is_transient, has_si)
     return content
 

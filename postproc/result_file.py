@@ -34,6 +34,7 @@ DEFLATED = 1100
 # What a dataset is called in words, as dimensionless symbol and as SI symbol.
 SYMBOLS = {
     "x": ("Position", "X = x/b", "x"),
+    "y": ("Position", "Y = y/a", "y"),
     "pressure": ("Pressure", "P = p/p_\\mathrm{h}", "p"),
     "film_thickness": ("Film thickness", "H = hR/b^2", "h"),
     "time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
@@ -58,6 +59,8 @@ WORDS = {
     "plastic_area_fraction": "Plastic area over nominal area",
     "mean_separation": "Mean separation",
 }
+# The scripts that draw what others refuse.
+DRAWN_BY = {"ehl_point": "point.py", "dry_line": "dry.py", "dry_area": "dry.py"}
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 # Half-widths around the contact from which figures take their prefixes.
@@ -233,20 +236,20 @@ def check_result(path: str | Path, needs: tuple[str, ...] = ("solution",)) -> No
         _check_content(Path(path), file, needs)
 
 
-def read_result(path: str | Path, si: bool = False, with_transient: bool = False) -> Result:
-    """Reads a lubricated result; `si` refuses a file without SI scale at once.
+def read_result(path: str | Path, si: bool = False, with_transient: bool = False, problem: str = "ehl_line") -> Result:
+    """Reads the lubricated result of a `problem`; `si` refuses a file without SI scale at once.
 
     Of /transient always the values over time, fields over time only `with_transient`.
     """
     path = Path(path)
     with opened(path) as file:
-        _check_content(path, file, ("solution", "transient") if with_transient else ("solution",))
+        _check_content(path, file, ("solution", "transient") if with_transient else ("solution",), problem)
         result = Result(
             path=path,
             title=text_of(file.attrs.get("title", "")),
             converged=bool(np.asarray(file.attrs.get("converged", 0)).item()),
             reason=text_of(file.attrs.get("reason", "")),
-            solution=_quantities(path, file, "solution", ("x", "pressure", "film_thickness")),
+            solution=_quantities(path, file, "solution", names_of_fields(problem)),
             summary=_summary(file),
             report={name: _plain(item) for name, item in _datasets(file, "report").items()},
             features=_features(file),
@@ -310,12 +313,18 @@ def _file(path: Path) -> h5py.File:
         raise ResultError(f"{path}: {_first_line(error)}") from None
 
 
-def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:
+def names_of_fields(problem: str) -> tuple[str, ...]:
+    """The datasets of /solution that figures need."""
+    return ("x", *(("y",) if problem == "ehl_point" else ()), "pressure", "film_thickness")
+
+
+def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...], needed: str = "ehl_line") -> None:
     problem = text_of(file.attrs.get("problem", ""))
     if not problem:
         raise ResultError(f"{path}: not a result of asperity (no attribute 'problem')")
-    if problem != "ehl_line":
-        raise ResultError(f"{path}: problem is '{problem}', this figure needs 'ehl_line'")
+    if problem != needed:
+        hint = f"; {DRAWN_BY[problem]} draws it" if problem in DRAWN_BY else ""
+        raise ResultError(f"{path}: problem is '{problem}', this figure needs '{needed}'{hint}")
     for group in needs:
         if group not in file:
             hint = " (a steady result)" if group == "transient" else ""

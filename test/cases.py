@@ -45,6 +45,15 @@ MOES = """&case problem = 'ehl_line' /
 &domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
 """
 
+# Four times as wide as long, turned by 30 degrees.
+POINT = """&case problem = 'ehl_point' /
+&bodies reduced_radius_x = 6e-3, reduced_radius_y = 40e-3, reduced_modulus = 226e9, entrainment_speed = 1.0,
+   entrainment_angle = 30 /
+&load hertz_pressure = 0.5e9 /
+&lubricant viscosity = 0.05, viscosity_law = 'barus', pressure_viscosity = 2e-8 /
+&domain intervals_x = 64 /
+"""
+
 
 def processor(seconds):
     """For `preexec_fn`: the process is killed (status -9) when it has taken so many seconds of processor time."""

@@ -10,7 +10,7 @@ import subprocess
 
 import h5py
 import pytest
-from cases import MOES, STEADY, contents, ended, seal, text, write
+from cases import MOES, POINT, STEADY, contents, ended, seal, text, write
 from conftest import ROOT
 from damage import damaged
 
@@ -163,19 +163,20 @@ def _results(asperity, tmp_path):
     write(tmp_path, "moes.nml", MOES)
     write(tmp_path, "late.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
     write(tmp_path, "ball.nml", SPHERE.read_text())
-    assert asperity("oil.nml", "moes.nml", "late.nml", "ball.nml", "--quiet").returncode == 2
+    write(tmp_path, "point.nml", POINT)
+    assert asperity("oil.nml", "moes.nml", "late.nml", "ball.nml", "point.nml", "--quiet").returncode == 2
     (tmp_path / "text.h5").write_text("no result")
     (tmp_path / "cut.h5").write_bytes((tmp_path / "oil.h5").read_bytes()[:3000])
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["summary/h_min"] = 1.0
-    return ["oil.h5", "moes.h5", "late.h5", "ball.h5", "text.h5", "cut.h5", "other.h5", "none.h5"]
+    return ["oil.h5", "moes.h5", "late.h5", "ball.h5", "point.h5", "text.h5", "cut.h5", "other.h5", "none.h5"]
 
 
 @pytest.mark.path
 def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
     forms = {form: asperity("table", *results, "--format", form) for form in ("text", "csv", "json")}
     assert {done.returncode for done in forms.values()} == {1}
-    assert asperity("table", *results[:4]).returncode == 0
+    assert asperity("table", *results[:5]).returncode == 0
     shown = forms["text"].stdout.splitlines()
     assert asperity("table", *results).stdout == forms["text"].stdout
     rows = {
@@ -186,7 +187,7 @@ def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
         assert [row["file"] for row in found] == results
     assert [line.split()[0] for line in shown[1:]] == results
     for i, name in enumerate(results):
-        if i > 3:
+        if i > 4:
             assert rows["json"][i]["converged"] is None
             assert rows["csv"][i]["converged"] == ""
             assert rows["json"][i]["reason"] == rows["csv"][i]["reason"]
@@ -216,9 +217,10 @@ def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
         for i, name in enumerate(table[0]):
             array = file["solution"][name.split()[0]]
             assert [float(row[i]) for row in table[1:]] == pytest.approx(array[()] * array.attrs["si_scale"], rel=1e-10, abs=0)
-    for name in results[4:]:
+    for name in results[5:]:
         assert ended(asperity("table", name, "--profiles"), 1).stderr.startswith(f"{name}: ")
-    assert "an area has maps" in ended(asperity("table", "ball.h5", "--profiles"), 1).stderr
+    for name in results[3:5]:
+        assert "an area has maps" in ended(asperity("table", name, "--profiles"), 1).stderr
 
 
 def test_table_needs_results_and_a_form(asperity):

@@ -1,14 +1,22 @@
 """What the figure scripts compute before they draw."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import POINT
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "postproc"))
 import compare
 import dry
+import point
+import result_file
+
+MOES_POINT = (
+    "&case problem = 'ehl_point' /\n&moes moes_m = 5, moes_l = 5, velocity = 'sum' /\n&lubricant viscosity_law = 'barus' /\n\n"
+)
 
 
 def dry_result(nodes, power=(), hardness=None):
@@ -67,3 +75,35 @@ def test_a_family_of_results_has_a_short_legend(count):
     assert (named[0], named[-1]) == (0, count - 1)
     looks = {str(compare.look_of(i, count)["color"]) for i in range(count)}
     assert len(looks) == count
+
+
+def test_light_is_extinguished_at_odd_quarters_of_its_wavelength_in_oil():
+    quarter = np.array([630e-9, 530e-9, 460e-9]) / (4 * 1.5)
+    for orders, intensity in ((0, 1), (1, 0), (2, 1), (3, 0), (0.5, 0.5)):
+        assert np.diag(point.colours(orders * quarter)) == pytest.approx(intensity, abs=1e-12)
+
+
+def test_a_point_contact_lies_in_its_ellipse(solve_all, tmp_path, monkeypatch):
+    folder = solve_all({"tilted": POINT, "moes": MOES_POINT})
+    contact = point.read_contact(folder / "tilted.h5")
+    nodes = contact.result.solution
+    assert np.array_equal(contact.field("film_thickness", nodes["x"].values, nodes["y"].values), nodes["film_thickness"].values)
+    x, y = contact.window()
+    pressure = contact.field("pressure", x, y)
+    shares = [
+        pressure[own.squared_radius(x, y) < 1].sum() / pressure.sum() for own in (contact, replace(contact, angle=-contact.angle))
+    ]
+    assert shares[0] > 0.8
+    assert shares[1] < 0.6
+    figures = []
+    monkeypatch.setattr(point.style, "save_figure", lambda figure, targets: figures.append(figure) or targets)
+    assert point.main([str(folder / "tilted.h5"), str(folder / "moes.h5"), "--output", str(tmp_path)]) == 0
+    light, plain = ([panel.get_title() for panel in figure.axes[:2]] for figure in figures)
+    assert (light[0], plain[0]) == ("Light of 630, 530, 460 nm", "")
+    smallest = contact.result.summary["h_min"]
+    assert f"smallest {1e9 * smallest:.4g} nm" in light[1]
+    assert [figure.axes[2].get_xlabel() for figure in figures] == ["Position $x$ [µm]", "Position $X$ [-]"]
+    for figure in figures:
+        point.style.plt.close(figure)
+    with pytest.raises(result_file.ResultError, match="needs 'ehl_line'; point\\.py draws it"):
+        result_file.read_result(folder / "moes.h5")

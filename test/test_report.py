@@ -6,7 +6,7 @@ import sys
 from xml.etree import ElementTree
 
 import pytest
-from cases import STEADY, TRANSIENT, called, ended
+from cases import POINT, STEADY, TRANSIENT, called, ended
 from conftest import ROOT
 from dry_cases import case_text, profile
 
@@ -29,13 +29,13 @@ def report(*arguments):
 
 @pytest.fixture(scope="module")
 def folder(solve_all):
-    found = solve_all({"steady": STEADY, "ridge": TRANSIENT, "dry": case_text(profile("A", 10), [50e6, 100e6])})
+    found = solve_all({"steady": STEADY, "ridge": TRANSIENT, "dry": case_text(profile("A", 10), [50e6, 100e6]), "point": POINT})
     done = report(*sorted(found.glob("*.h5")), "--output", found / "pages")
     assert (done.returncode, done.stderr) == (0, "")
     return found
 
 
-@pytest.mark.parametrize(("name", "pictures"), [("steady", 1), ("ridge", 4), ("dry", 3)])
+@pytest.mark.parametrize(("name", "pictures"), [("steady", 1), ("ridge", 4), ("dry", 3), ("point", 1)])
 def test_a_page_is_complete_in_itself(folder, name, pictures):
     text = (folder / "pages" / f"{name}.html").read_text(encoding="utf-8")
     page = Page(text)
@@ -60,6 +60,12 @@ def test_results_have_units_errors_and_times(folder):
     assert page.row("roughness")[3] == "smooth surfaces"
     dry = Page((folder / "pages" / "dry.html").read_text(encoding="utf-8"))
     assert re.fullmatch(r"[\d.]+ µm", dry.row("Mean separation")[1])
+    assert 'alt="Interference of light, film' in (folder / "pages" / "point.html").read_text(encoding="utf-8")
+    point = Page((folder / "pages" / "point.html").read_text(encoding="utf-8"))
+    assert re.fullmatch(r"[\d.]+ nm", point.row("Central film thickness")[1])
+    assert float(point.row("Half-axis along y")[1].split()[0]) > 3 * float(
+        point.row("Half-axis of the Hertzian ellipse along x")[1].split()[0]
+    )
 
 
 BAD = {

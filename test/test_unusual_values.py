@@ -21,7 +21,7 @@ def test_shipped_inputs_are_silent(asperity, path):
     assert asperity("--check", path).stdout == f"{path}: no findings\n"
 
 
-@pytest.mark.parametrize("problem", ["ehl_line", "dry_line", "dry_area"])
+@pytest.mark.parametrize("problem", ["ehl_line", "ehl_point", "dry_line", "dry_area"])
 def test_templates_are_silent(asperity, tmp_path, problem):
     """Their comments too: every example of a key is a typical value of it."""
     template = asperity("--template", problem).stdout

@@ -10,7 +10,7 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from cases import MOES, STEADY, STOKES, TRANSIENT, ended, write
+from cases import MOES, POINT, STEADY, STOKES, TRANSIENT, ended, write
 from dry_cases import case_text
 
 LEAN = "&accuracy error_bars = .false. /\n&output xdmf = .true., adequacy = .false. /\n"
@@ -24,6 +24,7 @@ RIDGE = "&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, po
 LAYERS = {"solution": ((65, 1, 1), {"pressure"})}
 AREAS = {"pressure", "gap", "height_loaded", "height_unloaded", "plastic_deformation"}
 KINDS = {
+    "point": (POINT + LEAN.replace(", adequacy = .false.", ""), {"solution": ((65, 97, 1), {"pressure", "film_thickness"})}),
     "steady": (STEADY + LEAN, {"solution": ((257, 1, 1), {"pressure", "film_thickness", "shear_stress_1"})}),
     "passage": (TRANSIENT + LEAN, {"solution": ((257, 1, 1), {"pressure"}), "transient": IN_TIME}),
     "moes": (MOES + LEAN, {"solution": STILL}),

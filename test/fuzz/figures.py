@@ -7,20 +7,20 @@ import tempfile
 from pathlib import Path
 
 import damage
-from cases import STEADY, TRANSIENT, write
+from cases import POINT, STEADY, TRANSIENT, write
 from run import ROOT, call
 
 TITLE = "result files, damaged, given to the figure scripts"
 CASES = 300
 QUICK = 3
-SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "dry")
+SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "dry", "point")
 DRY = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = 4e9 /
 &load mean_pressure = 1e8, 2e8 /
 &surface_1 shape = 'synthetic', seed = 1, hurst = 0.8, rms_height = 5e-7, wavelength_long = 1e-4, wavelength_short = 4e-6 /
 &domain length = 4e-4, intervals = 512 /
 """
-CONTENT = {"steady": STEADY, "transient": TRANSIENT + "&output film_thresholds = 2e-7, 4e-7 /\n", "dry": DRY}
+CONTENT = {"steady": STEADY, "transient": TRANSIENT + "&output film_thresholds = 2e-7, 4e-7 /\n", "dry": DRY, "point": POINT}
 
 
 @functools.cache
@@ -34,7 +34,7 @@ def result(program: Path, kind: str) -> bytes:
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     script = source.choice(SCRIPTS)
-    suited = {"dry": ("dry",), "transient": ("transient",), "film_statistics": ("transient",)}
+    suited = {"dry": ("dry",), "point": ("point",), "transient": ("transient",), "film_statistics": ("transient",)}
     kind = source.choice(suited.get(script, ("steady", "transient")))
     (folder / "case.h5").write_bytes(damage.damaged(result(program, kind), source))
     arguments = [ROOT / "postproc" / f"{script}.py", "case.h5", "--format", "png"]
