@@ -10,6 +10,7 @@ module point_input
    use kinds, only: wp
    use lubricant_input, only: fill_lubricant
    use point_contact, only: first_intervals, intervals_for, new_point_contact, rows_for
+   use point_cycle, only: fewest
    use scaling, only: new_point_moes_scaling, new_point_scaling, scaled_fluid, sum_per_mean
    use system_limits, only: memory_fault, of_blas, point_memory
    use text, only: to_text
@@ -24,7 +25,7 @@ module point_input
    real(wp), parameter :: usual_error = 0.01_wp
    integer, parameter :: coarser_grids = 4
    !> Most intervals in x that are chosen, and most nodes of the coarsest grid.
-   integer, parameter :: most_intervals = 1024, most_coarsest = 2000, fewest = 16
+   integer, parameter :: most_intervals = 1024, most_coarsest = 2000
    real(wp), parameter :: degree = pi/180
 
 contains

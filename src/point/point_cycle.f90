@@ -20,7 +20,7 @@ module point_cycle
    public :: new_hierarchy, prepare_cycle, run_cycle
 
    !> Fewest intervals in each direction, and nodes, of the coarsest grid.
-   integer, parameter :: fewest = 16
+   integer, parameter, public :: fewest = 12
 
    !> Fields of one level on which its cycle works.
    type :: cycle_work_t

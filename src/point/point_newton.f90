@@ -62,14 +62,14 @@ module point_newton
 contains
 
    !> Solves the finest level from its present pressure and H0 to `tolerance` of residual and load,
-   !> unless `listener` asks to stop. Error (internal_error): LAPACK or FFTW.
-   subroutine solve_point_newton(newton, contact, tolerance, max_steps, listener, error)
+   !> unless `listener` asks to stop.
+   subroutine solve_point_newton(newton, contact, tolerance, max_steps, listener)
       type(point_newton_t), intent(inout) :: newton
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
       class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable :: error
       real(wp), allocatable :: border(:, :), step(:, :)
       real(wp) :: load, step_h0
       logical :: is_taken
@@ -104,7 +104,10 @@ contains
             newton%reason = to_text(max_steps)//' Newton steps were not enough'
             if (newton%steps >= max_steps) return
             call prepare_cycle(newton%hierarchy, contact, error)
-            if (allocated(error)) return
+            if (allocated(error)) then   ! an iterate that is lost
+               newton%reason = error%message
+               return
+            end if
             call find_step(newton, border, step, step_h0)
             call take_step(newton, contact, load, step, step_h0, is_taken)
             newton%reason = 'the film closes'

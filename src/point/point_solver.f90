@@ -40,8 +40,10 @@ module point_solver
       real(wp) :: slide_to_roll = 0.0_wp
       integer :: threads = 1
       type(point_newton_t) :: newton
-      !> Quantities on each grid, the first one the coarsest.
+      !> Quantities on each grid, the first one the coarsest; pressure and H0 of the last but two.
       type(line_summary_t), allocatable :: grids(:)
+      real(wp), allocatable :: older(:, :)
+      real(wp) :: older_h0 = 0.0_wp
       !> Newton steps and iterations of GMRES (2, grids).
       integer, allocatable :: work(:, :)
    end type point_run_t
@@ -77,14 +79,17 @@ contains
             else
                call start_dry(contact, level)
             end if
-            call solve_point_newton(newton, contact, run%tolerance, run%max_steps, listener, error)
-            if (allocated(error)) return
+            call solve_point_newton(newton, contact, run%tolerance, run%max_steps, listener)
             run%work = reshape([run%work, newton%steps, newton%iterations], [2, size(run%work, 2) &
                + 1])
             call fill_report(newton, report)
             if (.not. newton%is_converged) exit
             run%grids = [run%grids, summary_of_point(level, contact, run%slide_to_roll)]
             if (nx == most .or. meets_target(run, contact)) exit
+            if (allocated(coarse)) then
+               run%older = coarse
+               run%older_h0 = h0
+            end if
             coarse = level%pressure
             h0 = level%rigid_displacement
             nx = 2*nx
@@ -153,44 +158,46 @@ contains
          //' intervals in x (has '//to_text(nx)//'); '//report%reason
    end subroutine blame
 
-   !> Solves the contact on a quarter of its intervals, and on a domain about 1.5 times as long with
-   !> the same spacing: quantities `near` and `far`. `is_known`: both have a solution. Error: as
-   !> above.
+   !> Quantities on a quarter of the intervals, `near`, and with the same spacing on a domain about
+   !> 1.5 times as long, `far`. `is_known`: both have a solution. Error: as above.
    subroutine measure_domain(run, contact, near, far, is_known, error)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
       type(line_summary_t), intent(out) :: near, far
       logical, intent(out) :: is_known
       type(error_t), allocatable, intent(out) :: error
-      type(point_run_t) :: other
+      type(point_newton_t) :: newton
       type(point_contact_t) :: longer
-      type(report_t) :: report
       type(listener_t) :: nobody
       real(wp) :: spacing
-      integer :: behind, k, more
+      integer :: behind, more, n(2)
 
-      is_known = .false.
-      k = size(run%grids) - 2
-      if (k < 1) return
-      near = run%grids(k)
+      is_known = size(run%grids) > 2
+      if (.not. is_known) return
+      near = run%grids(size(run%grids) - 2)
       longer = contact
+      n = [contact%domain%nx, contact%domain%ny]/coarsening
       associate (domain => longer%domain)
          more = contact%domain%nx/extension
-         spacing = coarsening*(domain%x_outlet - domain%x_inlet)/domain%nx
+         spacing = (domain%x_outlet - domain%x_inlet)/n(1)
          behind = nint(more*domain%x_outlet/(domain%x_outlet - domain%x_inlet))
          domain%x_inlet = domain%x_inlet - (more - behind)*spacing
          domain%x_outlet = domain%x_outlet + behind*spacing
-         domain%nx = contact%domain%nx/coarsening + more
          domain%y_half_width = domain%y_half_width*(1 + real(coarsening, wp)/extension)
-         domain%ny = contact%domain%ny/coarsening + contact%domain%ny/extension
+         domain%nx = n(1) + more
+         domain%ny = n(2) + contact%domain%ny/extension
+         call new_hierarchy(newton%hierarchy, longer, domain%nx, domain%ny, run%threads, error)
+         if (allocated(error)) return
+         associate (level => newton%hierarchy%levels(1), i => more - behind, &
+            j => (domain%ny - n(2))/2)
+            level%pressure = 0.0_wp
+            level%pressure(i:i + n(1), j:j + n(2)) = run%older
+            level%rigid_displacement = run%older_h0
+            call solve_point_newton(newton, longer, run%tolerance, run%max_steps, nobody)
+            is_known = newton%is_converged
+            if (is_known) far = summary_of_point(level, longer, run%slide_to_roll)
+         end associate
       end associate
-      other%tolerance = run%tolerance
-      other%slide_to_roll = run%slide_to_roll
-      other%threads = run%threads
-      call solve_point_steady(other, longer, nobody, report, error)
-      if (allocated(error)) return
-      is_known = report%converged
-      if (is_known) far = other%grids(size(other%grids))
    end subroutine measure_domain
 
    !> Starts from the pressure of the dry contact, with the load and a film in the middle.
