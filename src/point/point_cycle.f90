@@ -1,7 +1,7 @@
 !> One multigrid cycle that solves J v = f of a point contact approximately: the preconditioner of
 !> its Newton method.
 !>
-!> A V(1,1) cycle with line relaxation, downstream in y before the coarse grid and back behind it.
+!> A V(1,1) cycle with line relaxation, to the middle before the coarse grid and back behind it.
 !> The equations of coarse grids are those of the injected pressure, film and cavity; the coarsest
 !> one is solved exactly. The film of the correction is carried along: that of the smoothed v on its
 !> own grid and the bilinear one of the coarse correction, so that a cycle takes one product with
@@ -163,7 +163,7 @@ contains
             work%right_side = level%flowing*work%right_side
             work%residual = work%right_side
             work%v = 0.0_wp
-            call sweep_lines(hierarchy%smoothers(k), level, .false., work%residual, work%v)
+            call sweep_lines(hierarchy%smoothers(k), level, .true., work%residual, work%v, threads)
             call deflect(level, work%v, work%film)
             call find_residual()
             call restrict(work%residual, hierarchy%work(k + 1)%right_side)
@@ -172,7 +172,7 @@ contains
             call add_bilinear(hierarchy%work(k + 1)%film, work%film)
             work%v = level%flowing*work%v
             call find_residual()
-            call sweep_lines(hierarchy%smoothers(k), level, .true., work%residual, work%v)
+            call sweep_lines(hierarchy%smoothers(k), level, .false., work%residual, work%v, threads)
          end if
          if (k > 1) call deflect(level, work%v, work%film)
       end associate

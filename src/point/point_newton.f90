@@ -21,8 +21,8 @@ module point_newton
 
    public :: solve_point_newton
 
-   !> GMRES leaves this share of the residual, far from the solution the first, after at most so
-   !> many iterations.
+   !> GMRES leaves this share of the residual, the first far from the solution where steps do well,
+   !> after at most so many iterations.
    real(wp), parameter :: rough_tolerance = 0.1_wp, linear_tolerance = 1.0e-2_wp, &
       far_residual = 1.0e-2_wp
    integer, parameter :: most_iterations = 40
@@ -72,7 +72,7 @@ contains
       type(error_t), allocatable :: error
       real(wp), allocatable :: border(:, :), step(:, :)
       real(wp) :: load, step_h0
-      logical :: is_taken
+      logical :: is_evaluated, is_taken
 
       newton%is_converged = .false.
       newton%reason = 'the start has no film'
@@ -84,8 +84,9 @@ contains
          allocate (border, step, mold=level%film)
          call set_point_film(level)
          if (.not. all(level%film > 0.0_wp)) return
+         is_evaluated = .false.
          do
-            call evaluate(level, contact, .true., threads)
+            if (.not. is_evaluated) call evaluate(level, contact, .true., threads)
             call set_border(contact, level, border)
             call find_cavity(level)
             newton%load_error = load_on(level, level%pressure) - load
@@ -108,8 +109,9 @@ contains
                newton%reason = error%message
                return
             end if
-            call find_step(newton, border, step, step_h0)
-            call take_step(newton, contact, load, step, step_h0, is_taken)
+            call find_step(newton, border, merge(rough_tolerance, linear_tolerance, &
+               newton%residual > far_residual .and. is_evaluated), step, step_h0)
+            call take_step(newton, contact, load, step, step_h0, is_taken, is_evaluated)
             newton%reason = 'the film closes'
             if (.not. is_taken) return
             newton%steps = newton%steps + 1
@@ -143,10 +145,10 @@ contains
       end associate
    end subroutine find_cavity
 
-   !> Computes the plain step of the pressure and of H0.
-   subroutine find_step(newton, border, step, step_h0)
+   !> Computes the plain step of the pressure and of H0, to a `tolerance` of its right side.
+   subroutine find_step(newton, border, tolerance, step, step_h0)
       type(point_newton_t), intent(inout) :: newton
-      real(wp), intent(in) :: border(:, :)
+      real(wp), intent(in) :: border(:, :), tolerance
       real(wp), intent(out) :: step(:, :), step_h0
       real(wp), allocatable :: fixed(:), right(:), x(:)
       integer :: n
@@ -173,8 +175,7 @@ contains
          right = right + reshape(level%flowing*level%residual, [n])
          x(:n) = -newton%inverse*right
          x(n + 1) = -newton%weight*(newton%load_error + load_on(level, fixed))
-         call solve_gmres(newton%gmres, newton, merge(rough_tolerance, linear_tolerance, &
-            newton%residual > far_residual), x, is_solved)
+         call solve_gmres(newton%gmres, newton, tolerance, x, is_solved)
          newton%iterations = newton%iterations + newton%gmres%iterations
          step = reshape(x(:n) + fixed, shape(step))
          step_h0 = x(n + 1)
@@ -213,12 +214,12 @@ contains
       x(n + 1) = displacement
    end subroutine precondition
 
-   !> Takes the best of the steps.
-   subroutine take_step(newton, contact, load, step, step_h0, is_taken)
+   !> Takes the best of the steps; `is_evaluated`: residual and Jacobian are there already.
+   subroutine take_step(newton, contact, load, step, step_h0, is_taken, is_evaluated)
       type(point_newton_t), intent(inout) :: newton
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: load, step(0:, 0:), step_h0
-      logical, intent(out) :: is_taken
+      logical, intent(out) :: is_taken, is_evaluated
       real(wp), allocatable :: bent(:, :), best(:, :), best_film(:, :), film(:, :), old(:, :)
       real(wp) :: best_h0, best_measure, before, measure, old_h0
 
@@ -233,8 +234,12 @@ contains
          best_measure = huge(1.0_wp)
          call try_step(step, 1.0_wp)
          before = max(before, least_measure*load/good_share)
-         if (best_measure > good_share*before .and. any(abs(bent - step) > 0.0_wp)) call try_step( &
-            bent, 1.0_wp)
+         is_evaluated = best_measure <= good_share*before
+         if (is_evaluated) then
+            is_taken = .true.
+            return
+         end if
+         if (any(abs(bent - step) > 0.0_wp)) call try_step(bent, 1.0_wp)
          if (best_measure > poor_share*before) call try_step(step, part_step)
          is_taken = best_measure < huge(1.0_wp)
          if (.not. is_taken) return
@@ -262,7 +267,7 @@ contains
                share = 0.5_wp*share
             end do
             if (halving > max_halvings) return
-            call evaluate(level, contact, .false., newton%hierarchy%threads)
+            call evaluate(level, contact, best_measure >= huge(1.0_wp), newton%hierarchy%threads)
             measure = measure_of(level, load)
             if (.not. measure < best_measure) return
             best_measure = measure

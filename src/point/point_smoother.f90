@@ -1,5 +1,5 @@
 !> Line relaxation of the linear equations J v = f of a point contact: lines along X, one after the
-!> other downstream in y or back.
+!> other from both sides to the middle, or back.
 !>
 !> Where the flow of a node is strong beside its wedge, its pressure changes alone. Elsewhere a
 !> change of 1 takes as much from the four neighbours, shared by the squares of the spacings: its
@@ -16,6 +16,8 @@ module point_smoother
 
    !> Farthest node at which the film of a changed line is followed on the next one.
    integer, parameter :: far = 4
+   !> Lines on either side of the middle one that wait until both halves are done.
+   integer, parameter :: between = 2
 
    !> Factored lines (-2:2, nx-1, ny-1) and the films of both ways to change a node (0: alone), at
    !> distances along X, on its line and the next.
@@ -122,40 +124,61 @@ contains
       end do
    end subroutine factor_line
 
-   !> One sweep over all lines, from the first to the last or `backward`: adds the changes to `v`;
-   !> `r` is the residual of v on entry and is used up.
-   subroutine sweep_lines(smoother, level, backward, r, v)
+   !> One sweep over all lines, from both sides to the middle or `outward`: adds the changes to `v`;
+   !> `r` is the residual of v on entry and is used up. Two `threads` have a half each; the lines in
+   !> the middle, which both would change, come one after the other.
+   subroutine sweep_lines(smoother, level, outward, r, v, threads)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      logical, intent(in) :: backward
+      logical, intent(in) :: outward
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      integer :: count, j, step
+      integer, intent(in) :: threads
+      integer :: count, half, last, middle, step
 
-      step = merge(-1, 1, backward)
-      j = merge(level%ny - 1, 1, backward)
-      do count = 1, level%ny - 1
-         call relax_line(smoother, level, j, step, r, v)
-         j = j + step
+      middle = level%ny/2
+      last = level%ny - 1
+      if (outward) then
+         call relax_line(smoother, level, middle, [-1, 1], r, v)
+         do count = 1, between
+            call relax_line(smoother, level, middle - count, [-1], r, v)
+            call relax_line(smoother, level, middle + count, [1], r, v)
+         end do
+      end if
+      !$omp parallel do num_threads(min(threads, 2)) private(count, step) schedule(static)
+      do half = 1, 2
+         step = merge(1, -1, (half == 1) .neqv. outward)
+         do count = 1, merge(middle, level%ny - middle, half == 1) - between - 1
+            if (outward) then
+               call relax_line(smoother, level, middle + step*(between + count), [step], r, v)
+            else
+               call relax_line(smoother, level, merge(count, level%ny - count, half == 1), [step], &
+                  r, v)
+            end if
+         end do
       end do
+      !$omp end parallel do
+      if (outward) return
+      do count = between, 1, -1
+         call relax_line(smoother, level, middle - count, [1], r, v)
+         call relax_line(smoother, level, middle + count, [-1], r, v)
+      end do
+      call relax_line(smoother, level, middle, [integer ::], r, v)
    end subroutine sweep_lines
 
-   !> Solves line `j` and changes the residuals of the next two, `step` and 2 `step` from it.
-   pure subroutine relax_line(smoother, level, j, step, r, v)
+   !> Solves line `j` and changes the residuals of the next two lines in each of the directions
+   !> `steps`.
+   pure subroutine relax_line(smoother, level, j, steps, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      integer, intent(in) :: j, step
+      integer, intent(in) :: j, steps(:)
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
       real(wp), dimension(-far:level%nx + far) :: alone, spread
-      real(wp), dimension(-2:level%nx + 1) :: beside, next_film, own_film
       real(wp) :: own(0:level%nx)
-      integer :: c, i, next, nx, side
+      integer :: i, nx
 
       nx = level%nx
-      next = j + step
-      side = merge(5, 6, step > 0)   ! the band of the next line with this one
       alone = 0.0_wp
       spread = 0.0_wp
-      beside = 0.0_wp
       associate (a => smoother%lines, flowing => level%flowing, d => alone(1:nx - 1))
          d = r(1:nx - 1, j)*flowing(1:nx - 1, j)
          d(2) = d(2) - a(-1, 2, j)*d(1)
@@ -170,37 +193,58 @@ contains
          d = d*flowing(1:nx - 1, j)
          spread(1:nx - 1) = d*(1 - level%is_local(1:nx - 1, j))
          own = flowing(:, j)*(alone(0:nx) - smoother%share_x*(spread(-1:nx - 1) + spread(1:nx + 1)))
-         alone = alone - spread
-         v(:, j) = v(:, j) + own
-         v(:, j - step) = v(:, j - step) - smoother%across(:, j - step)*spread(0:nx)
-         beside(0:nx) = -smoother%across(:, next)*spread(0:nx)
-         v(:, next) = v(:, next) + beside(0:nx)
-         if (next < 1 .or. next > level%ny - 1) return
-         next_film = 0.0_wp
-         own_film = 0.0_wp
-         do c = -far, far
-            do i = max(-2, c - far), min(nx + 1, nx + far + c)
-               next_film(i) = next_film(i) + smoother%pattern(0, c, 1)*alone(i - c) &
-                  + smoother%pattern(1, c, 1)*spread(i - c)
-               own_film(i) = own_film(i) + smoother%pattern(0, c, 0)*alone(i - c) &
-                  + smoother%pattern(1, c, 0)*spread(i - c)
-            end do
-         end do
-         associate (p => level%by_pressure, h => level%by_film)
-            do i = 1, nx - 1
-               r(i, next) = r(i, next) - p(side, i, next)*own(i) - h(side, i, next)*own_film(i) &
-                  - p(1, i, next)*beside(i - 2) - p(2, i, next)*beside(i - 1) &
-                  - p(3, i, next)*beside(i) - p(4, i, next)*beside(i + 1) &
-                  - h(1, i, next)*next_film(i - 2) - h(2, i, next)*next_film(i - 1) &
-                  - h(3, i, next)*next_film(i) - h(4, i, next)*next_film(i + 1)
-            end do
-            c = next + step
-            if (c < 1 .or. c > level%ny - 1) return
-            do i = 1, nx - 1
-               r(i, c) = r(i, c) - p(side, i, c)*beside(i)
-            end do
-         end associate
       end associate
+      alone = alone - spread
+      v(:, j) = v(:, j) + own
+      v(:, j - 1) = v(:, j - 1) - smoother%across(:, j - 1)*spread(0:nx)
+      v(:, j + 1) = v(:, j + 1) - smoother%across(:, j + 1)*spread(0:nx)
+      do i = 1, size(steps)
+         call pass_on(smoother, level, j, steps(i), own, alone, spread, r)
+      end do
    end subroutine relax_line
+
+   !> Changes the residuals of the lines at `step` and 2 `step` from line `j` by its change `own`, of
+   !> which nodes have changed `alone` or with their neighbours.
+   pure subroutine pass_on(smoother, level, j, step, own, alone, spread, r)
+      type(point_smoother_t), intent(in) :: smoother
+      type(point_level_t), intent(in) :: level
+      integer, intent(in) :: j, step
+      real(wp), intent(in) :: own(0:level%nx)
+      real(wp), intent(in), dimension(-far:level%nx + far) :: alone, spread
+      real(wp), intent(inout) :: r(0:level%nx, 0:level%ny)
+      real(wp), dimension(-2:level%nx + 1) :: beside, next_film, own_film
+      integer :: c, i, next, nx, side
+
+      nx = level%nx
+      next = j + step
+      if (next < 1 .or. next > level%ny - 1) return
+      side = merge(5, 6, step > 0)   ! the band of the next line with this one
+      beside = 0.0_wp
+      beside(0:nx) = -smoother%across(:, next)*spread(0:nx)
+      next_film = 0.0_wp
+      own_film = 0.0_wp
+      do c = -far, far
+         do i = max(-2, c - far), min(nx + 1, nx + far + c)
+            next_film(i) = next_film(i) + smoother%pattern(0, c, 1)*alone(i - c) &
+               + smoother%pattern(1, c, 1)*spread(i - c)
+            own_film(i) = own_film(i) + smoother%pattern(0, c, 0)*alone(i - c) &
+               + smoother%pattern(1, c, 0)*spread(i - c)
+         end do
+      end do
+      associate (p => level%by_pressure, h => level%by_film)
+         do i = 1, nx - 1
+            r(i, next) = r(i, next) - p(side, i, next)*own(i) - h(side, i, next)*own_film(i) &
+               - p(1, i, next)*beside(i - 2) - p(2, i, next)*beside(i - 1) &
+               - p(3, i, next)*beside(i) - p(4, i, next)*beside(i + 1) &
+               - h(1, i, next)*next_film(i - 2) - h(2, i, next)*next_film(i - 1) &
+               - h(3, i, next)*next_film(i) - h(4, i, next)*next_film(i + 1)
+         end do
+         c = next + step
+         if (c < 1 .or. c > level%ny - 1) return
+         do i = 1, nx - 1
+            r(i, c) = r(i, c) - p(side, i, c)*beside(i)
+         end do
+      end associate
+   end subroutine pass_on
 
 end module point_smoother
