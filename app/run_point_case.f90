@@ -15,6 +15,7 @@ module run_point_case
    use point_result, only: write_point_result
    use point_solver, only: measure_domain, point_run_t, solve_point_steady
    use progress_log, only: progress_log_t
+   use quantities, only: h_central, h_min
    use result_file, only: open_result, result_file_t
    use signals, only: begin_activity
    use system_limits, only: peak_memory, processors
@@ -131,7 +132,7 @@ contains
       type(report_t), intent(inout) :: report
 
       if (.not. (case%solver%target > 0.0_wp .and. report%converged)) return
-      associate (of => summary%of(1:3:2))
+      associate (of => summary%of([h_min, h_central]))
          if (all(of%error_estimate <= case%solver%target*of%value)) return
          call add_sentence(report%note, 'the target accuracy is not shown: relative errors of '// &
             'h_min and h_central of '//to_text(of(1)%error_estimate/of(1)%value, 2)//' and ' &

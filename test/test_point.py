@@ -1,5 +1,6 @@
 """Lubricated point contacts from the namelist on: SI and Moes, bodies, grids, targets, ends of runs."""
 
+import h5py
 import numpy as np
 import pytest
 from cases import ended, write
@@ -17,8 +18,8 @@ MOES = """&case problem = 'ehl_point' /
 """
 
 
-def moes(m, l, velocity="sum", ratio=1.0, law="barus"):
-    return MOES.format(m=m, l=l, velocity=velocity, ratio=ratio, law=law)
+def moes(m, material, velocity="sum", ratio=1.0, law="barus"):
+    return MOES.format(m=m, l=material, velocity=velocity, ratio=ratio, law=law)
 
 
 def test_moes_numbers_of_both_velocities(solved_case):
@@ -61,7 +62,9 @@ def test_two_ways_to_give_the_same_bodies(solved_cases):
 
 
 def test_a_long_ellipse_is_a_line_in_its_middle(solved_cases):
-    long = BALL.replace("radius_x_1 = 12.7e-3", "radius_x_1 = 12.7e-3, radius_y_1 = 0.5").replace("load = 30.0", "hertz_pressure = 0.7e9")
+    long = BALL.replace("radius_x_1 = 12.7e-3", "radius_x_1 = 12.7e-3, radius_y_1 = 0.5").replace(
+        "load = 30.0", "hertz_pressure = 0.7e9"
+    )
     line = long.replace("ehl_point", "ehl_line").replace("radius_x_1 = 12.7e-3, radius_y_1 = 0.5", "radius_1 = 12.7e-3")
     point, strip = solved_cases(point=long + "&domain intervals_x = 128 /\n", line=line)
     assert point["scaling"].attrs["ellipticity"] > 10
@@ -86,8 +89,6 @@ def test_a_coarse_grid_is_told(told_case):
 
 
 def test_threads_change_nothing_but_round_off(asperity, tmp_path):
-    import h5py
-
     films = []
     for threads in ("1", "2"):
         write(tmp_path, "ball.nml", BALL + "&domain intervals_x = 64 /\n")

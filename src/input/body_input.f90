@@ -186,8 +186,8 @@ contains
       if (has_plane(values) .and. values%is_given('bodies', key)) then
          call values%refuse('bodies', key, 'found together with plane, expected one of the two')
       else if (has_plane(values)) then
-         key = trim(radius_key(values, merge(1, 2, values%is_given('bodies', trim(radius_key(values, &
-            1))))))
+         key = trim(radius_key(values, 1))
+         if (.not. values%is_given('bodies', key)) key = trim(radius_key(values, 2))
          if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
             'found '//to_text(values%real_value('bodies', key))// &
             ' with plane = .true., expected a radius > 0 [m]')

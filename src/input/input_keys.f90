@@ -596,8 +596,8 @@ module input_keys
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
-         'relative error for which grid and time step are chosen: of h_min, on a graded grid ' &
-         //'of all, of points also h_central; dry: of the contact area', range='>= 1e-7, &
+         'relative error for which grid and time step are chosen: of h_min (points: and ' &
+         //'h_central), graded: all, dry: area', range='>= 1e-7, &
          <= 0.1', problems=every, &
          example='! 1e-3', dry_example='! 0.02'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &

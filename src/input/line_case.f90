@@ -53,12 +53,8 @@ contains
       case%time%may_lengthen = all([case%time%may_lengthen, case%time%end_time <= 0.0_wp, &
          case%time%statistics_from < 0.0_wp, finest_wave(case%contact) >= huge(1.0_wp), &
          size(case%output_settings%film_thresholds) == 0])
-      if (case%time%is_transient .and. .not. case%time%end_time > 0.0_wp) then
-         case%time%end_time = sufficient_end(case%contact)
-         if ((case%time%end_time > latest_end .and. .not. allocated(case%duty)) .or. .not. &
-            case%time%end_time > 0.0_wp) call &
-            values%refuse_missing('time', 'end_time', 'where nothing rough moves, or hardly')
-      end if
+      if (case%time%is_transient .and. .not. case%time%end_time > 0.0_wp) call choose_end(values, &
+         case)
       call check_places(values, 'surface_1', case%contact%surface_1)
       call check_places(values, 'surface_2', case%contact%surface_2)
       if (allocated(case%duty) .and. case%time%scheme == 'quasi_steady') then
@@ -77,6 +73,17 @@ contains
       end if
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
+
+   !> Chooses the end of a transient. Finding: nothing tells when it ends.
+   subroutine choose_end(values, case)
+      type(input_values_t), intent(inout) :: values
+      type(case_t), intent(inout) :: case
+
+      case%time%end_time = sufficient_end(case%contact)
+      if ((case%time%end_time > latest_end .and. .not. allocated(case%duty)) .or. .not. &
+         case%time%end_time > 0.0_wp) call values%refuse_missing('time', 'end_time', &
+         'where nothing rough moves, or hardly')
+   end subroutine choose_end
 
    !> Reads &thermal, if any.
    subroutine read_heat(values, case)

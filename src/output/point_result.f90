@@ -47,37 +47,26 @@ contains
 
       has_si = case%output_settings%has_si .and. case%scaling%is_dimensional
       associate (level => run%newton%hierarchy%levels(1))
-         call put('x', level%x, 'position along the entrainment', ', X = x/a')
-         call put('y', level%y, 'position across', ', Y = y/a')
-         call put_map('pressure', level%pressure, ', P = p/p_h')
-         call put_map('film_thickness', level%film, ', H = h Rx/a^2')
+         call put('x', level%x, '=', ', X = x/a')
+         call put('y', level%y, '=', ', Y = y/a')
+         call put('pressure', level%pressure, 'x y', ', P = p/p_h')
+         call put('film_thickness', level%film, 'x y', ', H = h Rx/a^2')
          call write_dataset(file, '/solution/rigid_displacement', level%rigid_displacement, &
             scaled_label('rigid displacement H0 of the undeformed bodies', 'film', case%scaling))
       end associate
 
    contains
 
-      !> A coordinate.
-      subroutine put(name, values, text, definition)
-         character(*), intent(in) :: name, text, definition
-         real(wp), intent(in), contiguous :: values(:)
-         type(label_t) :: label
-
-         label = scaled_label(text, 'half_width', case%scaling)
-         label%definition = definition
-         call write_field(file, '/solution/'//name, values, label, '=', has_si)
-      end subroutine put
-
-      !> A field over both.
-      subroutine put_map(name, values, definition)
-         character(*), intent(in) :: name, definition
-         real(wp), intent(in), contiguous :: values(:, :)
+      !> A coordinate, or a field over both.
+      subroutine put(name, values, axes, definition)
+         character(*), intent(in) :: name, axes, definition
+         real(wp), intent(in), contiguous, target :: values(..)
          type(label_t) :: label
 
          label = row_label(name, case%scaling)
          label%definition = definition
-         call write_field(file, '/solution/'//name, values, label, 'x y', has_si)
-      end subroutine put_map
+         call write_field(file, '/solution/'//name, values, label, axes, has_si)
+      end subroutine put
 
    end subroutine write_fields
 

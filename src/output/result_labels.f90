@@ -23,6 +23,7 @@ module result_labels
    !> Fields of `line_state_t`, as in /solution, series of /transient, units of quantities.
    type(row_t), parameter :: rows(*) = [ &
       row_t('x', 'half_width', 'position along the contact', ', X = x/b'), &
+      row_t('y', 'half_width', 'position across', ', Y = y/a'), &
       row_t('pressure', 'hertz_pressure', 'pressure', ', P = p/p_h'), &
       row_t('film_thickness', 'film', 'film thickness', ', H = h R/b^2'), &
       row_t('viscosity', 'viscosity', 'viscosity', ' over ambient viscosity, mu/mu_0'), &

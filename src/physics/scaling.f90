@@ -149,7 +149,8 @@ contains
       scaling%reduced_radius = bodies%reduced_radius
       scaling%reduced_modulus = bodies%reduced_modulus
       scaling%load_per_length = load
-      scaling%half_width = point_half_width(scaling%ellipse, bodies, load)
+      scaling%half_width = (3*load*bodies%reduced_radius/(pi**2*scaling%ellipse%compliance &
+         *scaling%ellipse%ratio*bodies%reduced_modulus))**(1.0_wp/3.0_wp)
       scaling%slope = scaling%half_width/bodies%reduced_radius
       scaling%hertz_pressure = 0.5_wp*pi*scaling%ellipse%compliance*bodies%reduced_modulus &
          *scaling%slope
@@ -172,16 +173,6 @@ contains
          *speed**0.25_wp
       scaling%film_moes = scaling%slope**2/sqrt(speed)
    end subroutine new_point_scaling
-
-   !> Half-axis a [m] along Rx of the dry contact under `load` [N].
-   pure real(wp) function point_half_width(ellipse, bodies, load) result(half_width)
-      type(ellipse_t), intent(in) :: ellipse
-      type(bodies_t), intent(in) :: bodies
-      real(wp), intent(in) :: load
-
-      half_width = (3*load*bodies%reduced_radius/(pi**2*ellipse%compliance*ellipse%ratio &
-         *bodies%reduced_modulus))**(1.0_wp/3.0_wp)
-   end function point_half_width
 
    !> Sets the scaling of a smooth Newtonian point contact given by D = `radius_ratio` and Moes'
    !> numbers, mean speed; as `new_moes_scaling`.

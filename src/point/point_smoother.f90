@@ -172,14 +172,12 @@ contains
       type(point_level_t), intent(in) :: level
       integer, intent(in) :: j, steps(:)
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      real(wp), dimension(-far:level%nx + far) :: alone, spread
-      real(wp) :: own(0:level%nx)
+      real(wp) :: own(0:level%nx), parts(-far:level%nx + far, 0:1)
       integer :: i, nx
 
       nx = level%nx
-      alone = 0.0_wp
-      spread = 0.0_wp
-      associate (a => smoother%lines, flowing => level%flowing, d => alone(1:nx - 1))
+      parts = 0.0_wp
+      associate (a => smoother%lines, flowing => level%flowing, d => parts(1:nx - 1, 0))
          d = r(1:nx - 1, j)*flowing(1:nx - 1, j)
          d(2) = d(2) - a(-1, 2, j)*d(1)
          do i = 3, nx - 1
@@ -191,26 +189,26 @@ contains
             d(i) = (d(i) - a(1, i, j)*d(i + 1) - a(2, i, j)*d(i + 2))*a(0, i, j)
          end do
          d = d*flowing(1:nx - 1, j)
-         spread(1:nx - 1) = d*(1 - level%is_local(1:nx - 1, j))
-         own = flowing(:, j)*(alone(0:nx) - smoother%share_x*(spread(-1:nx - 1) + spread(1:nx + 1)))
+         parts(1:nx - 1, 1) = d*(1 - level%is_local(1:nx - 1, j))
+         own = flowing(:, j)*(parts(0:nx, 0) - smoother%share_x*(parts(-1:nx - 1, 1) &
+            + parts(1:nx + 1, 1)))
       end associate
-      alone = alone - spread
+      parts(:, 0) = parts(:, 0) - parts(:, 1)
       v(:, j) = v(:, j) + own
-      v(:, j - 1) = v(:, j - 1) - smoother%across(:, j - 1)*spread(0:nx)
-      v(:, j + 1) = v(:, j + 1) - smoother%across(:, j + 1)*spread(0:nx)
+      v(:, j - 1) = v(:, j - 1) - smoother%across(:, j - 1)*parts(0:nx, 1)
+      v(:, j + 1) = v(:, j + 1) - smoother%across(:, j + 1)*parts(0:nx, 1)
       do i = 1, size(steps)
-         call pass_on(smoother, level, j, steps(i), own, alone, spread, r)
+         call pass_on(smoother, level, j, steps(i), own, parts, r)
       end do
    end subroutine relax_line
 
-   !> Changes the residuals of the lines at `step` and 2 `step` from line `j` by its change `own`, of
-   !> which nodes have changed `alone` or with their neighbours.
-   pure subroutine pass_on(smoother, level, j, step, own, alone, spread, r)
+   !> Changes the residuals of the lines at `step` and 2 `step` from line `j` by its change `own`;
+   !> `parts` of it: of nodes alone, and of nodes with their neighbours.
+   pure subroutine pass_on(smoother, level, j, step, own, parts, r)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       integer, intent(in) :: j, step
-      real(wp), intent(in) :: own(0:level%nx)
-      real(wp), intent(in), dimension(-far:level%nx + far) :: alone, spread
+      real(wp), intent(in) :: own(0:level%nx), parts(-far:level%nx + far, 0:1)
       real(wp), intent(inout) :: r(0:level%nx, 0:level%ny)
       real(wp), dimension(-2:level%nx + 1) :: beside, next_film, own_film
       integer :: c, i, next, nx, side
@@ -220,15 +218,15 @@ contains
       if (next < 1 .or. next > level%ny - 1) return
       side = merge(5, 6, step > 0)   ! the band of the next line with this one
       beside = 0.0_wp
-      beside(0:nx) = -smoother%across(:, next)*spread(0:nx)
+      beside(0:nx) = -smoother%across(:, next)*parts(0:nx, 1)
       next_film = 0.0_wp
       own_film = 0.0_wp
       do c = -far, far
          do i = max(-2, c - far), min(nx + 1, nx + far + c)
-            next_film(i) = next_film(i) + smoother%pattern(0, c, 1)*alone(i - c) &
-               + smoother%pattern(1, c, 1)*spread(i - c)
-            own_film(i) = own_film(i) + smoother%pattern(0, c, 0)*alone(i - c) &
-               + smoother%pattern(1, c, 0)*spread(i - c)
+            next_film(i) = next_film(i) + smoother%pattern(0, c, 1)*parts(i - c, 0) &
+               + smoother%pattern(1, c, 1)*parts(i - c, 1)
+            own_film(i) = own_film(i) + smoother%pattern(0, c, 0)*parts(i - c, 0) &
+               + smoother%pattern(1, c, 0)*parts(i - c, 1)
          end do
       end do
       associate (p => level%by_pressure, h => level%by_film)

@@ -1,7 +1,6 @@
 !> The steady point contact from its data to its fields and quantities: nested grids, from the dry
 !> contact on the first one that holds the film.
 module point_solver
-   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -121,7 +120,7 @@ contains
    subroutine fill_report(newton, report)
       type(point_newton_t), intent(in) :: newton
       type(report_t), intent(inout) :: report
-      integer :: k
+      integer :: done(4), k
 
       report%converged = newton%is_converged
       report%reason = newton%reason
@@ -132,19 +131,11 @@ contains
       associate (levels => newton%hierarchy%levels)
          report%numbers%levels = size(levels)
          do k = 1, size(levels)
-            report%cost%fft_pairs = report%cost%fft_pairs + pairs_of(levels(k))
+            done = levels(k)%elastic%transforms()
+            report%cost%fft_pairs = report%cost%fft_pairs + done(3)
          end do
       end associate
    end subroutine fill_report
-
-   !> Pairs of transforms that a level has made.
-   pure integer(int64) function pairs_of(level) result(pairs)
-      type(point_level_t), intent(in) :: level
-      integer :: done(4)
-
-      done = level%elastic%transforms()
-      pairs = done(3)
-   end function pairs_of
 
    !> Says that the grid is too coarse for the film where the rule for first grids says so.
    subroutine blame(contact, nx, report)
