@@ -268,6 +268,22 @@ def stribeck_row(runs: int) -> list[Row]:
     return [several("Stribeck curve, 30 speeds, 512", 1.5, [process(*texts)[0].processor for _ in range(runs)])]
 
 
+def point_rows(runs: int) -> list[Row]:
+    """Point contacts of Moes' M, L 10, circular: processor time of a process without error bars; two threads beside one."""
+    thick, thin = {"viscosity_law": "roelands", "roelands_z": 0.68}, {"viscosity_law": "barus", "density_law": "constant"}
+    contacts = [(20, thick, 128, 0.15), (200, thick, 128, 0.15), (20, thick, 512, 3), (200, thick, 512, 3), (1000, thin, 512, 7)]
+    rows = []
+    for m, oil, n, asked in contacts:
+        groups = {"case": {"problem": "ehl_point"}, "moes": {"moes_m": m, "moes_l": 10, "velocity": "sum"}, "lubricant": oil}
+        text = namelist(groups | {"domain": {"intervals_x": n, "far_field": False}, "accuracy": {"error_bars": False}})
+        done = [process(text, read=lambda file: file["report/grid_work"][()]) for _ in range(runs)]
+        mean = max(iterations / steps for steps, iterations in done[0][1])
+        note = f"GMRES: at most {mean:.1f} iterations a Newton step in the mean of a grid; {done[0][0].memory:.0f} MB"
+        rows.append(several(f"M {m}, {oil['viscosity_law']}, {n} x {n}", asked, [used.processor for used, _ in done], note=note))
+    walls = [[process(text, options=("--threads", str(k)))[0].wall for k in (1, 2)] for _ in range(runs)]
+    return [*rows, several("the last one: two threads over one", 0.62, [two / one for one, two in walls], "")]
+
+
 def map_row(cells: int) -> list[Row]:
     """`auto` over the M-L plane; intervals and domain chosen by the program."""
     side = round(math.sqrt(cells))
@@ -299,6 +315,7 @@ def main() -> int:
         "Full momentum equations, whole process (asked for 400 and 1600 intervals)": partial(momentum_rows, 3 if quick else 7),
         "Histories of load, radius and speeds, whole process": partial(history_rows, 3 if quick else 9),
         "Stribeck curve of input/sweeps/stribeck.toml, whole process": partial(stribeck_row, 3 if quick else 9),
+        "Point contacts, whole process": partial(point_rows, 3 if quick else 7),
         "Whole program": partial(process_rows, max(runs // 10, 10), 3 if quick else 9),
         "Map": partial(map_row, 100 if quick else 400),
     }

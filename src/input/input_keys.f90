@@ -117,9 +117,8 @@ module input_keys
          range='>= 1e-9, <= 1e9', problems=other_than_point, typical=typical_radius, &
          example='! 9.950e-3'), &
       [(key_row_t('bodies', 'radius_x_'//numbers(i), real_kind, 'm', is_optional, &
-         'radius of body '//numbers(i)//' in the plane of x, &
-         negative if concave; those of both '// &
-         'bodies, or one and plane, or reduced_radius_x', range='/= 0, >= -1e12, <= 1e12', &
+         'radius of body '//numbers(i)//' in the plane of x, negative if concave; those of '// &
+         'both bodies, or one and plane, or reduced_radius_x', range='/= 0, >= -1e12, <= 1e12', &
          problems=point, typical=typical_radius, example=merge('12.7e-3', '! 0.05 ', i == 1)), &
          i=1, 2)], &
       [(key_row_t('bodies', 'radius_y_'//numbers(i), real_kind, 'm', is_chosen, &
@@ -333,9 +332,8 @@ module input_keys
          example='! 2e-7, -1e-7', dry_example='! 1e-6'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', range='>= 1e-12, <= 1e3', used=of_features, &
-         needed=of_features, problems=other_than_point, typical=typical_wave, example='! 1e-4, &
-         5e-5', &
-         dry_example='! 1e-4'), &
+         needed=of_features, problems=other_than_point, typical=typical_wave, &
+         example='! 1e-4, 5e-5', dry_example='! 1e-4'), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
          'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
          range='>= -1e6, <= 1e6', used=of_roughness, example='! -2.5, -3.0'), &
@@ -597,9 +595,8 @@ module input_keys
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres, is_expert=.true.), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error for which grid and time step are chosen: of h_min (points: and ' &
-         //'h_central), graded: all, dry: area', range='>= 1e-7, &
-         <= 0.1', problems=every, &
-         example='! 1e-3', dry_example='! 0.02'), &
+         //'h_central), graded: all, dry: area', range='>= 1e-7, <= 0.1', &
+         problems=every, example='! 1e-3', dry_example='! 0.02'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]
 
