@@ -35,7 +35,6 @@ module point_cycle
       !> Factored equations of the coarsest level.
       real(wp), allocatable :: coarsest(:, :), unknown(:)
       integer, allocatable :: pivots(:)
-      integer :: threads = 1
    end type point_hierarchy_t
 
 contains
@@ -48,7 +47,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: k, levels, n(2)
 
-      hierarchy%threads = threads
       n = [nx, ny]
       levels = 1
       do while (all(mod(n, 2) == 0) .and. all(n/2 >= fewest))
@@ -87,10 +85,9 @@ contains
                   level%film = finer%film(::2, ::2)
                   level%flowing = finer%flowing(::2, ::2)
                end associate
-               call evaluate(level, contact, .true., hierarchy%threads)
+               call evaluate(level, contact, .true.)
             end if
-            if (k < size(hierarchy%levels)) call factor_lines(hierarchy%smoothers(k), level, &
-               hierarchy%threads)
+            if (k < size(hierarchy%levels)) call factor_lines(hierarchy%smoothers(k), level)
          end associate
       end do
       call factor_coarsest(hierarchy, error)   ! error: handed up
@@ -150,8 +147,7 @@ contains
       type(point_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
 
-      associate (level => hierarchy%levels(k), work => hierarchy%work(k), &
-         threads => hierarchy%threads)
+      associate (level => hierarchy%levels(k), work => hierarchy%work(k))
          if (k == size(hierarchy%levels)) then
             hierarchy%unknown = reshape(work%right_side(1:level%nx - 1, 1:level%ny - 1) &
                *level%flowing(1:level%nx - 1, 1:level%ny - 1), [size(hierarchy%unknown)])
@@ -163,7 +159,7 @@ contains
             work%right_side = level%flowing*work%right_side
             work%residual = work%right_side
             work%v = 0.0_wp
-            call sweep_lines(hierarchy%smoothers(k), level, .true., work%residual, work%v, threads)
+            call sweep_lines(hierarchy%smoothers(k), level, .true., work%residual, work%v)
             call deflect(level, work%v, work%film)
             call find_residual()
             call restrict(work%residual, hierarchy%work(k + 1)%right_side)
@@ -172,7 +168,7 @@ contains
             call add_bilinear(hierarchy%work(k + 1)%film, work%film)
             work%v = level%flowing*work%v
             call find_residual()
-            call sweep_lines(hierarchy%smoothers(k), level, .false., work%residual, work%v, threads)
+            call sweep_lines(hierarchy%smoothers(k), level, .false., work%residual, work%v)
          end if
          if (k > 1) call deflect(level, work%v, work%film)
       end associate
@@ -183,8 +179,7 @@ contains
       subroutine find_residual()
 
          associate (work => hierarchy%work(k))
-            call multiply_bands(hierarchy%levels(k), work%v, work%film, work%residual, &
-               hierarchy%threads)
+            call multiply_bands(hierarchy%levels(k), work%v, work%film, work%residual)
             work%residual = work%right_side - work%residual
          end associate
       end subroutine find_residual

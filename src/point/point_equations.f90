@@ -38,19 +38,18 @@ module point_equations
 contains
 
    !> Computes residual, its diagonal and floor at the present pressure and film; with `has_bands`
-   !> the Jacobian too. The work is shared by `threads`.
-   subroutine evaluate(level, contact, has_bands, threads)
+   !> the Jacobian too.
+   subroutine evaluate(level, contact, has_bands)
       type(point_level_t), intent(inout) :: level
       type(point_contact_t), intent(in) :: contact
       logical, intent(in) :: has_bands
-      integer, intent(in) :: threads
-      real(wp) :: floors(threads)
+      real(wp) :: floors(level%threads)
       integer :: t
 
-      !$omp parallel do num_threads(threads) schedule(static)
-      do t = 1, threads
-         call evaluate_rows(level, contact, has_bands, share_end(t - 1, threads, level%ny - 1) &
-            + 1, share_end(t, threads, level%ny - 1), floors(t))
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do t = 1, level%threads
+         call evaluate_rows(level, contact, has_bands, share_end(t - 1, level%threads, level%ny &
+            - 1) + 1, share_end(t, level%threads, level%ny - 1), floors(t))
       end do
       !$omp end parallel do
       level%floor = round_off*maxval(floors)*(1/level%hx**2 + 1/level%hy**2)
@@ -237,17 +236,16 @@ contains
 
    !> Computes y = J (v, dH) on the flowing nodes, 0 elsewhere: `v` the change of the pressure,
    !> `change` that of the film.
-   subroutine multiply_bands(level, v, change, y, threads)
+   subroutine multiply_bands(level, v, change, y)
       type(point_level_t), intent(in) :: level
       real(wp), intent(in), dimension(0:level%nx, 0:level%ny) :: v, change
       real(wp), intent(out) :: y(0:level%nx, 0:level%ny)
-      integer, intent(in) :: threads
       integer :: i, j
 
       y(:, 0) = 0.0_wp
       y(:, level%ny) = 0.0_wp
       associate (p => level%by_pressure, h => level%by_film, nx => level%nx)
-         !$omp parallel do num_threads(threads) private(i) schedule(static)
+         !$omp parallel do num_threads(level%threads) private(i) schedule(static)
          do j = 1, level%ny - 1
             y(0, j) = 0.0_wp
             y(nx, j) = 0.0_wp

@@ -20,9 +20,9 @@ module point_level
    !> Neighbours of a node in its equation: (i-2 ... i+1, j), (i, j-1), (i, j+1).
    integer, parameter, public :: bands = 6
 
-   !> The nodes.
+   !> The nodes, and the threads that share work on them.
    type :: point_grid_t
-      integer :: nx = 0, ny = 0
+      integer :: nx = 0, ny = 0, threads = 1
       real(wp) :: hx = 0.0_wp, hy = 0.0_wp
       !> Positions (0:nx) and (0:ny).
       real(wp), allocatable :: x(:), y(:)
@@ -61,6 +61,7 @@ contains
       real(wp), allocatable :: kernel(:, :)
       integer :: i, j
 
+      level%threads = threads
       level%nx = nx
       level%ny = ny
       allocate (level%x(0:nx), level%y(0:ny), level%rigid(0:nx, 0:ny))

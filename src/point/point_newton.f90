@@ -79,14 +79,14 @@ contains
       newton%steps = 0
       newton%iterations = 0
       newton%gmres%max_iterations = most_iterations
-      associate (level => newton%hierarchy%levels(1), threads => newton%hierarchy%threads)
+      associate (level => newton%hierarchy%levels(1))
          load = contact%load - far_load(contact, level%hx, level%hy)
          allocate (border, step, mold=level%film)
          call set_point_film(level)
          if (.not. all(level%film > 0.0_wp)) return
          is_evaluated = .false.
          do
-            if (.not. is_evaluated) call evaluate(level, contact, .true., threads)
+            if (.not. is_evaluated) call evaluate(level, contact, .true.)
             call set_border(contact, level, border)
             call find_cavity(level)
             newton%load_error = load_on(level, level%pressure) - load
@@ -156,21 +156,21 @@ contains
 
       n = size(border)
       allocate (x(n + 1), right(n))
-      associate (level => newton%hierarchy%levels(1), threads => newton%hierarchy%threads)
+      associate (level => newton%hierarchy%levels(1))
          newton%inverse = reshape(merge(1/level%diagonal, 1.0_wp, level%flowing > 0.0_wp), [n])
          newton%weight = 1/(level%hx*level%hy*sqrt(real(n, wp)))
          fixed = reshape((1 - level%flowing)*(border - level%pressure), [n])
          newton%change = spread(1.0_wp, 1, n)
          newton%product = spread(0.0_wp, 1, n)
          newton%column = fixed   ! of this size
-         call multiply_bands(level, newton%product, newton%change, newton%column, threads)
+         call multiply_bands(level, newton%product, newton%change, newton%column)
          newton%answer = newton%column
          call run_cycle(newton%hierarchy, newton%column, newton%answer)
          newton%load_of_answer = load_on(level, newton%answer)
          right = 0.0_wp
          if (any(abs(fixed) > 0.0_wp)) then
             call deflect(level, fixed, newton%change)
-            call multiply_bands(level, fixed, newton%change, right, threads)
+            call multiply_bands(level, fixed, newton%change, right)
          end if
          right = right + reshape(level%flowing*level%residual, [n])
          x(:n) = -newton%inverse*right
@@ -192,7 +192,7 @@ contains
       n = size(x) - 1
       associate (level => self%hierarchy%levels(1))
          call deflect(level, x(:n), self%change)
-         call multiply_bands(level, x(:n), self%change, self%product, self%hierarchy%threads)
+         call multiply_bands(level, x(:n), self%change, self%product)
          y(:n) = self%inverse*(self%product + x(n + 1)*self%column)
          y(n + 1) = self%weight*load_on(level, x(:n))
       end associate
@@ -267,7 +267,7 @@ contains
                share = 0.5_wp*share
             end do
             if (halving > max_halvings) return
-            call evaluate(level, contact, best_measure >= huge(1.0_wp), newton%hierarchy%threads)
+            call evaluate(level, contact, best_measure >= huge(1.0_wp))
             measure = measure_of(level, load)
             if (.not. measure < best_measure) return
             best_measure = measure

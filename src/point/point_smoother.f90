@@ -33,10 +33,9 @@ module point_smoother
 contains
 
    !> Sets and factors the matrices of all lines from the bands of the level.
-   subroutine factor_lines(smoother, level, threads)
+   subroutine factor_lines(smoother, level)
       type(point_smoother_t), intent(inout) :: smoother
       type(point_level_t), intent(in) :: level
-      integer, intent(in) :: threads
       real(wp) :: share_y
       integer :: d, j, l
 
@@ -55,7 +54,7 @@ contains
       end do
       if (.not. allocated(smoother%lines)) allocate (smoother%lines(-2:2, level%nx - 1, &
          level%ny - 1))
-      !$omp parallel do num_threads(threads) schedule(static)
+      !$omp parallel do num_threads(level%threads) schedule(static)
       do j = 1, level%ny - 1
          call set_line(smoother, level, j, smoother%lines(:, :, j))
          call factor_line(smoother%lines(:, :, j))
@@ -125,14 +124,13 @@ contains
    end subroutine factor_line
 
    !> One sweep over all lines, from both sides to the middle or `outward`: adds the changes to `v`;
-   !> `r` is the residual of v on entry and is used up. Two `threads` have a half each; the lines in
+   !> `r` is the residual of v on entry and is used up. Two threads have a half each; the lines in
    !> the middle, which both would change, come one after the other.
-   subroutine sweep_lines(smoother, level, outward, r, v, threads)
+   subroutine sweep_lines(smoother, level, outward, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       logical, intent(in) :: outward
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      integer, intent(in) :: threads
       integer :: count, half, last, middle, step
 
       middle = level%ny/2
@@ -144,7 +142,7 @@ contains
             call relax_line(smoother, level, middle + count, [1], r, v)
          end do
       end if
-      !$omp parallel do num_threads(min(threads, 2)) private(count, step) schedule(static)
+      !$omp parallel do num_threads(min(level%threads, 2)) private(count, step) schedule(static)
       do half = 1, 2
          step = merge(1, -1, (half == 1) .neqv. outward)
          do count = 1, merge(middle, level%ny - middle, half == 1) - between - 1
