@@ -8,7 +8,6 @@ module run_point_case
    use iteration_report, only: phase_error_bars, phase_steady, report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
-   use listener, only: listener_t
    use missing_value, only: not_known
    use passage_times, only: passage_times_t
    use point_quantities, only: estimate_point_errors
@@ -17,6 +16,7 @@ module run_point_case
    use progress_log, only: progress_log_t
    use quantities, only: h_central, h_min
    use result_file, only: open_result, result_file_t
+   use run_observer, only: run_observer_t
    use signals, only: begin_activity
    use system_limits, only: peak_memory, processors
    use text, only: add_sentence, to_text
@@ -25,13 +25,6 @@ module run_point_case
    private
 
    public :: solve_point_case
-
-   !> Shows Newton steps and grids in the log.
-   type, extends(listener_t) :: watcher_t
-      type(progress_log_t) :: log
-   contains
-      procedure :: on_stage
-   end type watcher_t
 
 contains
 
@@ -44,7 +37,7 @@ contains
       integer, intent(in) :: threads
       type(case_outcome_t), intent(out) :: ending
       type(error_t), allocatable, intent(out) :: error
-      type(watcher_t) :: watcher
+      type(run_observer_t) :: listener
       type(result_file_t) :: result
       type(point_run_t) :: run
       type(line_summary_t) :: summary
@@ -53,7 +46,7 @@ contains
       real(wp) :: start
 
       call log%start_case(case%file, case%scaling)
-      watcher%log = log
+      listener%log = log
       call open_result(result, path, error)
       if (allocated(error)) return
       run%tolerance = case%solver%tolerance
@@ -62,7 +55,7 @@ contains
       run%slide_to_roll = case%scaling%slide_to_roll
       run%threads = min(threads, processors())
       start = wall_seconds()
-      call solve_point_steady(run, case%point, watcher, report, error)
+      call solve_point_steady(run, case%point, listener, report, error)
       if (.not. allocated(error)) then
          report%cost%phase_seconds(phase_steady) = wall_seconds() - start
          call find_quantities(case, run, report, summary, missing, error)
@@ -153,19 +146,5 @@ contains
          call set_effective(case, 'domain', 'intervals_y', integer=domain%ny)
       end associate
    end subroutine list_chosen
-
-   !> Passes a Newton step to the log; any other stage is printed after a few seconds.
-   subroutine on_stage(self, words, cycle, residuals)
-      class(watcher_t), intent(inout) :: self
-      character(*), intent(in) :: words
-      integer, intent(in), optional :: cycle
-      real(wp), intent(in), optional :: residuals(2)
-
-      if (present(cycle)) then
-         call self%log%on_cycle(words, cycle, residuals(1), residuals(2))
-      else
-         call begin_activity(words)
-      end if
-   end subroutine on_stage
 
 end module run_point_case

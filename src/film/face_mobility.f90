@@ -18,7 +18,7 @@ module face_mobility
    implicit none (type, external)
    private
 
-   public :: fluid_face_mobility
+   public :: fluid_face_mobility, mean_fluidity
 
 contains
 
@@ -47,7 +47,8 @@ contains
          last = min(first + block_size - 1, ubound(state%pressure, 1))
          m = last - first + 1
          call oil_viscosity(fluid, first - 1, state%pressure(first - 1:last), oil, mu_p)
-         call mean_fluidity(oil%ln_mu(first - 1:last), exponent(:m), shape_factor(:m), slant(:m))
+         call mean_fluidity(oil%ln_mu(first - 1:last - 1), oil%ln_mu(first:last), exponent(:m), &
+            shape_factor(:m), slant(:m))
          if (allocated(fluid%rheology)) then
             mean_ln_mu(:m) = 0.5_wp*(oil%ln_mu(first - 1:last - 1) + oil%ln_mu(first:last))
             dx(:m) = spacing(1)
@@ -77,17 +78,17 @@ contains
       end do
    end subroutine fluid_face_mobility
 
-   !> L(1/mu(i-1), 1/mu(i)) = exp(exponent) shape_factor of the m faces between m + 1 nodes, and
-   !> `slant`, its relative change with x = (ln mu(i) - ln mu(i-1))/2 at constant mean:
+   !> L(1/mu_1, 1/mu_2) = exp(exponent) shape_factor of m faces between nodes with ln mu `left` and
+   !> `right`, and `slant`, its relative change with x = (ln mu_2 - ln mu_1)/2 at constant mean:
    !> L = exp(-mean) sinh(x)/x, slant = coth x - 1/x.
-   pure subroutine mean_fluidity(ln_mu, exponent, shape_factor, slant)
-      real(wp), intent(in), contiguous :: ln_mu(0:)
+   pure subroutine mean_fluidity(left, right, exponent, shape_factor, slant)
+      real(wp), intent(in), contiguous :: left(:), right(:)
       real(wp), intent(out), contiguous :: exponent(:), shape_factor(:), slant(:)
       real(wp) :: x, y, small, large, decay, is_small, is_large, series, slope
       integer :: i
 
       do i = 1, size(exponent)
-         x = 0.5_wp*(ln_mu(i) - ln_mu(i - 1))
+         x = 0.5_wp*(right(i) - left(i))
          is_large = 0.5_wp + sign(0.5_wp, abs(x) - series_limit)
          is_small = 1.0_wp - is_large
          small = min(max(x, -series_limit), series_limit)
@@ -96,7 +97,7 @@ contains
          series = s(0) &
             + y*(s(1) + y*(s(2) + y*(s(3) + y*(s(4) + y*(s(5) + y*(s(6) + y*(s(7) + y*s(8))))))))
          decay = exp(-2*large)
-         exponent(i) = is_large*large - 0.5_wp*(ln_mu(i - 1) + ln_mu(i))
+         exponent(i) = is_large*large - 0.5_wp*(left(i) + right(i))
          shape_factor(i) = is_small*series + is_large*0.5_wp*(1 - decay)/large
          slope = ds(0) &
             + y*(ds(1) + y*(ds(2) + y*(ds(3) + y*(ds(4) + y*(ds(5) + y*(ds(6) + y*ds(7)))))))

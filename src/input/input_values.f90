@@ -30,9 +30,10 @@ module input_values
       logical, allocatable :: is_set(:)
    end type value_t
 
-   !> The values of all keys, in the order of `key_rows`, and where the groups are.
+   !> The values of all keys, in the order of `key_rows`, and where the groups are. Slot 0, never
+   !> filled, stands for keys that the problem does not have.
    type :: input_values_t
-      type(value_t) :: slots(size(key_rows))
+      type(value_t) :: slots(0:size(key_rows))
       !> Line of each group of `group_rows`; 0: not in the file.
       integer :: group_lines(size(group_rows)) = 0
       !> The problem, as far as it could be read; else the lubricated one.
@@ -56,9 +57,7 @@ contains
       character(*), intent(in) :: group, key
       type(value_t) :: slot
 
-      associate (row => find_key(group, key, self%problem))
-         if (row > 0) slot = self%slots(row)
-      end associate
+      slot = self%slots(find_key(group, key, self%problem))
    end function slot
 
    !> The first real value of a key; `default` or 0 if there is none.
@@ -69,9 +68,8 @@ contains
 
       value = 0.0_wp
       if (present(default)) value = default
-      associate (row => find_key(group, key, self%problem))
-         if (row == 0) return   ! not of this problem
-         if (self%slots(row)%has_value) value = self%slots(row)%reals(1)
+      associate (slot => self%slots(find_key(group, key, self%problem)))
+         if (slot%has_value) value = slot%reals(1)
       end associate
    end function real_value
 
@@ -80,10 +78,7 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      value = 0
-      associate (row => find_key(group, key, self%problem))
-         if (row > 0) value = self%slots(row)%integer
-      end associate
+      value = self%slots(find_key(group, key, self%problem))%integer
    end function integer_value
 
    !> Whether a key is true; false if it has no value.
@@ -91,10 +86,7 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      value = .false.
-      associate (row => find_key(group, key, self%problem))
-         if (row > 0) value = self%slots(row)%logical
-      end associate
+      value = self%slots(find_key(group, key, self%problem))%logical
    end function logical_value
 
    !> The first word of a key; '?' if there is none.
@@ -104,9 +96,8 @@ contains
       character(len=word_length) :: word
 
       word = '?'
-      associate (row => find_key(group, key, self%problem))
-         if (row == 0) return
-         if (self%slots(row)%has_value) word = self%slots(row)%words(1)
+      associate (slot => self%slots(find_key(group, key, self%problem)))
+         if (slot%has_value) word = slot%words(1)
       end associate
    end function word_value
 
@@ -124,10 +115,7 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      is_given = .false.
-      associate (row => find_key(group, key, self%problem))
-         if (row > 0) is_given = self%slots(row)%is_given
-      end associate
+      is_given = self%slots(find_key(group, key, self%problem))%is_given
    end function is_given
 
    !> True if the key has a value, given or default.
@@ -135,10 +123,7 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      has_value = .false.
-      associate (row => find_key(group, key, self%problem))
-         if (row > 0) has_value = self%slots(row)%has_value
-      end associate
+      has_value = self%slots(find_key(group, key, self%problem))%has_value
    end function has_value
 
    !> True if the group is in the file.

@@ -17,7 +17,7 @@ module point_contact
    implicit none (type, external)
    private
 
-   public :: far_load, film_error, far_pressure, first_intervals, hertz_pressure_at, &
+   public :: far_load, far_pressure, first_intervals, hertz_pressure_at, &
       intervals_for, new_point_contact, rows_for
 
    !> Where the contact is solved [a].
@@ -33,8 +33,8 @@ module point_contact
       type(fluid_t) :: fluid
       !> D = Rx/Ry, and the angle from the x axis of the ellipse to the entrainment [rad].
       real(wp) :: radius_ratio = 1.0_wp, angle = 0.0_wp
-      !> Moes' numbers of the sum of the speeds, and lambda [-].
-      real(wp) :: moes_m = 1.0_wp, moes_l = 0.0_wp, lambda = 1.0_wp
+      !> Moes' M of the sum of the speeds, and lambda [-].
+      real(wp) :: moes_m = 1.0_wp, lambda = 1.0_wp
       !> II P dA [-].
       real(wp) :: load = 0.0_wp
       !> q0, q1, q2, and half-widths of the turned ellipse along X and Y [-].
@@ -66,7 +66,6 @@ contains
 
       contact%radius_ratio = radius_ratio
       contact%moes_m = moes_m
-      contact%moes_l = moes_l
       contact%angle = angle
       contact%fluid = fluid
       contact%ellipse = new_ellipse(radius_ratio)

@@ -14,6 +14,7 @@ module point_cycle
    use point_equations, only: evaluate, multiply_bands
    use point_level, only: bands, deflect, new_level, point_level_t
    use point_smoother, only: factor_lines, point_smoother_t, sweep_lines
+   use transfer, only: full_weighting, prolong_linear
    implicit none (type, external)
    private
 
@@ -186,21 +187,19 @@ contains
 
    end subroutine descend
 
-   !> Full weighting of a `fine` residual, 0 on the border.
+   !> Full weighting of a `fine` residual along x, then y.
    pure subroutine restrict(fine, coarse)
       real(wp), intent(in) :: fine(0:, 0:)
       real(wp), intent(out) :: coarse(0:, 0:)
-      integer :: i, j
+      real(wp) :: rows(0:ubound(coarse, 1), -1:1)
+      integer :: j, k
 
       coarse = 0.0_wp
       do j = 1, ubound(coarse, 2) - 1
-         do i = 1, ubound(coarse, 1) - 1
-            associate (a => 2*i, b => 2*j)
-               coarse(i, j) = (4*fine(a, b) + 2*(fine(a - 1, b) + fine(a + 1, b) + fine(a, b - 1) &
-                  + fine(a, b + 1)) + fine(a - 1, b - 1) + fine(a + 1, b - 1) + fine(a - 1, b + 1) &
-                  + fine(a + 1, b + 1))/16
-            end associate
+         do k = -1, 1
+            call full_weighting(fine(:, 2*j + k), rows(:, k))
          end do
+         coarse(:, j) = 0.25_wp*(rows(:, -1) + 2*rows(:, 0) + rows(:, 1))
       end do
    end subroutine restrict
 
@@ -208,14 +207,12 @@ contains
    pure subroutine add_bilinear(coarse, fine)
       real(wp), intent(in) :: coarse(0:, 0:)
       real(wp), intent(inout) :: fine(0:, 0:)
-      real(wp) :: row(0:ubound(coarse, 1))
-      integer :: j, nx
+      real(wp) :: row(0:ubound(fine, 1))
+      integer :: j
 
-      nx = ubound(coarse, 1)
       do j = 0, ubound(fine, 2)
-         row = 0.5_wp*(coarse(:, j/2) + coarse(:, (j + 1)/2))
-         fine(0::2, j) = fine(0::2, j) + row
-         fine(1::2, j) = fine(1::2, j) + 0.5_wp*(row(:nx - 1) + row(1:))
+         call prolong_linear(0.5_wp*(coarse(:, j/2) + coarse(:, (j + 1)/2)), row)
+         fine(:, j) = fine(:, j) + row
       end do
    end subroutine add_bilinear
 

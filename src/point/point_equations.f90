@@ -8,11 +8,13 @@
 !> (a - b)/(ln a - ln b) is exact where ln mu is linear, and Q never falls with the pressure that
 !> drives it, however steep ln mu is: the arithmetic mean of e has twice the error.
 module point_equations
+   use face_mobility, only: mean_fluidity
    use flow_law, only: largest_exponent
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_viscosity
    use point_contact, only: point_contact_t
    use point_level, only: point_level_t
+   use reynolds_line, only: wedge_weights
    use rheology, only: sliding_number, thins
    use work_shares, only: share_end
    implicit none (type, external)
@@ -20,15 +22,13 @@ module point_equations
 
    public :: evaluate, multiply_bands
 
-   !> What a row of nodes is made of, by column: P, H, E, rho, E'/E by P, rho', then ln of the
-   !> effective viscosity along x, its slopes by P and H, and 1/S mu; the same across.
+   !> What a row of nodes is made of, by column: P, H, E, rho, rho', then ln of the effective
+   !> viscosity along x and its slopes by P and H; the same across.
    integer, parameter :: of_p = 1, of_h = 2, of_e = 3, of_rho = 4, of_drho = 5, along_x = 6, &
-      along_y = 10, node_columns = 13
+      along_y = 9, node_columns = 11
    !> What a face has: flux, flow by P1 and P2 with E as it is, change with P1, P2, H1, H2.
    integer, parameter :: flux = 1, flow_1 = 2, flow_2 = 3, by_p1 = 4, by_p2 = 5, by_h1 = 6, &
       by_h2 = 7, face_columns = 7
-   !> Half the difference of ln m below which the logarithmic mean is a series.
-   real(wp), parameter :: series_start = 1.0e-2_wp
    !> A node's flow is strong if both faces along X have more than this share of the wedge.
    real(wp), parameter :: strong_flow = 0.43_wp
    !> Least B of sliding: below it both effective viscosities are that of the oil.
@@ -116,8 +116,6 @@ contains
          nodes(:, along_x + 1) = nodes(:, along_x + 1)/root**2
          nodes(:, along_x + 2) = (b/root)**2/h
       end if
-      nodes(:, along_x + 3) = exp(-nodes(:, along_x))
-      nodes(:, along_y + 3) = exp(-nodes(:, along_y))
    end subroutine fill_nodes
 
    !> Fills the columns of the faces between the nodes i of row `one` and i + `shift` of row `two`;
@@ -126,36 +124,28 @@ contains
       integer, intent(in) :: nx, shift, axis
       real(wp), intent(in) :: one(0:nx, node_columns), two(0:nx, node_columns)
       real(wp), intent(out) :: faces(0:nx, face_columns)
-      real(wp) :: drop, e, mean, slope_1, slope_2, x, difference
+      real(wp), dimension(0:nx - shift) :: exponent, fluidity, shape_factor, slant
+      real(wp) :: drop, e, mean, slope_1, slope_2
       integer :: i, k
 
+      call mean_fluidity(one(:nx - shift, axis), two(shift:, axis), exponent, shape_factor, slant)
+      fluidity = exp(exponent)*shape_factor
       do i = 0, nx - shift
          k = i + shift
-         difference = two(k, axis) - one(i, axis)
-         if (abs(difference) > 2*series_start) then
-            mean = (one(i, axis + 3) - two(k, axis + 3))/difference
-            slope_1 = (mean - one(i, axis + 3))/difference
-            slope_2 = (two(k, axis + 3) - mean)/difference
-         else
-            x = 0.5_wp*difference
-            e = sqrt(one(i, axis + 3)*two(k, axis + 3))
-            mean = e*(1 + x**2/6*(1 + x**2/20))
-            slope_1 = 0.5_wp*(-mean - e*x/3*(1 + x**2/10))
-            slope_2 = 0.5_wp*(-mean + e*x/3*(1 + x**2/10))
-         end if
+         mean = fluidity(i)
          drop = two(k, of_p) - one(i, of_p)
+         slope_1 = -0.5_wp*mean*drop*(1 + slant(i))
+         slope_2 = -0.5_wp*mean*drop*(1 - slant(i))
          e = 0.5_wp*(one(i, of_e) + two(k, of_e))
          faces(i, flux) = e*mean*drop
-         faces(i, flow_1) = e*(mean - drop*slope_1*one(i, axis + 1))
-         faces(i, flow_2) = e*(mean + drop*slope_2*two(k, axis + 1))
-         drop = 0.5_wp*mean*drop
-         faces(i, by_p1) = drop*one(i, of_e)*one(i, of_drho)/one(i, of_rho) - faces(i, flow_1)
-         faces(i, by_p2) = drop*two(k, of_e)*two(k, of_drho)/two(k, of_rho) + faces(i, flow_2)
-         drop = two(k, of_p) - one(i, of_p)
-         faces(i, by_h1) = 1.5_wp*mean*drop*one(i, of_e)/one(i, of_h) &
-            + e*drop*slope_1*one(i, axis + 2)
-         faces(i, by_h2) = 1.5_wp*mean*drop*two(k, of_e)/two(k, of_h) &
-            + e*drop*slope_2*two(k, axis + 2)
+         faces(i, flow_1) = e*(mean - slope_1*one(i, axis + 1))
+         faces(i, flow_2) = e*(mean + slope_2*two(k, axis + 1))
+         faces(i, by_p1) = 0.5_wp*mean*drop*one(i, of_e)*one(i, of_drho)/one(i, of_rho) &
+            - faces(i, flow_1)
+         faces(i, by_p2) = 0.5_wp*mean*drop*two(k, of_e)*two(k, of_drho)/two(k, of_rho) &
+            + faces(i, flow_2)
+         faces(i, by_h1) = 1.5_wp*mean*drop*one(i, of_e)/one(i, of_h) + e*slope_1*one(i, axis + 2)
+         faces(i, by_h2) = 1.5_wp*mean*drop*two(k, of_e)/two(k, of_h) + e*slope_2*two(k, axis + 2)
       end do
    end subroutine fill_faces
 
@@ -189,8 +179,10 @@ contains
    !> Change of the wedge of a node with its own pressure, by the deflection; density 1.
    pure real(wp) function wedge_diagonal(level) result(diagonal)
       type(point_level_t), intent(in) :: level
+      real(wp) :: weights(-2:0)
 
-      diagonal = dot_product([1.5_wp, -2.0_wp, 0.5_wp], level%kernel(0:2, 0))/level%hx
+      weights = wedge_weights(2)
+      diagonal = dot_product(weights(0:-2:-1), level%kernel(0:2, 0))/level%hx
    end function wedge_diagonal
 
    !> Bands of row `j`, and where its flow is strong.
@@ -206,32 +198,40 @@ contains
       iy = 1/level%hy**2
       strong = strong_flow*wedge_diagonal(level)
       level%rise(:, j) = nodes(:, along_x + 1)
+      w = wedge_weights(1)/level%hx
+      call set_flow(level%by_pressure(:, 1:level%nx - 1, j), by_p1, by_p2)
+      call set_flow(level%by_film(:, 1:level%nx - 1, j), by_h1, by_h2)
       associate (p => level%by_pressure, h => level%by_film)
          do i = 1, level%nx - 1
-            p(2, i, j) = -ix*along(i - 1, by_p1)
-            p(3, i, j) = ix*(along(i, by_p1) - along(i - 1, by_p2)) &
-               + iy*(above(i, by_p1) - below(i, by_p2))
-            p(4, i, j) = ix*along(i, by_p2)
-            p(5, i, j) = -iy*below(i, by_p1)
-            p(6, i, j) = iy*above(i, by_p2)
-            h(2, i, j) = -ix*along(i - 1, by_h1)
-            h(3, i, j) = ix*(along(i, by_h1) - along(i - 1, by_h2)) &
-               + iy*(above(i, by_h1) - below(i, by_h2))
-            h(4, i, j) = ix*along(i, by_h2)
-            h(5, i, j) = -iy*below(i, by_h1)
-            h(6, i, j) = iy*above(i, by_h2)
-            w = [0.5_wp, -2.0_wp, 1.5_wp]/level%hx
-            if (i == 1) w = [0.0_wp, -1.0_wp, 1.0_wp]/level%hx
-            p(1, i, j) = 0.0_wp
-            h(1, i, j) = 0.0_wp
             do k = merge(-1, -2, i == 1), 0
                p(3 + k, i, j) = p(3 + k, i, j) - w(k)*nodes(i + k, of_drho)*nodes(i + k, of_h)
                h(3 + k, i, j) = h(3 + k, i, j) - w(k)*nodes(i + k, of_rho)
             end do
+            if (i == 1) w = wedge_weights(2)/level%hx
             level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
                ix*along(i - 1, flow_2)) > strong)
          end do
       end associate
+
+   contains
+
+      !> Change of the flow of all nodes with P or H, by the columns of the two nodes of a face.
+      pure subroutine set_flow(change, one, two)
+         real(wp), intent(out) :: change(:, :)
+         integer, intent(in) :: one, two
+         integer :: i
+
+         do i = 1, size(change, 2)
+            change(1, i) = 0.0_wp
+            change(2, i) = -ix*along(i - 1, one)
+            change(3, i) = ix*(along(i, one) - along(i - 1, two)) + iy*(above(i, one) &
+               - below(i, two))
+            change(4, i) = ix*along(i, two)
+            change(5, i) = -iy*below(i, one)
+            change(6, i) = iy*above(i, two)
+         end do
+      end subroutine set_flow
+
    end subroutine assemble_bands
 
    !> Computes y = J (v, dH) on the flowing nodes, 0 elsewhere: `v` the change of the pressure,
