@@ -23,6 +23,8 @@ module command_line
       character(len=4096), allocatable :: files(:)
       !> Folder of the results; empty: not given.
       character(:), allocatable :: output_dir
+      !> Table that gets a row for each case in place of results; empty: none.
+      character(:), allocatable :: summary
       !> Threads of areal problems [-].
       integer :: threads = 1
       !> True: no progress.
@@ -41,7 +43,7 @@ module command_line
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
       '--check', '--resume', '--outcomes', '--set', '--keep-going', '--format', &
-      '--profiles', '--quiet', '--verbose', '--template', '--keys', &
+      '--profiles', '--quiet', '--summary', '--verbose', '--template', '--keys', &
       '--version', '--help']
    !> Most threads that can be asked for.
    integer, parameter :: max_threads = 9999
@@ -61,6 +63,7 @@ contains
       command%action = 'run'
       has_profiles = .false.
       command%output_dir = ''
+      command%summary = ''
       count = command_argument_count()
       allocate (command%files(count), command%entries(0))
       files = 0
@@ -82,7 +85,7 @@ contains
             command%is_quiet = .true.
          case ('--verbose')
             command%is_verbose = .true.
-         case ('--template', '--output', '--threads', '--set', '--format')
+         case ('--template', '--output', '--threads', '--set', '--format', '--summary')
             i = i + 1
             call read_option_value(command, word, argument(i), error)
          case ('--profiles')
@@ -106,7 +109,9 @@ contains
             '--profiles with one result'//see_help)
          return
       end if
-      if (size(command%files) > 0) return
+      if (command%summary /= '' .and. command%output_dir /= '') call fail(error, input_error, &
+         'found --summary and --output, expected one of them: a table has no results beside it')
+      if (size(command%files) > 0 .or. allocated(error)) return
       select case (command%action)
       case ('run', 'check')
          call fail(error, input_error, 'found no namelist file, expected at least one' // see_help)
@@ -159,6 +164,8 @@ contains
       select case (option)
       case ('--output')
          command%output_dir = value
+      case ('--summary')
+         command%summary = value
       case ('--format')
          command%form = value
          if (all(value /= ['text', 'csv ', 'json'])) call fail(error, input_error, &
@@ -215,7 +222,7 @@ contains
          // 'Usage:' // nl &
          // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] '// &
             '[--resume] [--keep-going]' // nl &
-         // '           [--set GROUP.KEY=VALUE] [--quiet] [--outcomes]' // nl &
+         // '           [--set GROUP.KEY=VALUE] [--quiet] [--outcomes] [--summary TABLE.csv]' // nl &
          // '  asperity table RESULT.h5 [RESULT2.h5 ...] [--format text|csv|json]    a row of '// &
          'each result' // nl &
          // '  asperity table RESULT.h5 --profiles      CSV of x, pressure, film or gap and '// &
@@ -228,6 +235,8 @@ contains
          // 'Options:' // nl &
          // '  --output DIR   folder of the results, made if it is not there; without it the '// &
             'current one (or output of the case)' // nl &
+         // '  --summary TABLE.csv   appends a row of numbers for each case to a table, in '// &
+            'place of results: no fields, no checkpoints' // nl &
          // '  --set GROUP.KEY=VALUE   replaces or adds an entry of every namelist; may be '// &
             'given several times' // nl &
          // '  --keep-going   runs the good ones of several cases where others have bad input '// &
@@ -252,7 +261,9 @@ contains
          // '  asperity load*.nml --output results --quiet                        several '// &
             'cases, one after another' // nl &
          // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by '// &
-            'side on 8 cores' // nl // nl &
+            'side on 8 cores' // nl &
+         // '  asperity load*.nml --quiet --summary films.csv                     numbers '// &
+            'only, a row for each case' // nl // nl &
          // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; '// &
             '2 a case did not converge' // nl &
          // 'or left the model (written, marked, with the reason); 3 a result could not be '// &

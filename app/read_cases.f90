@@ -68,6 +68,7 @@ contains
          call read_files(files, command, cases, is_good(:size(files)), refused)
       end if
       problems = ''
+      if (command%summary /= '' .and. (command%keeps_going .or. all(is_good))) return
       if (command%keeps_going .or. all(is_good)) then
          problems = output_findings(cases, command%output_dir, &
             command%is_resume)
@@ -122,6 +123,10 @@ contains
       call put_entries(content, command%entries)
       call read_case(content, file, case, findings, command%entries)
       if (findings%count > 0) found = findings%report(file)
+      if (command%summary == '') return
+      case%table = command%summary
+      if (found == '' .and. case%has_xdmf) found = file//': found &output xdmf = .true. and '// &
+         '--summary, expected one of them: a table has no fields'
    end subroutine read_one
 
    !> Reports the files that are left out. Error: standard output is lost.

@@ -43,8 +43,13 @@ contains
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
-      is_complete = .false.
-      if (command%is_resume) call find_complete_result(path, case, is_complete, earlier, &
+      is_complete = allocated(case%earlier)
+      if (is_complete) then
+         path = case%table
+         earlier = case%earlier
+         reason = case%earlier_reason
+      end if
+      if (command%is_resume .and. .not. allocated(case%table)) call find_complete_result(path, case, is_complete, earlier, &
          reason, error)
       if (allocated(error)) then
          call give_up(error, log, outcome)

@@ -49,7 +49,7 @@ contains
 
       if (case%dry%grid%ny > 1) case%dry%grid%threads = min(threads, processors())
       call check_memory(case, error)
-      if (.not. allocated(error)) call open_result(result, path, error)
+      if (.not. allocated(error)) call open_result(result, case, path, error)
       if (allocated(error)) return
       associate (outcome => record%outcome, report => record%outcome%solution%report)
          call solve_to_target(case%dry, record, error)

@@ -47,7 +47,7 @@ contains
 
       call log%start_case(case%file, case%scaling)
       listener%log = log
-      call open_result(result, path, error)
+      call open_result(result, case, path, error)
       if (allocated(error)) return
       run%tolerance = case%solver%tolerance
       run%max_steps = case%solver%max_cycles

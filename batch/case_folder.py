@@ -4,6 +4,7 @@ FOLDER/index.csv          one line for each case: its name and its parameters; w
 FOLDER/sweep.toml         the sweep file
 FOLDER/cases/NAME.nml     the cases, and their results NAME.h5
 FOLDER/log/FIRST-LAST.csv how the cases of a run ended
+FOLDER/numbers.csv        rows of `asperity --summary`, where a run asked for numbers only
 FOLDER/gathered.h5, .csv  a row for each case
 FOLDER/replacement.part/  index, sweep file and changed cases of a new sweep, complete, on their way to the places above
 """
@@ -27,7 +28,7 @@ from program_calls import INTERRUPTED
 from sweep_file import NAME, SweepError, read_text
 
 ROOT = Path(__file__).resolve().parent.parent
-INDEX, SWEEP, REPLACEMENT = "index.csv", "sweep.toml", "replacement.part"
+INDEX, SWEEP, NUMBERS, REPLACEMENT = "index.csv", "sweep.toml", "numbers.csv", "replacement.part"
 # A number as Python and the program write it; not 1_0, which float() would take for one.
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?(nan|inf)", re.ASCII | re.IGNORECASE)
 

@@ -17,9 +17,10 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from case_folder import SWEEP, CaseFolder, count_of, header, new_parser, opened, status_of
+from case_folder import NUMBERS, SWEEP, CaseFolder, count_of, header, new_parser, opened, status_of
+from number_table import Row, RowError, places_in
 from program_calls import CONVERGED, FAILED, NOT_CONVERGED
-from result_row import RowError, RowReader
+from result_row import RowReader
 from sweep_file import SweepError, read_text
 
 PROGRAM = "gather.py"
@@ -158,10 +159,17 @@ def write_table(folder: CaseFolder, file: h5py.File, jobs: int) -> Counter:
 def blocks_of(folder: CaseFolder, jobs: int) -> Iterator[Block]:
     """The rows of all cases in their order, read by `jobs` processes; the same whatever their number."""
     failures = read_log(folder)
+    try:
+        places = places_in(folder.path / NUMBERS)
+    except FileNotFoundError:
+        places = {}
+    except RowError as error:
+        raise SweepError(str(error)) from error
     tasks = []
     for start in range(0, len(folder.names), BLOCK):
         names = folder.names[start : start + BLOCK]
-        tasks.append((folder.cases, names, {name: failures[name] for name in names if name in failures}))
+        found = ({name: known[name] for name in names if name in known} for known in (failures, places))
+        tasks.append((folder.cases, names, *found))
     if jobs == 1:
         yield from (read_block(*task) for task in tasks)
         return
@@ -183,10 +191,10 @@ def leave_signals() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def read_block(cases: Path, names: tuple[str, ...], failures: dict[str, str]) -> Block:
-    """What became of some cases."""
+def read_block(cases: Path, names: tuple[str, ...], failures: dict[str, str], places: dict[str, int]) -> Block:
+    """What became of some cases, of which some failed and some have their row at a place of the table of numbers."""
     reader = RowReader()
-    rows = [outcome_of(cases, name, reader, failures) for name in names]
+    rows = [outcome_of(cases / name, reader, failures, places) for name in names]
     return Block(rows, reader.units, reader.meanings)
 
 
@@ -196,10 +204,24 @@ def column_of(folder: CaseFolder, i: int) -> list[float] | list[str]:
     return list(map(text_of, values)) if any(isinstance(value, str) for value in values) else values
 
 
-def outcome_of(cases: Path, case: str, reader: RowReader, failures: dict[str, str]) -> tuple[str, str, str, dict[str, float | str]]:
-    """Status, reason, program and values of a case."""
+def row_of(path: Path, reader: RowReader, places: dict[str, int]) -> Row:
+    """The row of a case by its path without ending: of its result, or else of the table of numbers. Raises RowError."""
+    namelist = path.with_suffix(".nml")
     try:
-        row = reader.read(cases / f"{case}.h5", cases / f"{case}.nml")
+        return reader.read(path.with_suffix(".h5"), namelist)
+    except RowError:
+        if path.name not in places:
+            raise
+    return reader.read_table(path.parent.parent / NUMBERS, places[path.name], namelist)
+
+
+def outcome_of(
+    path: Path, reader: RowReader, failures: dict[str, str], places: dict[str, int]
+) -> tuple[str, str, str, dict[str, float | str]]:
+    """Status, reason, program and values of a case."""
+    case = path.name
+    try:
+        row = row_of(path, reader, places)
     except RowError as error:
         if case in failures:
             return FAILURE, failures[case], "", {}

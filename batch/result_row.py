@@ -7,41 +7,24 @@ taken, whatever its name.
 
 from __future__ import annotations
 
-import sys
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from h5py import h5a, h5d, h5f, h5g, h5p, h5s, h5t
 
-# of a checkout; where the package is installed, this folder is in it
-sys.path.append(str(Path(__file__).resolve().parent.parent / "python"))
+from number_table import PASSED, Row, RowError, read_row
 
 from asperity.seal import DAMAGE, SealError, check_seal
 
 NUMBER_BYTES = 8
 # Group of a result -> what its columns begin with.
 GROUPS = {b"summary": "", b"sweep": "", b"report": "report_", b"adequacy/validity": "validity_"}
-PASSED = "limits_passed"
+EARLIER = "the result is that of an earlier form of this case; batch/run.py computes it again"
 # Coordinates of arrays, of which one with a single value looks like a result.
 COORDINATES = {"step", "report_cycle", "report_phase", "report_grid", "report_transform_column"}
 
 _ACCESS = h5p.create(h5p.FILE_ACCESS)
 _ACCESS.set_fclose_degree(h5f.CLOSE_STRONG)
-
-
-class RowError(Exception):
-    """A file that gives no row; the message is the reason."""
-
-
-@dataclass
-class Row:
-    """What a result says."""
-
-    outcome: str
-    reason: str
-    program: str
-    values: dict[str, float | str] = field(default_factory=dict)
 
 
 class RowReader:
@@ -73,11 +56,22 @@ class RowReader:
         except DAMAGE as error:
             raise RowError(f"the result cannot be read: {' '.join(str(error).split())[:200]}") from error
 
+    def read_table(self, table: Path, place: int, namelist: Path) -> Row:
+        """The row of the case `namelist` at a place of a table; raises RowError."""
+        try:
+            row = read_row(table, place, self.units)
+            is_same = row.is_of(namelist)
+        except OSError as error:
+            raise RowError(f"the table cannot be read: {error.strerror}") from error
+        if not is_same:
+            raise RowError(EARLIER)
+        return row
+
     def _read_open(self, file: h5f.FileID, namelist: Path) -> Row:
         if self._text_attribute(file, b"program") != "asperity":
             raise RowError("no result of asperity")
         if self._value(h5d.open(file, b"/input/namelist")).encode() != namelist.read_bytes():
-            raise RowError("the result is that of an earlier form of this case; batch/run.py computes it again")
+            raise RowError(EARLIER)
         words = [self._text_attribute(file, name) for name in (b"version", b"git_commit")]
         outcome = "converged" if self._attribute(file, b"converged") == 1.0 else "not converged"
         if h5a.exists(file, b"outcome"):  # not of earlier versions

@@ -9,6 +9,7 @@ import os
 import queue
 import re
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -18,18 +19,21 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TextIO
 
-from case_folder import CaseFolder, add_program, check_program, count_of, locked, new_parser, opened, status_of
+from case_folder import NUMBERS, CaseFolder, add_program, check_program, count_of, locked, new_parser, opened, status_of
 from program_calls import CONVERGED, FAILED, INTERRUPTED, NOT_CONVERGED, Program
 from sweep_file import SweepError
 
 PROGRAM = "run.py"
 EPILOG = """example:
   run.py film_over_speed --jobs 4
+  run.py film_map --numbers
 
 The same command continues after Ctrl-C, a crash or a power cut: complete results of the same case and program are kept.
 
 status: 0 all converged; 1 wrong folder or usage, nothing has run; 2 some not converged or outside the model; 3 some
 failed, or a file cannot be written; 4 interrupted"""
+# More cases are run for their numbers only, unless they are asked for their fields.
+MANY = 1000
 # Cases that share a process, at most; each process checks all of its cases first.
 CHUNK = 50
 # Seconds between two progress lines on a terminal, and in a log.
@@ -58,6 +62,7 @@ class Progress:
         """Nothing has run yet."""
         self.folder, self.cases, self.stream = folder, cases, stream
         self.ended: dict[str, tuple[int, str]] = {}
+        self.has_results = True
         self.start = time.time()
         self.earlier = 0
         self.shown = self.start if not stream.isatty() else 0.0
@@ -66,7 +71,7 @@ class Progress:
         """One case has ended."""
         self.ended[case] = status, reason
         result = self.folder.cases / f"{case}.h5"
-        if status in (CONVERGED, NOT_CONVERGED) and result.exists() and result.stat().st_mtime < self.start:
+        if self.has_results and status in (CONVERGED, NOT_CONVERGED) and result.exists() and result.stat().st_mtime < self.start:
             self.earlier += 1
 
     def count(self) -> Counter:
@@ -138,9 +143,43 @@ def duration(seconds: float) -> str:
     return f"{seconds:.0f} s"
 
 
-def run_cases(folder: CaseFolder, cases: list[str], program: Program, jobs: int, log: Path) -> Progress:
-    """Runs `cases` in `jobs` processes at a time; each end becomes a line of `log`."""
-    progress = Progress(folder, cases)
+def wants_numbers(folder: CaseFolder, options: argparse.Namespace) -> bool:
+    """Whether the cases get rows of a table in place of results; says so where nobody has."""
+    if options.numbers is None and len(folder.names) > MANY and not any(folder.cases.glob("*.h5")):
+        print(f"more than {MANY} cases: numbers only, rows of {folder.path / NUMBERS} (--fields: results with fields)")
+        return True
+    return bool(options.numbers)
+
+
+def keep_rows(progress: Progress, program: Program) -> bool:
+    """Adds the cases that have a row of the same input and program; whether the program must look for others. Raises SweepError.
+
+    Rows of cases whose namelist names files are left to the program, which reads those.
+    """
+    from number_table import RowError, places_in, read_row  # noqa: PLC0415 (numpy takes a moment, and only tables need it)
+
+    said = subprocess.run([program.path, "--version"], capture_output=True, text=True, check=False).stdout
+    version = " ".join(re.sub(r"[()]|commit", "", said).split()[1:])
+    needs_program = False
+    try:
+        places = places_in(program.table)
+        for case in set(progress.cases) & places.keys():
+            row = read_row(program.table, places[case], {})
+            needs_program = needs_program or "-" in row.digits
+            if row.program == version and "-" not in row.digits and row.is_of(program.folder / f"{case}.nml"):
+                status = CONVERGED if row.outcome == "converged" else NOT_CONVERGED
+                progress.add(case, status, "" if status == CONVERGED else row.reason)
+                progress.earlier += 1
+    except FileNotFoundError:
+        return False
+    except RowError as error:
+        raise SweepError(f"{error}; move it away, or run with --fields") from error
+    return needs_program
+
+
+def run_cases(progress: Progress, program: Program, jobs: int, log: Path) -> None:
+    """Runs the cases that have not ended in `jobs` processes at a time; each end becomes a line of `log`."""
+    cases = [case for case in progress.cases if case not in progress.ended]
     news: queue.Queue = queue.Queue()
 
     def work(chunk: list[str]) -> None:
@@ -165,7 +204,6 @@ def run_cases(folder: CaseFolder, cases: list[str], program: Program, jobs: int,
         for future in waiting:
             future.result()
     progress.show(is_last=True)
-    return progress
 
 
 def chosen(folder: CaseFolder, words: str | None) -> tuple[list[str], str]:
@@ -203,7 +241,12 @@ def run_folder(path: Path, options: argparse.Namespace) -> int:
         with locked(log, "these cases are being run already"):
             earlier = listen(program)
             try:
-                progress = run_cases(folder, cases, program, options.jobs, log)
+                progress = Progress(folder, cases)
+                if wants_numbers(folder, options):
+                    program.table = (path / NUMBERS).resolve()
+                    progress.has_results = False
+                    program.is_resumed = keep_rows(progress, program)
+                run_cases(progress, program, options.jobs, log)
             finally:
                 for number, handler in earlier.items():
                     signal.signal(number, handler)
@@ -217,6 +260,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """The options of a run, which batch/all.py has too."""
     cores = len(os.sched_getaffinity(0))
     parser.add_argument("--jobs", type=count_of, default=cores, metavar="K", help="processes side by side (default: all cores)")
+    words = f"numbers only, rows of FOLDER/{NUMBERS}, without results and checkpoints (default for more than {MANY} cases)"
+    parser.add_argument("--numbers", action="store_true", default=None, help=words)
+    parser.add_argument("--fields", action="store_false", dest="numbers", help="results with fields (default for fewer)")
     parser.add_argument(
         "--threads",
         type=count_of,

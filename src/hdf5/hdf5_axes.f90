@@ -36,7 +36,7 @@ contains
       call write_dataset(file, path, values, label)
       call name_axes(file, path, axes)
       if (.not. present(has_si)) return
-      if (.not. has_si .or. label%si_units == '1') return
+      if (.not. has_si .or. label%si_units == '1' .or. allocated(file%row)) return
       call c_f_pointer(c_loc(values), flat, [size(values)])
       copy = label%si_scale*flat
       call file%check_values('/si'//path, copy)
@@ -88,6 +88,7 @@ contains
       integer, intent(in) :: length
       integer :: i
 
+      if (allocated(file%row)) return
       call write_dataset(file, path, [(int(i, int64), i=1, length)], new_label(long_name, '1'))
       call make_axis(file, path)
    end subroutine make_counter
@@ -102,6 +103,7 @@ contains
       integer(hid_t) :: list_type
       integer :: blank, i, rank, status
 
+      if (allocated(file%row)) return
       if (axes == '=') call make_axis(file, path)
       if (axes == '=' .or. allocated(file%failure)) return
       user = place_of(file, path)
@@ -147,7 +149,7 @@ contains
       type(axis_t) :: axis
       integer :: k, status
 
-      if (allocated(file%failure)) return
+      if (allocated(file%failure) .or. allocated(file%row)) return
       call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=file%shared%link_creation)
       call file%check(status, second)
       k = axis_at(file, path)

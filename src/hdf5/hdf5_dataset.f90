@@ -11,6 +11,7 @@ module hdf5_dataset
       h5sselect_hyperslab_f, hid_t, hsize_t
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -101,6 +102,11 @@ contains
       logical :: is_blank
 
       call file%check_values(path, value)
+      if (allocated(file%row)) then
+         call c_f_pointer(c_loc(value), flat, [size(value)])
+         if (size(flat) == 1) call file%row%put(path, '', label%si_units, number=flat(1))
+         return
+      end if
       stored_type = file%real_type
       if (present(is_single)) stored_type = merge(file%single_type, stored_type, is_single)
       is_blank = size(value) > many
@@ -150,7 +156,13 @@ contains
       character(*), intent(in) :: path
       integer(int64), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
+      integer(int64), pointer :: flat(:)
 
+      if (allocated(file%row)) then
+         call c_f_pointer(c_loc(value), flat, [size(value)])
+         if (size(flat) == 1) call file%row%put(path, '', label%si_units, to_text(flat(1)))
+         return
+      end if
       call write_values(file, path, file%integer_type, shape(value), c_loc(value), label)
    end subroutine write_integers
 
@@ -162,6 +174,10 @@ contains
       character(kind=c_char, len=:), allocatable, target :: copy
 
       if (allocated(file%failure)) return
+      if (allocated(file%row)) then
+         call file%row%put(path, '', '1', value)
+         return
+      end if
       copy = stored_text(value)
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
@@ -179,7 +195,7 @@ contains
       integer(hid_t) :: space, dataset, file_type
       integer :: status
 
-      if (allocated(file%failure)) return
+      if (allocated(file%failure) .or. allocated(file%row)) return
       call new_space(file, extents, space, status)
       call file%check(status, path)
       associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
@@ -236,7 +252,13 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, name
       real(wp), intent(in), contiguous, target :: value(..)
+      real(wp), pointer :: flat(:)
 
+      if (allocated(file%row)) then
+         call c_f_pointer(c_loc(value), flat, [size(value)])
+         if (size(flat) == 1) call file%row%put(path, name, '=', number=flat(1))
+         return
+      end if
       call attach_values(file, path, name, file%real_type, shape(value), c_loc(value))
    end subroutine attach_reals
 
@@ -246,6 +268,10 @@ contains
       character(*), intent(in) :: path, name, units
       real(wp), intent(in) :: value
 
+      if (allocated(file%row)) then
+         call file%row%put(path, name, units, number=value)
+         return
+      end if
       call attach_reals(file, path, name, value)
       call attach_string(file, path, name//'_units', units)
    end subroutine attach_quantity
@@ -257,6 +283,10 @@ contains
       integer, intent(in) :: value
       integer(int64), target :: copy
 
+      if (allocated(file%row)) then
+         call file%row%put(path, name, '', to_text(value))
+         return
+      end if
       copy = int(value, int64)
       call attach_values(file, path, name, file%integer_type, [integer ::], c_loc(copy))
    end subroutine attach_integer
@@ -268,6 +298,10 @@ contains
       character(kind=c_char, len=:), allocatable, target :: copy
 
       if (allocated(file%failure)) return
+      if (allocated(file%row)) then
+         call file%row%put(path, name, '', value)
+         return
+      end if
       copy = stored_text(value)
       call attach_values(file, path, name, file%string_type(len(copy)), [integer ::], c_loc(copy))
    end subroutine attach_string
@@ -282,7 +316,7 @@ contains
       integer(hid_t) :: object, space, attribute
       integer :: status
 
-      if (allocated(file%failure)) return
+      if (allocated(file%failure) .or. allocated(file%row)) return
       object = file%object_at(path)
       if (allocated(file%failure)) return
       call new_space(file, extents, space, status)

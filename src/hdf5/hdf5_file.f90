@@ -16,6 +16,7 @@ module hdf5_file
    use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
       start_hdf5
    use kinds, only: wp
+   use summary_row, only: summary_row_t
    implicit none (type, external)
    private
 
@@ -45,6 +46,8 @@ module hdf5_file
       character(:), allocatable :: path
       !> The first thing that went wrong; allocated = nothing is written any more.
       type(error_t), allocatable :: failure
+      !> The row of a table, into which single values go in place of a file.
+      type(summary_row_t), allocatable :: row
       !> HDF5 identifiers, for the hdf5_* modules only: the file, and what all files share.
       integer(hid_t) :: id = -1_hid_t
       type(hdf5_shared_t) :: shared
@@ -161,7 +164,7 @@ contains
       integer(hid_t) :: group
       integer :: status
 
-      if (allocated(self%failure)) return
+      if (allocated(self%failure) .or. allocated(self%row)) return
       call h5gcreate_f(self%id, path, group, status, lcpl_id=self%shared%link_creation)
       call self%check(status, path)
       if (.not. allocated(self%failure)) call self%keep_object(path, group)

@@ -99,6 +99,9 @@ module case_record
       type(unusual_t), allocatable :: unusual(:)
       !> What the reader of the result should know about the input.
       character(:), allocatable :: note
+      !> The table that gets a row in place of a result file, not allocated: none; and what a row of
+      !> an earlier run says: outcome and reason, not allocated: there is none.
+      character(:), allocatable :: table, earlier, earlier_reason
       !> Every value used, given or default or derived.
       type(effective_t), allocatable :: effective(:)
    end type case_t

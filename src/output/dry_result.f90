@@ -78,7 +78,7 @@ contains
          end do
       end associate
       call write_costs(file, outcome)
-      call write_surface(file, dry, outcome%fields, error)
+      if (.not. allocated(file%row)) call write_surface(file, dry, outcome%fields, error)
    end subroutine write_dry_result
 
    !> What the solution took: /report/cpu_..., /report/transforms.

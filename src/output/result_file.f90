@@ -19,6 +19,7 @@ module result_file
    use result_sections, only: write_report
    use scaling, only: scaling_t
    use signals, only: begin_activity, set_patience
+   use summary_head, only: begin_row
    use transient_store, only: attach_store, begin_store, create_store, sliding_names, &
       transient_store_t
    implicit none (type, external)
@@ -47,18 +48,26 @@ module result_file
       type(transient_store_t) :: store
       logical :: is_transient = .false.
    contains
-      procedure :: append_step, sync, has_failed, begin_end, copy_steps, publish, suspend, discard
+      procedure :: append_step, sync, has_failed, is_row, begin_end, copy_steps, publish, suspend, discard
       procedure, private :: keep_failure
    end type result_file_t
 
 contains
 
-   !> Starts a `new` result `path` under its temporary name, without an old checkpoint, or `error`.
-   subroutine open_result(new, path, error)
+   !> Starts a `new` result `path` of a `case` under its temporary name, without an old checkpoint,
+   !> or the row of a table in its place, or `error`.
+   subroutine open_result(new, case, path, error)
       class(result_file_t), intent(inout) :: new
+      type(case_t), intent(in) :: case
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
 
+      if (allocated(case%table)) then
+         new%name%path = case%table//', the row of '//case%file
+         new%fields = [character(len=field_name_length) ::]
+         call begin_row(new%file%row, case)
+         return
+      end if
       call hold_name(new%name, path, error)
       if (allocated(error)) return
       call new%name%expect_interruption(0)
@@ -103,12 +112,20 @@ contains
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
 
-      if (.not. self%is_transient) call begin_store(self%store, self%fields, size(state%x), &
-         self%profile_stride)
+      if (.not. self%is_transient .and. .not. self%is_row()) call begin_store(self%store, &
+         self%fields, size(state%x), self%profile_stride)
       self%is_transient = .true.
+      if (self%is_row()) return
       call self%store%append(state, summary, report)
       call self%keep_failure()
    end subroutine append_step
+
+   !> Whether the result is the row of a table, without fields and checkpoints.
+   pure logical function is_row(self)
+      class(result_file_t), intent(in) :: self
+
+      is_row = allocated(self%file%row)
+   end function is_row
 
    !> A failure of the store counts as one of the file.
    subroutine keep_failure(self)
@@ -145,6 +162,10 @@ contains
          .and. self%name%kept_step == self%store%records - 1))
       call begin_activity('writing the result')
       if (self%has_failed()) return
+      if (self%is_row()) then
+         call write_inputs(self%file, case%effective)
+         return
+      end if
       call create_hdf5_file(self%file, self%name%path//'.tmp', error)   ! error: it stays
       associate (file => self%file)
          call write_attribute(file, '/', 'program', program_name)
@@ -191,7 +212,7 @@ contains
       class(result_file_t), intent(inout) :: self
       logical, intent(in) :: has_si
 
-      if (.not. self%is_transient .or. allocated(self%file%failure)) return
+      if (.not. self%is_transient .or. allocated(self%file%failure) .or. self%is_row()) return
       call self%store%copy_into(self%file, self%scaling, has_si)
       call self%keep_failure()
    end subroutine copy_steps
@@ -218,6 +239,10 @@ contains
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
       call write_attribute(self%file, '/', 'outcome', report%outcome())
       call write_attribute(self%file, '/', 'reason', reason)
+      if (self%is_row()) then
+         call self%file%row%append(error)   ! error: handed up
+         return
+      end if
       call write_users(self%file)
       call self%file%close(error)
       if (.not. allocated(error)) call self%name%give_to(error)   ! error: handed up
@@ -238,6 +263,7 @@ contains
       type(error_t), allocatable :: error
       logical :: is_removed
 
+      if (self%is_row()) return
       call self%file%close(error)   ! error: the file is given up anyway
       call self%store%file%close()
       is_removed = remove_file(self%name%path//'.tmp')

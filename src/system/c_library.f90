@@ -5,7 +5,7 @@ module c_library
    implicit none (type, external)
    private
 
-   public :: c_close, c_exit, c_fcntl, c_fsync, c_getrlimit, c_isatty, c_lseek, &
+   public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_getrlimit, c_isatty, c_lseek, &
       c_mallopt, c_mkdir, c_open, c_poll, c_pread, c_pwrite, c_rename, c_setenv, &
       c_setitimer, c_setrlimit, c_signal, c_statx, c_sysconf, c_time, c_unlink, c_write
 
@@ -94,6 +94,13 @@ module c_library
          implicit none (type, external)
          integer(c_int), value :: descriptor
       end function c_fsync
+      !> ftruncate(2): a file has this many bytes.
+      integer(c_int) function c_ftruncate(descriptor, bytes) bind(c, name='ftruncate')
+         import
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         integer(c_int64_t), value :: bytes
+      end function c_ftruncate
       !> fcntl(2) with a lock.
       integer(c_int) function c_fcntl(descriptor, operation, lock) bind(c, name='fcntl')
          import

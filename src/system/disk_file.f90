@@ -5,13 +5,13 @@ module disk_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_short, &
       c_size_t
    use build_info, only: program_name
-   use c_library, only: c_close, c_fcntl, c_fsync, c_lseek, c_mkdir, c_open, c_pread, c_rename, &
-      c_statx, c_unlink, file_lock_t, statx_t
+   use c_library, only: c_close, c_fcntl, c_fsync, c_ftruncate, c_lseek, c_mkdir, c_open, c_pread, &
+      c_rename, c_statx, c_unlink, c_write, file_lock_t, statx_t
    implicit none (type, external)
    private
 
-   public :: file_at, file_fault, folder_of, is_folder, lock_t, make_folder, mark_of, place_fault, &
-      remove_file, rename_file, sync_file
+   public :: append_line, file_at, file_fault, folder_of, is_folder, lock_t, make_folder, mark_of, &
+      place_fault, remove_file, rename_file, sync_file
 
    !> What a path leads to; `kind_other`: a pipe, a device, a socket.
    integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_link = 3, kind_other = 4
@@ -50,13 +50,15 @@ module disk_file
    character(len=*), parameter :: signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26) &
       //achar(10)//c_null_char
    integer, parameter, public :: seal_bytes = 80
-   !> Bytes that are looked at.
-   integer, parameter :: head_bytes = 4096
-   !> O_RDONLY, O_RDWR; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer; SEEK_END.
-   integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int, &
+   !> Bytes that are looked at; of a table more than a line has.
+   integer, parameter :: head_bytes = 4096, tail_bytes = 65536
+   !> O_RDONLY, O_RDWR + O_APPEND; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer;
+   !> SEEK_END.
+   integer(c_int), parameter :: read_only = 0_c_int, read_and_append = 1026_c_int, &
       read_at_once = 2048_c_int, from_end = 2_c_int
-   !> F_OFD_SETLK of fcntl(2), a lock that other descriptors do not end; F_WRLCK, F_UNLCK.
-   integer(c_int), parameter :: set_lock = 37_c_int
+   !> F_OFD_SETLK of fcntl(2), a lock that other descriptors do not end, and F_OFD_SETLKW, which
+   !> waits for it; F_WRLCK, F_UNLCK.
+   integer(c_int), parameter :: set_lock = 37_c_int, wait_for_lock = 38_c_int
    integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
 
    !> A lock on a file, held until `release` or the end of the process, however that comes.
@@ -144,24 +146,73 @@ contains
       status = c_close(descriptor)
    end function sync_file
 
+   !> Appends a `line` with its end to the table `path`, whose first line is `head`, by one write and
+   !> under a lock, for which it waits: rows of several processes stay whole. What a killed process
+   !> has left of a line is cut off. `fault`: why it cannot; empty: it is done.
+   function append_line(path, head, line) result(fault)
+      character(*), intent(in) :: path, head, line
+      character(:), allocatable :: fault, text
+      character(kind=c_char, len=max(len(head), tail_bytes)), target :: found
+      type(lock_t) :: lock
+      type(file_identity_t) :: there
+      integer(c_int64_t) :: bytes, start
+      integer :: kept, length
+
+      fault = ''
+      there = file_at(path, follows=.true.)
+      if (there%kind /= kind_missing) fault = file_fault(path)
+      if (fault /= '') return
+      if (lock%acquire(path, wait_for_lock) .and. lock%descriptor < 0_c_int) fault = 'it cannot '// &
+         'be opened'
+      if (fault /= '') return
+      bytes = c_lseek(lock%descriptor, 0_c_int64_t, from_end)
+      length = int(c_pread(lock%descriptor, c_loc(found), len(head, c_size_t), 0_c_int64_t))
+      if (found(:length) /= head(:length)) then
+         fault = 'it is there, and its first line is not that of this table: another file, or of '// &
+            'another problem or version'
+      else
+         text = line
+         start = 0_c_int64_t
+         if (length < len(head)) then
+            text = head//line
+         else   ! behind the last line that ends
+            start = max(bytes - tail_bytes, 0_c_int64_t)
+            length = int(c_pread(lock%descriptor, c_loc(found), int(tail_bytes, c_size_t), start))
+            start = start + index(found(:length), new_line('a'), back=.true.)
+         end if
+         kept = 0
+         if (start < bytes) kept = c_ftruncate(lock%descriptor, start)
+         if (c_write(lock%descriptor, text, len(text, c_size_t)) /= len(text) .or. kept /= 0) then
+            fault = 'no space (the disk is full, or a quota or a limit on the size of files is '// &
+               'reached)'
+            kept = c_ftruncate(lock%descriptor, start)
+         end if
+      end if
+      call lock%release()
+   end function append_line
+
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
-   !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
+   !> has it, unless the `operation` waits for it. A file system that knows no locks counts as taken. If the file was renamed or removed
    !> between opening and locking, the lock is tried again.
-   logical function acquire(self, path) result(is_taken)
+   logical function acquire(self, path, operation) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
+      integer(c_int), intent(in), optional :: operation
+      integer(c_int) :: lock
       integer :: status, unit
 
       is_taken = .true.
+      lock = set_lock
+      if (present(operation)) lock = operation
       do
          call self%release()
          open (newunit=unit, file=path, access='stream', form='unformatted', action='readwrite', &
             iostat=status)
          if (status == 0) close (unit, iostat=status)
          if (status /= 0) return
-         self%descriptor = c_open(path//c_null_char, read_and_write)
+         self%descriptor = c_open(path//c_null_char, read_and_append)
          if (self%descriptor < 0_c_int) cycle
-         if (c_fcntl(self%descriptor, set_lock, file_lock_t(lock_to_write)) /= 0_c_int) exit
+         if (c_fcntl(self%descriptor, lock, file_lock_t(lock_to_write)) /= 0_c_int) exit
          if (self%holds(path)) return
       end do
       ! releasing what one does not have always works

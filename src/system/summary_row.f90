@@ -1,0 +1,210 @@
+!> The row of a case in a table of many: what its result file would hold as single numbers and
+!> words, as CSV. Names of columns are those of the gathered table (batch/result_row.py).
+module summary_row
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use disk_file, only: append_line
+   use errors, only: error_t, fail, output_error
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: csv_cell, exact_text, summary_row_t
+
+   !> Column of the limits that are passed; where all of them and the values of a namelist stand.
+   character(*), parameter :: passed = 'limits_passed', limits = '/adequacy/validity/', &
+      inputs = '/input/effective/'
+
+   !> Smaller ones are written as integers.
+   real(wp), parameter :: largest_integer = 1.0e9_wp
+
+   !> A column, and what the row has there; not allocated: nothing.
+   type :: column_t
+      character(len=64) :: name = ''
+      character(len=16) :: unit = ''
+      character(:), allocatable :: text
+   end type column_t
+
+   !> A row, or while `is_head` the columns of all rows, which what is put there makes.
+   type :: summary_row_t
+      !> The table, the kind of cases that it has, and its first line.
+      character(:), allocatable :: path, kind, first_line
+      logical :: is_head = .false.
+      type(column_t), allocatable, private :: columns(:)
+      !> The column of the last value: the next one is most often that of the next value.
+      integer, private :: last = 0
+      !> A value without its column.
+      character(:), allocatable, private :: homeless
+   contains
+      procedure :: put, set, append, finish_head
+   end type summary_row_t
+
+contains
+
+   !> Takes the one value of a dataset, or of its `attribute` if that is not empty, if it is of those
+   !> that a table has: a `text` or a `number`. `unit`: '=' stands for that of the value before.
+   subroutine put(self, path, attribute, unit, text, number)
+      class(summary_row_t), intent(inout) :: self
+      character(*), intent(in) :: path, attribute, unit
+      character(*), intent(in), optional :: text
+      real(wp), intent(in), optional :: number
+      character(:), allocatable :: name
+
+      name = path(index(path, '/', back=.true.) + 1:)
+      select case (attribute)
+      case ('', 'error_estimate')
+         if (attribute /= '') name = name//'_error'
+         if (index(path, '/report/') == 1) then
+            name = 'report_'//name
+         else if (index(path, limits) == 1 .and. attribute == '') then
+            if (self%is_head) call self%set(passed, '', '', .false.)
+            name = 'validity_'//name
+         else if (index(path, '/summary/') /= 1 .and. index(path, '/sweep/') /= 1) then
+            return
+         end if
+      case ('exceeded')
+         call add_passed(self, name, text)
+         return
+      case ('outcome', 'reason')
+         name = attribute
+         if (path /= '/') return
+      case default
+         name = 'scaling_'//attribute
+         if (index(path, inputs) == 1) name = path(len(inputs) + 1:)//'.'//attribute
+         if (name(:8) == 'scaling_' .and. .not. (path == '/scaling' .and. present(number))) return
+      end select
+      if (present(number)) then
+         call self%set(name, unit, exact_text(number), index(path, inputs) == 1)
+      else
+         call self%set(name, unit, text, index(path, inputs) == 1)
+      end if
+   end subroutine put
+
+   !> Adds a limit to those that are passed, if `text` is 1.
+   subroutine add_passed(self, name, text)
+      class(summary_row_t), intent(inout) :: self
+      character(*), intent(in) :: name, text
+
+      if (text /= '1') return
+      associate (column => self%columns(place_of(self, passed)))
+         if (allocated(column%text)) column%text = column%text//' '//name
+         if (.not. allocated(column%text)) column%text = name
+      end associate
+   end subroutine add_passed
+
+   !> Takes a value; of two with one name the first counts. `is_optional`: without a column of that
+   !> name it is left out.
+   subroutine set(self, name, unit, text, is_optional)
+      class(summary_row_t), intent(inout) :: self
+      character(*), intent(in) :: name, unit, text
+      logical, intent(in) :: is_optional
+      integer :: i, k
+
+      k = place_of(self, name)
+      if (k == 0 .and. self%is_head) then
+         if (.not. allocated(self%columns)) allocate (self%columns(0))
+         self%columns = [self%columns, column_t(name, unit)]
+         k = size(self%columns)
+         if (unit == '=') self%columns(k)%unit = self%columns(self%last)%unit
+         self%last = k
+      else if (k == 0) then
+         if (.not. is_optional) self%homeless = name
+      else
+         self%last = k
+         if (self%is_head .or. allocated(self%columns(k)%text)) return
+         self%columns(k)%text = text
+         do i = 1, len(text)   ! a row is a line
+            if (iachar(text(i:i)) < 32) self%columns(k)%text(i:i) = ' '
+         end do
+      end if
+   end subroutine set
+
+   !> Number of the column `name`; 0: there is none.
+   pure integer function place_of(self, name) result(k)
+      class(summary_row_t), intent(in) :: self
+      character(*), intent(in) :: name
+      integer :: i, n
+
+      k = 0
+      if (.not. allocated(self%columns)) return
+      n = size(self%columns)
+      k = self%last
+      do i = 1, n
+         k = merge(1, k + 1, k == n)
+         if (self%columns(k)%name == name) return
+      end do
+      k = 0
+   end function place_of
+
+   !> All columns are there: the first line of the table, with its end.
+   pure subroutine finish_head(self)
+      class(summary_row_t), intent(inout) :: self
+      character(:), allocatable :: line, name
+      integer :: i
+
+      line = ''
+      do i = 1, size(self%columns)
+         name = trim(self%columns(i)%name)
+         if (self%columns(i)%unit /= '') name = name//' ['//trim(self%columns(i)%unit)//']'
+         line = line//','//csv_cell(name)
+      end do
+      self%first_line = line(2:)//new_line('a')
+      self%is_head = .false.
+   end subroutine finish_head
+
+   !> Appends the row to its table. Error: it cannot be written, or the table is another one.
+   subroutine append(self, error)
+      class(summary_row_t), intent(in) :: self
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: fault, line
+      integer :: i
+
+      line = ''
+      do i = 1, size(self%columns)
+         line = line//','
+         if (allocated(self%columns(i)%text)) line = line//csv_cell(self%columns(i)%text)
+      end do
+      if (allocated(self%homeless)) then
+         fault = 'it has no column '//self%homeless
+      else
+         fault = append_line(self%path, self%first_line, line(2:)//new_line('a'))
+      end if
+      if (fault /= '') call fail(error, output_error, 'cannot write '//self%path//': '//fault)
+   end subroutine append
+
+   !> A text as a cell, in quotes where it needs them.
+   pure function csv_cell(string) result(cell)
+      character(*), intent(in) :: string
+      character(:), allocatable :: cell
+      integer :: i
+
+      cell = string
+      if (scan(string, ',"'//new_line('a')) == 0) return
+      cell = '"'
+      do i = 1, len(string)
+         cell = cell//string(i:i)
+         if (string(i:i) == '"') cell = cell//'"'
+      end do
+      cell = cell//'"'
+   end function csv_cell
+
+   !> A number with which a reader gets the same bits.
+   pure function exact_text(value) result(text)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+      character(len=24) :: buffer
+
+      if (ieee_is_nan(value)) then
+         text = 'nan'
+      else if (.not. ieee_is_finite(value)) then
+         text = trim(merge('-inf', 'inf ', value < 0.0_wp))
+      else if (abs(value) < largest_integer .and. .not. abs(value - anint(value)) > 0.0_wp .and. &
+         sign(1.0_wp, value) > 0.0_wp) then
+         text = to_text(nint(value))
+      else
+         write (buffer, '(ss,es24.16e3)') value
+         text = trim(adjustl(buffer))
+      end if
+   end function exact_text
+
+end module summary_row
