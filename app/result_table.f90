@@ -16,6 +16,7 @@ module result_table
    use quantity_text, only: number_text, prefixed_text
    use read_cases, only: status_bad_input
    use standard_streams, only: print_text, write_text
+   use summary_row, only: csv_cell
    use text, only: counted
    use transient_store, only: read_progress
    use validity_table, only: limit_rows, stokes_number, surface_slope
@@ -306,22 +307,6 @@ contains
          end do of_rows
       end do
    end function csv_columns
-
-   !> A text as a cell, in quotes where it needs them.
-   pure function csv_cell(string) result(cell)
-      character(*), intent(in) :: string
-      character(:), allocatable :: cell
-      integer :: i
-
-      cell = string
-      if (scan(string, ',"'//nl) == 0) return
-      cell = '"'
-      do i = 1, len(string)
-         cell = cell//string(i:i)
-         if (string(i:i) == '"') cell = cell//'"'
-      end do
-      cell = cell//'"'
-   end function csv_cell
 
    !> One result as a JSON object.
    pure function json_line(row) result(line)

@@ -11,7 +11,6 @@ module hdf5_dataset
       h5sselect_hyperslab_f, hid_t, hsize_t
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
-   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -160,7 +159,8 @@ contains
 
       if (allocated(file%row)) then
          call c_f_pointer(c_loc(value), flat, [size(value)])
-         if (size(flat) == 1) call file%row%put(path, '', label%si_units, to_text(flat(1)))
+         if (size(flat) == 1) call file%row%put(path, '', label%si_units, &
+            number=real(flat(1), wp))
          return
       end if
       call write_values(file, path, file%integer_type, shape(value), c_loc(value), label)
@@ -284,7 +284,7 @@ contains
       integer(int64), target :: copy
 
       if (allocated(file%row)) then
-         call file%row%put(path, name, '', to_text(value))
+         call file%row%put(path, name, '', number=real(value, wp))
          return
       end if
       copy = int(value, int64)

@@ -43,7 +43,7 @@ contains
       if (.not. allocated(columns)) columns = head_of(case)
       row = columns
       row%path = case%table
-      call row%set('case', '', case%file, .false.)
+      call row%set('case', '', csv_cell(case%file), .false.)
       call row%set('input', '', identity_of(case), .false.)
       call row%set('program', '', program_text(), .false.)
    end subroutine begin_row

@@ -82,16 +82,20 @@ contains
       real(wp), intent(in) :: bytes
       real(wp), intent(in), optional :: mapped
       character(:), allocatable :: fault
-      real(wp), save :: of_group = -1.0_wp   ! some ten files: asked for once
+      real(wp), save :: of_group = -1.0_wp, of_machine   ! some ten files: asked for once
       real(wp) :: need
 
-      if (of_group < 0.0_wp) of_group = group_memory('')
+      if (of_group < 0.0_wp) then
+         of_machine = number_in('/proc/meminfo', 'MemTotal:')
+         of_group = group_memory('')
+      end if
       fault = ''
       need = of_program + bytes
-      call compare(number_in('/proc/meminfo', 'MemTotal:'), 'the memory of this machine')
+      call compare(of_machine, 'the memory of this machine')
       call compare(of_group, 'the limit of its control group')
       if (present(mapped)) need = need + mapped
       call compare(limit_of(limit_data), 'the limit of data (ulimit -d)')
+      if (limit_of(limit_memory) >= huge(need)) return
       ! the program and its libraries, without what they have allocated
       call compare(limit_of(limit_memory) - (number_in(process_status, 'VmSize:') &
          - number_in(process_status, 'VmData:')), &
