@@ -222,7 +222,8 @@ contains
          // 'Usage:' // nl &
          // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] '// &
             '[--resume] [--keep-going]' // nl &
-         // '           [--set GROUP.KEY=VALUE] [--quiet] [--outcomes] [--summary TABLE.csv]' // nl &
+         // '           [--set GROUP.KEY=VALUE] [--quiet] [--outcomes] '// &
+            '[--summary TABLE.csv]' // nl &
          // '  asperity table RESULT.h5 [RESULT2.h5 ...] [--format text|csv|json]    a row of '// &
          'each result' // nl &
          // '  asperity table RESULT.h5 --profiles      CSV of x, pressure, film or gap and '// &

@@ -16,7 +16,6 @@ program asperity
    use signals, only: is_interrupted, listen_to_signals, stop_listening, disarm_exit_message, &
       watch_silence
    use standard_streams, only: is_terminal, print_text, settle_standard_streams
-   use summary_head, only: find_rows
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 
@@ -86,8 +85,7 @@ contains
          call report_good(cases, error)
       else
          call make_folder(command%output_dir)
-         if (command%summary /= '') call find_rows(cases, command%is_resume, error)
-         if (.not. allocated(error)) call run_cases(cases, command, status, error)
+         call run_cases(cases, command, status, error)
       end if
    end subroutine check_or_run
 

@@ -18,6 +18,7 @@ module read_cases
    use set_entries, only: put_entries
    use signals, only: begin_activity, begin_subject
    use standard_streams, only: print_text, write_text
+   use summary_head, only: plan_rows
    use text_file, only: read_text_file
    use xdmf_file, only: xdmf_path
    implicit none (type, external)
@@ -49,8 +50,8 @@ module read_cases
 contains
 
    !> Reads the files of `command` into `cases`. `refused` are those with findings, if the others
-   !> are to run without them. Error (input_error): the findings of all files, or results that
-   !> cannot have their names.
+   !> are to run without them. Error (input_error): the findings of all files, results that cannot
+   !> have their names, or a table that cannot take their rows.
    subroutine read_all_cases(command, cases, refused, error)
       type(command_t), intent(in) :: command
       type(case_t), allocatable, intent(out) :: cases(:)
@@ -68,8 +69,11 @@ contains
          call read_files(files, command, cases, is_good(:size(files)), refused)
       end if
       problems = ''
-      if (command%summary /= '' .and. (command%keeps_going .or. all(is_good))) return
       if (command%keeps_going .or. all(is_good)) then
+         if (command%summary /= '') then
+            call plan_rows(cases, command%is_resume, error)   ! error: handed up
+            return
+         end if
          problems = output_findings(cases, command%output_dir, &
             command%is_resume)
       else
@@ -124,7 +128,8 @@ contains
       call read_case(content, file, case, findings, command%entries)
       if (findings%count > 0) found = findings%report(file)
       if (command%summary == '') return
-      case%table = command%summary
+      allocate (case%table)
+      case%table%path = command%summary
       if (found == '' .and. case%has_xdmf) found = file//': found &output xdmf = .true. and '// &
          '--summary, expected one of them: a table has no fields'
    end subroutine read_one

@@ -47,8 +47,8 @@ contains
       if (is_resume .and. has_checkpoint) then
          call go_on(case, path, listener, error)
       else
-         if (is_resume .and. .not. allocated(case%table)) call listener%log%say(case%file//': no checkpoint '//path &
-            //'.ckpt: starts at the beginning')
+         if (is_resume .and. .not. allocated(case%table)) call listener%log%say(case%file// &
+            ': no checkpoint '//path//'.ckpt: starts at the beginning')
          call open_result(listener%writer, case, path, error)
          if (.not. allocated(error)) listener%writer%fields = stored_fields(case, &
             listener%log%scaling)

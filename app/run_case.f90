@@ -43,14 +43,15 @@ contains
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
-      is_complete = allocated(case%earlier)
+      is_complete = .false.
+      if (allocated(case%table)) is_complete = allocated(case%table%outcome)
       if (is_complete) then
-         path = case%table
-         earlier = case%earlier
-         reason = case%earlier_reason
+         path = case%table%path
+         earlier = case%table%outcome
+         reason = case%table%reason
+      else if (command%is_resume .and. .not. allocated(case%table)) then
+         call find_complete_result(path, case, is_complete, earlier, reason, error)
       end if
-      if (command%is_resume .and. .not. allocated(case%table)) call find_complete_result(path, case, is_complete, earlier, &
-         reason, error)
       if (allocated(error)) then
          call give_up(error, log, outcome)
          return

@@ -53,9 +53,11 @@ def places_in(path: Path) -> dict[str, int]:
     place = 0
     with path.open("rb") as file:
         for line in file:
+            if not line.endswith(b"\n"):
+                break
             if place == 0 and not line.startswith(",".join(OWN).encode()):
                 raise RowError(f"{path}: is no table of asperity --summary")
-            if place > 0 and line.endswith(b"\n"):
+            if place > 0:
                 found[Path(_cells(line)[0]).stem] = place
             place += len(line)
     return found

@@ -28,9 +28,8 @@ class Program:
     path: Path
     folder: Path
     threads: int = 1
-    # Table of numbers in place of results; whether it may have rows of these cases.
+    # Table of numbers in place of results.
     table: Path | None = None
-    is_resumed: bool = True
     is_stopping: bool = False
     _running: set[subprocess.Popen] = field(default_factory=set)
     _lock: threading.Lock = field(default_factory=threading.Lock)
@@ -67,9 +66,9 @@ class Program:
 
     def _call(self, cases: list[str], report: Report) -> tuple[int, set[str], str]:
         """One process: its status, the cases of which it has told, and what it wrote on standard error."""
-        command = [str(self.path), *(f"{case}.nml" for case in cases), "--quiet", "--outcomes", "--threads", str(self.threads)]
-        command += ["--summary", str(self.table)] if self.table else ["--output", "."]
-        command += ["--resume"] if self.is_resumed else []
+        target = ["--summary", str(self.table)] if self.table else ["--output", "."]
+        command = [str(self.path), *(f"{case}.nml" for case in cases), *target, "--resume", "--quiet", "--outcomes"]
+        command += ["--threads", str(self.threads)]
         environment = {**os.environ, "OMP_NUM_THREADS": str(self.threads), "OPENBLAS_NUM_THREADS": "1"}
         seen: set[str] = set()
         with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors:

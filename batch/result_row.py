@@ -10,11 +10,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from asperity.seal import DAMAGE, SealError, check_seal  # number_table has named its folder
 from h5py import h5a, h5d, h5f, h5g, h5p, h5s, h5t
-
 from number_table import PASSED, Row, RowError, read_row
-
-from asperity.seal import DAMAGE, SealError, check_seal
 
 NUMBER_BYTES = 8
 # Group of a result -> what its columns begin with.

@@ -9,7 +9,6 @@ import os
 import queue
 import re
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -36,6 +35,8 @@ failed, or a file cannot be written; 4 interrupted"""
 MANY = 1000
 # Cases that share a process, at most; each process checks all of its cases first.
 CHUNK = 50
+# The same where each reads a table of all cases, too.
+TABLE_CHUNK = 500
 # Seconds between two progress lines on a terminal, and in a log.
 TERMINAL_SECONDS, LOG_SECONDS = 0.2, 30.0
 # Reasons that the closing table shows.
@@ -46,11 +47,11 @@ OUTSIDE = "outside the model"
 BAD = (WORDS[NOT_CONVERGED], OUTSIDE, WORDS[FAILED])
 
 
-def chunks(cases: list[str], jobs: int) -> Iterator[list[str]]:
+def chunks(cases: list[str], jobs: int, most: int = CHUNK) -> Iterator[list[str]]:
     """The cases in pieces that get smaller, so that all processes end at about the same time."""
     start = 0
     while start < len(cases):
-        size = max(1, min(CHUNK, (len(cases) - start) // (4 * jobs)))
+        size = max(1, min(most, (len(cases) - start) // (4 * jobs)))
         yield cases[start : start + size]
         start += size
 
@@ -62,7 +63,6 @@ class Progress:
         """Nothing has run yet."""
         self.folder, self.cases, self.stream = folder, cases, stream
         self.ended: dict[str, tuple[int, str]] = {}
-        self.has_results = True
         self.start = time.time()
         self.earlier = 0
         self.shown = self.start if not stream.isatty() else 0.0
@@ -71,7 +71,7 @@ class Progress:
         """One case has ended."""
         self.ended[case] = status, reason
         result = self.folder.cases / f"{case}.h5"
-        if self.has_results and status in (CONVERGED, NOT_CONVERGED) and result.exists() and result.stat().st_mtime < self.start:
+        if status in (CONVERGED, NOT_CONVERGED) and result.exists() and result.stat().st_mtime < self.start:
             self.earlier += 1
 
     def count(self) -> Counter:
@@ -151,35 +151,9 @@ def wants_numbers(folder: CaseFolder, options: argparse.Namespace) -> bool:
     return bool(options.numbers)
 
 
-def keep_rows(progress: Progress, program: Program) -> bool:
-    """Adds the cases that have a row of the same input and program; whether the program must look for others. Raises SweepError.
-
-    Rows of cases whose namelist names files are left to the program, which reads those.
-    """
-    from number_table import RowError, places_in, read_row  # noqa: PLC0415 (numpy takes a moment, and only tables need it)
-
-    said = subprocess.run([program.path, "--version"], capture_output=True, text=True, check=False).stdout
-    version = " ".join(re.sub(r"[()]|commit", "", said).split()[1:])
-    needs_program = False
-    try:
-        places = places_in(program.table)
-        for case in set(progress.cases) & places.keys():
-            row = read_row(program.table, places[case], {})
-            needs_program = needs_program or "-" in row.digits
-            if row.program == version and "-" not in row.digits and row.is_of(program.folder / f"{case}.nml"):
-                status = CONVERGED if row.outcome == "converged" else NOT_CONVERGED
-                progress.add(case, status, "" if status == CONVERGED else row.reason)
-                progress.earlier += 1
-    except FileNotFoundError:
-        return False
-    except RowError as error:
-        raise SweepError(f"{error}; move it away, or run with --fields") from error
-    return needs_program
-
-
-def run_cases(progress: Progress, program: Program, jobs: int, log: Path) -> None:
-    """Runs the cases that have not ended in `jobs` processes at a time; each end becomes a line of `log`."""
-    cases = [case for case in progress.cases if case not in progress.ended]
+def run_cases(folder: CaseFolder, cases: list[str], program: Program, jobs: int, log: Path) -> Progress:
+    """Runs `cases` in `jobs` processes at a time; each end becomes a line of `log`."""
+    progress = Progress(folder, cases)
     news: queue.Queue = queue.Queue()
 
     def work(chunk: list[str]) -> None:
@@ -187,7 +161,7 @@ def run_cases(progress: Progress, program: Program, jobs: int, log: Path) -> Non
 
     with log.open("a", newline="", encoding="utf-8") as file, ThreadPoolExecutor(jobs) as pool:
         writer = csv.writer(file, lineterminator="\n")
-        waiting = [pool.submit(work, chunk) for chunk in chunks(cases, jobs)]
+        waiting = [pool.submit(work, chunk) for chunk in chunks(cases, jobs, TABLE_CHUNK if program.table else CHUNK)]
         try:
             while not (all(future.done() for future in waiting) and news.empty()):
                 try:
@@ -204,6 +178,7 @@ def run_cases(progress: Progress, program: Program, jobs: int, log: Path) -> Non
         for future in waiting:
             future.result()
     progress.show(is_last=True)
+    return progress
 
 
 def chosen(folder: CaseFolder, words: str | None) -> tuple[list[str], str]:
@@ -241,12 +216,9 @@ def run_folder(path: Path, options: argparse.Namespace) -> int:
         with locked(log, "these cases are being run already"):
             earlier = listen(program)
             try:
-                progress = Progress(folder, cases)
                 if wants_numbers(folder, options):
                     program.table = (path / NUMBERS).resolve()
-                    progress.has_results = False
-                    program.is_resumed = keep_rows(progress, program)
-                run_cases(progress, program, options.jobs, log)
+                progress = run_cases(folder, cases, program, options.jobs, log)
             finally:
                 for number, handler in earlier.items():
                     signal.signal(number, handler)

@@ -102,8 +102,7 @@ contains
 
       call file%check_values(path, value)
       if (allocated(file%row)) then
-         call c_f_pointer(c_loc(value), flat, [size(value)])
-         if (size(flat) == 1) call file%row%put(path, '', label%si_units, number=flat(1))
+         call file%row%put(path, '', label%si_units, numbers=value)
          return
       end if
       stored_type = file%real_type
@@ -159,8 +158,7 @@ contains
 
       if (allocated(file%row)) then
          call c_f_pointer(c_loc(value), flat, [size(value)])
-         if (size(flat) == 1) call file%row%put(path, '', label%si_units, &
-            number=real(flat(1), wp))
+         call file%row%put(path, '', label%si_units, numbers=real(flat, wp))
          return
       end if
       call write_values(file, path, file%integer_type, shape(value), c_loc(value), label)
@@ -252,11 +250,9 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, name
       real(wp), intent(in), contiguous, target :: value(..)
-      real(wp), pointer :: flat(:)
 
       if (allocated(file%row)) then
-         call c_f_pointer(c_loc(value), flat, [size(value)])
-         if (size(flat) == 1) call file%row%put(path, name, '=', number=flat(1))
+         call file%row%put(path, name, '=', numbers=value)
          return
       end if
       call attach_values(file, path, name, file%real_type, shape(value), c_loc(value))
@@ -269,7 +265,7 @@ contains
       real(wp), intent(in) :: value
 
       if (allocated(file%row)) then
-         call file%row%put(path, name, units, number=value)
+         call file%row%put(path, name, units, numbers=value)
          return
       end if
       call attach_reals(file, path, name, value)
@@ -284,7 +280,7 @@ contains
       integer(int64), target :: copy
 
       if (allocated(file%row)) then
-         call file%row%put(path, name, '', number=real(value, wp))
+         call file%row%put(path, name, '', numbers=real(value, wp))
          return
       end if
       copy = int(value, int64)

@@ -11,6 +11,7 @@ module case_record
    use point_contact, only: point_contact_t
    use scaling, only: scaling_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
+   use summary_row, only: table_place_t
    use text, only: to_text
    use validity, only: materials_t
    implicit none (type, external)
@@ -99,9 +100,8 @@ module case_record
       type(unusual_t), allocatable :: unusual(:)
       !> What the reader of the result should know about the input.
       character(:), allocatable :: note
-      !> The table that gets a row in place of a result file, not allocated: none; and what a row of
-      !> an earlier run says: outcome and reason, not allocated: there is none.
-      character(:), allocatable :: table, earlier, earlier_reason
+      !> Where it gets a row in place of a result file; not allocated: nowhere.
+      type(table_place_t), allocatable :: table
       !> Every value used, given or default or derived.
       type(effective_t), allocatable :: effective(:)
    end type case_t

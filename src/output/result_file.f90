@@ -19,7 +19,7 @@ module result_file
    use result_sections, only: write_report
    use scaling, only: scaling_t
    use signals, only: begin_activity, set_patience
-   use summary_head, only: begin_row
+   use summary_row, only: new_row
    use transient_store, only: attach_store, begin_store, create_store, sliding_names, &
       transient_store_t
    implicit none (type, external)
@@ -48,7 +48,8 @@ module result_file
       type(transient_store_t) :: store
       logical :: is_transient = .false.
    contains
-      procedure :: append_step, sync, has_failed, is_row, begin_end, copy_steps, publish, suspend, discard
+      procedure :: append_step, sync, has_failed, is_row, begin_end, copy_steps, publish, suspend
+      procedure :: discard
       procedure, private :: keep_failure
    end type result_file_t
 
@@ -63,9 +64,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (allocated(case%table)) then
-         new%name%path = case%table//', the row of '//case%file
+         new%name%path = case%table%path//', the row of '//case%file
          new%fields = [character(len=field_name_length) ::]
-         call begin_row(new%file%row, case)
+         call new_row(new%file%row, case%table)
          return
       end if
       call hold_name(new%name, path, error)

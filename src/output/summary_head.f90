@@ -18,35 +18,16 @@ module summary_head
    use result_sections, only: write_breakdown, write_mean_power, write_report, write_scaling, &
       write_summary
    use scaling, only: scaling_t
-   use summary_row, only: csv_cell, summary_row_t
+   use summary_row, only: csv_cell, new_row, set_columns, summary_row_t
    use text_file, only: open_lines, text_lines_t
    use validity, only: limit_t
    use validity_table, only: limit_count
    implicit none (type, external)
    private
 
-   public :: begin_row, find_rows
-
-   !> The columns of the last case, made once for all cases of its kind.
-   type(summary_row_t), allocatable :: columns
+   public :: plan_rows
 
 contains
-
-   !> Begins the row of a case, before it is solved.
-   subroutine begin_row(row, case)
-      type(summary_row_t), allocatable, intent(out) :: row
-      type(case_t), intent(in) :: case
-
-      if (allocated(columns)) then
-         if (columns%kind /= kind_of(case)) deallocate (columns)
-      end if
-      if (.not. allocated(columns)) columns = head_of(case)
-      row = columns
-      row%path = case%table
-      call row%set('case', '', csv_cell(case%file), .false.)
-      call row%set('input', '', identity_of(case), .false.)
-      call row%set('program', '', program_text(), .false.)
-   end subroutine begin_row
 
    !> Cases of one kind have the same columns: one problem, in SI or by Moes' numbers.
    pure function kind_of(case) result(kind)
@@ -56,13 +37,6 @@ contains
       kind = trim(case%problem)
       if (case%scaling%is_dimensional) kind = kind//' in SI'
    end function kind_of
-
-   !> Version and commit.
-   function program_text() result(text)
-      character(:), allocatable :: text
-
-      text = program_version//' '//git_commit()
-   end function program_text
 
    !> Checksum of the namelist, and of what it names: heights, tables over time.
    pure function identity_of(case) result(digits)
@@ -103,7 +77,6 @@ contains
 
       allocate (file%row)
       file%row%is_head = .true.
-      file%row%kind = kind_of(case)
       do i = 1, size(first)
          call file%row%set(trim(first(i)), '', '', .false.)
       end do
@@ -125,7 +98,6 @@ contains
                .false.)
          end associate
       end do
-      call file%row%finish_head()
       row = file%row
    end function head_of
 
@@ -144,6 +116,8 @@ contains
       summary%of%value = 1.0_wp
       summary%of%time = 1.0_wp
       summary%of%extrapolated = 1.0_wp
+      summary%of%error_estimate = 1.0_wp
+      summary%of%error_grid = 1.0_wp
       call write_summary(file, summary, scaling, case%problem == lubricated, '', 1.0_wp)
       if (case%problem == lubricated) then
          call write_mean_power(file, summary, [line_summary_t ::], scaling, '')
@@ -177,10 +151,10 @@ contains
       call write_dry_result(file, whole%dry, outcome, error)   ! error: nothing is computed
    end subroutine name_dry_columns
 
-   !> Which `cases` have a row of the same input by this program in their table already, the last of
-   !> its name: those keep its outcome and reason if `is_resume`. Errors (input_error): the table is
-   !> another one, or the cases need several.
-   subroutine find_rows(cases, is_resume, error)
+   !> Makes the columns of the table of `cases`, and looks which have a row of the same input by this
+   !> program there already, the last of its name: those keep its outcome and reason if `is_resume`.
+   !> Errors (input_error): the table is another one, or the cases need several.
+   subroutine plan_rows(cases, is_resume, error)
       type(case_t), intent(inout) :: cases(:)
       logical, intent(in) :: is_resume
       type(error_t), allocatable, intent(out) :: error
@@ -190,13 +164,18 @@ contains
       integer :: i
 
       if (size(cases) == 0) return
-      call begin_row(row, cases(1))
-      do i = 2, size(cases)
-         if (kind_of(cases(i)) /= kind_of(cases(1))) call fail(error, input_error, cases(i)%file//': found another '// &
-            'problem than that of '//cases(1)%file//' (or one by Moes'' numbers), expected '// &
-            'one kind of cases for '//cases(1)%table)
-         if (allocated(error)) return
+      do i = 1, size(cases)
+         cases(i)%table%name = csv_cell(cases(i)%file)//','
+         cases(i)%table%cells = cases(i)%table%name//identity_of(cases(i))//',' &
+            //csv_cell(program_version//' '//git_commit())//','
+         if (kind_of(cases(i)) == kind_of(cases(1))) cycle
+         call fail(error, input_error, cases(i)%file//': found another problem than that of ' &
+            //cases(1)%file//" (or one by Moes' numbers), expected one kind of cases for " &
+            //cases(1)%table%path)
+         return
       end do
+      call set_columns(head_of(cases(1)))
+      call new_row(row, cases(1)%table)
       inquire (file=row%path, exist=is_there)
       if (.not. is_there) return
       call open_lines(lines, row%path, error)
@@ -209,37 +188,46 @@ contains
          call lines%next(is_there, error)
          if (allocated(error)) exit
          ! the last line may be one that a killed process has left
-         if (lines%place + lines%length <= lines%bytes) call compare(lines%line(:lines%length))
+         if (lines%place + lines%length <= lines%bytes) call keep_row(cases, &
+            lines%line(:lines%length))
       end do
       call lines%close()
+   end subroutine plan_rows
+
+   !> Keeps what a `line` of the table says of the cases of its name.
+   subroutine keep_row(cases, line)
+      type(case_t), intent(inout) :: cases(:)
+      character(*), intent(in) :: line
+      integer :: k, first, last
+
+      do k = 1, size(cases)
+         associate (place => cases(k)%table)
+            if (.not. begins(place%name)) cycle
+            if (allocated(place%outcome)) deallocate (place%outcome)
+            if (.not. begins(place%cells)) cycle
+            first = len(place%cells) + 1
+            last = first + index(line(first:), ',') - 2
+            place%outcome = line(first:last)
+            first = last + 2
+            if (line(first:first) == '"') then
+               first = first + 1
+               last = first + index(line(first:), '",') - 2
+            else
+               last = first + index(line(first:), ',') - 2
+            end if
+            place%reason = line(first:last)
+         end associate
+      end do
 
    contains
 
-      !> Looks for the case of a line.
-      subroutine compare(line)
-         character(*), intent(in) :: line
-         character(:), allocatable :: cell, rest, words
-         integer :: k, comma
+      !> Whether the line begins so.
+      pure logical function begins(cells)
+         character(*), intent(in) :: cells
 
-         do k = 1, size(cases)
-            cell = csv_cell(cases(k)%file)//','
-            if (line(:min(len(cell), len(line))) /= cell) cycle
-            cell = cell//identity_of(cases(k))//','//csv_cell(program_text())//','
-            if (allocated(cases(k)%earlier)) deallocate (cases(k)%earlier)
-            if (line(:min(len(cell), len(line))) /= cell) cycle
-            rest = line(len(cell) + 1:)
-            comma = index(rest, ',')
-            cases(k)%earlier = rest(:comma - 1)
-            words = rest(comma + 1:)
-            if (words(1:1) == '"') then
-               words = words(2:index(words(2:)//'",', '",'))
-            else
-               words = words(:index(words, ',') - 1)
-            end if
-            cases(k)%earlier_reason = words
-         end do
-      end subroutine compare
+         begins = line(:min(len(cells), len(line))) == cells
+      end function begins
 
-   end subroutine find_rows
+   end subroutine keep_row
 
 end module summary_head

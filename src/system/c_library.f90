@@ -120,7 +120,7 @@ module c_library
       integer(c_int) function c_strfromd(text, bytes, format, number) bind(c, name='strfromd')
          import
          implicit none (type, external)
-         character(kind=c_char), intent(inout) :: text(*)
+         type(c_ptr), value :: text
          integer(c_size_t), value :: bytes
          character(kind=c_char), intent(in) :: format(*)
          real(c_double), value :: number

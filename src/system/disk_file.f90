@@ -146,7 +146,7 @@ contains
       status = c_close(descriptor)
    end function sync_file
 
-   !> Appends a `line` with its end to the table `path`, whose first line is `head`, by one write and
+   !> Appends a `line` with its end to the table `path`, whose first line is `head`, by one write
    !> under a lock, for which it waits: rows of several processes stay whole. What a killed process
    !> has left of a line is cut off. `fault`: why it cannot; empty: it is done.
    function append_line(path, head, line) result(fault)
@@ -162,14 +162,14 @@ contains
       there = file_at(path, follows=.true.)
       if (there%kind /= kind_missing) fault = file_fault(path)
       if (fault /= '') return
-      if (lock%acquire(path, wait_for_lock) .and. lock%descriptor < 0_c_int) fault = 'it cannot '// &
-         'be opened'
+      if (lock%acquire(path, wait_for_lock) .and. lock%descriptor < 0_c_int) fault = &
+         'it cannot be opened'
       if (fault /= '') return
       bytes = c_lseek(lock%descriptor, 0_c_int64_t, from_end)
       length = int(c_pread(lock%descriptor, c_loc(found), len(head, c_size_t), 0_c_int64_t))
       if (found(:length) /= head(:length)) then
-         fault = 'it is there, and its first line is not that of this table: another file, or of '// &
-            'another problem or version'
+         fault = 'its first line is not that of this table: another file or problem '// &
+            'or version'
       else
          text = line
          start = 0_c_int64_t
@@ -192,8 +192,8 @@ contains
    end function append_line
 
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
-   !> has it, unless the `operation` waits for it. A file system that knows no locks counts as taken. If the file was renamed or removed
-   !> between opening and locking, the lock is tried again.
+   !> has it, unless the `operation` waits for it. A file system that knows no locks counts as
+   !> taken. If the file was renamed or removed between opening and locking, it is tried again.
    logical function acquire(self, path, operation) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path

@@ -2,7 +2,7 @@
 !> words, as CSV. Names of columns are those of the gathered table (batch/result_row.py).
 module summary_row
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use, intrinsic :: iso_c_binding, only: c_char, c_null_char, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_loc, c_null_char, c_size_t
    use c_library, only: c_strfromd
    use disk_file, only: append_line
    use errors, only: error_t, fail, output_error
@@ -10,11 +10,14 @@ module summary_row
    implicit none (type, external)
    private
 
-   public :: csv_cell, summary_row_t
+   public :: csv_cell, new_row, set_columns, summary_row_t, table_place_t
 
    !> Column of the limits that are passed; where all of them and the values of a namelist stand.
    character(*), parameter :: passed = 'limits_passed', limits = '/adequacy/validity/', &
       inputs = '/input/effective/'
+
+   !> Columns of case, input and program.
+   integer, parameter :: own = 3
 
    !> A column, and what the row has there; not allocated: nothing.
    type :: column_t
@@ -25,8 +28,8 @@ module summary_row
 
    !> A row, or while `is_head` the columns of all rows, which what is put there makes.
    type :: summary_row_t
-      !> The table, the kind of cases that it has, and its first line.
-      character(:), allocatable :: path, kind, first_line
+      !> The table, its first line, and the cells of the first `own` columns with commas behind.
+      character(:), allocatable :: path, first_line, first_cells
       logical :: is_head = .false.
       type(column_t), allocatable, private :: columns(:)
       !> The column of the last value: the next one is most often that of the next value.
@@ -34,20 +37,36 @@ module summary_row
       !> A value without its column.
       character(:), allocatable, private :: homeless
    contains
-      procedure :: put, set, append, finish_head
+      procedure :: put, set, append
    end type summary_row_t
+
+   !> The place of a case in a table.
+   type :: table_place_t
+      !> The table; how the row begins: the case, and with checksums of its input and the program.
+      character(:), allocatable :: path, name, cells
+      !> What a row of an earlier run says; not allocated: there is none.
+      character(:), allocatable :: outcome, reason
+   end type table_place_t
+
+   !> The columns of all rows of this process, made once.
+   type(summary_row_t), allocatable :: columns
 
 contains
 
-   !> Takes the one value of a dataset, or of its `attribute` if that is not empty, if it is of those
-   !> that a table has: a `text` or a `number`. `unit`: '=' stands for that of the value before.
-   subroutine put(self, path, attribute, unit, text, number)
+   !> Takes the value of a dataset, or of its `attribute` if that is not empty, if a table has it: a
+   !> `text`, or `numbers` if it is one. `unit`: '=' stands for that of the value before.
+   subroutine put(self, path, attribute, unit, text, numbers)
       class(summary_row_t), intent(inout) :: self
       character(*), intent(in) :: path, attribute, unit
       character(*), intent(in), optional :: text
-      real(wp), intent(in), optional :: number
+      real(wp), intent(in), optional, contiguous, target :: numbers(..)
+      real(wp), pointer :: number
       character(:), allocatable :: name
 
+      if (present(numbers)) then
+         if (size(numbers) /= 1) return
+         call c_f_pointer(c_loc(numbers), number)
+      end if
       name = path(index(path, '/', back=.true.) + 1:)
       select case (attribute)
       case ('', 'error_estimate')
@@ -69,9 +88,9 @@ contains
       case default
          name = 'scaling_'//attribute
          if (index(path, inputs) == 1) name = path(len(inputs) + 1:)//'.'//attribute
-         if (name(:8) == 'scaling_' .and. .not. (path == '/scaling' .and. present(number))) return
+         if (name(:8) == 'scaling_' .and. .not. (path == '/scaling' .and. present(numbers))) return
       end select
-      if (present(number)) then
+      if (present(numbers)) then
          call self%set(name, unit, exact_text(number), index(path, inputs) == 1)
       else
          call self%set(name, unit, csv_cell(text), index(path, inputs) == 1)
@@ -130,21 +149,32 @@ contains
       k = 0
    end function place_of
 
-   !> All columns are there: the first line of the table, with its end.
-   pure subroutine finish_head(self)
-      class(summary_row_t), intent(inout) :: self
+   !> From now on rows have the columns of `head`, which are all there.
+   subroutine set_columns(head)
+      type(summary_row_t), intent(in) :: head
       character(:), allocatable :: line, name
       integer :: i
 
       line = ''
-      do i = 1, size(self%columns)
-         name = trim(self%columns(i)%name)
-         if (self%columns(i)%unit /= '') name = name//' ['//trim(self%columns(i)%unit)//']'
+      do i = 1, size(head%columns)
+         name = trim(head%columns(i)%name)
+         if (head%columns(i)%unit /= '') name = name//' ['//trim(head%columns(i)%unit)//']'
          line = line//','//csv_cell(name)
       end do
-      self%first_line = line(2:)//new_line('a')
-      self%is_head = .false.
-   end subroutine finish_head
+      columns = head
+      columns%first_line = line(2:)//new_line('a')
+      columns%is_head = .false.
+   end subroutine set_columns
+
+   !> A row at a `place` of its table, with the columns of `set_columns`.
+   subroutine new_row(row, place)
+      type(summary_row_t), allocatable, intent(out) :: row
+      type(table_place_t), intent(in) :: place
+
+      row = columns
+      row%path = place%path
+      row%first_cells = place%cells
+   end subroutine new_row
 
    !> Appends the row to its table. Error: it cannot be written, or the table is another one.
    subroutine append(self, error)
@@ -153,13 +183,14 @@ contains
       character(:), allocatable :: fault, line
       integer :: i, length
 
-      length = size(self%columns)
-      do i = 1, size(self%columns)
+      length = len(self%first_cells) + size(self%columns) - own
+      do i = own + 1, size(self%columns)
          if (allocated(self%columns(i)%text)) length = length + len(self%columns(i)%text)
       end do
       allocate (character(len=length) :: line)
-      length = 0
-      do i = 1, size(self%columns)
+      length = len(self%first_cells)
+      line(:length) = self%first_cells
+      do i = own + 1, size(self%columns)
          if (allocated(self%columns(i)%text)) then
             line(length + 1:length + len(self%columns(i)%text)) = self%columns(i)%text
             length = length + len(self%columns(i)%text)
@@ -196,12 +227,12 @@ contains
    function exact_text(value) result(text)
       real(wp), intent(in) :: value
       character(:), allocatable :: text
-      character(kind=c_char, len=32) :: buffer
+      character(kind=c_char, len=32), target :: buffer
       integer :: length
 
       text = 'nan'   ! without a sign
       if (ieee_is_nan(value)) return
-      length = c_strfromd(buffer, len(buffer, c_size_t), '%.17g'//c_null_char, value)
+      length = c_strfromd(c_loc(buffer), len(buffer, c_size_t), '%.17g'//c_null_char, value)
       text = buffer(:length)
    end function exact_text
 
