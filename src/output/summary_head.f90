@@ -78,7 +78,7 @@ contains
       allocate (file%row)
       file%row%is_head = .true.
       do i = 1, size(first)
-         call file%row%set(trim(first(i)), '', '', .false.)
+         call file%row%set(trim(first(i)), '', '')
       end do
       if (case%problem == lubricated .or. case%problem == point) then
          call name_film_columns(file, case)
@@ -94,8 +94,7 @@ contains
       do i = 1, size(key_rows)
          associate (key => key_rows(i))
             if (has_word(key%problems, trim(case%problem))) call file%row%set(trim(key%group) &
-               //'.'//trim(key%key), trim(merge('1           ', key%unit, key%unit == '-')), '', &
-               .false.)
+               //'.'//trim(key%key), trim(merge('1           ', key%unit, key%unit == '-')), '')
          end associate
       end do
       row = file%row
@@ -151,8 +150,8 @@ contains
       call write_dry_result(file, whole%dry, outcome, error)   ! error: nothing is computed
    end subroutine name_dry_columns
 
-   !> Makes the columns of the table of `cases`, and looks which have a row of the same input by this
-   !> program there already, the last of its name: those keep its outcome and reason if `is_resume`.
+   !> Makes the columns of the table of `cases`, and looks which have a row of the same input by
+   !> this program already, the last of its name: they keep outcome and reason if `is_resume`.
    !> Errors (input_error): the table is another one, or the cases need several.
    subroutine plan_rows(cases, is_resume, error)
       type(case_t), intent(inout) :: cases(:)

@@ -74,7 +74,7 @@ contains
          if (index(path, '/report/') == 1) then
             name = 'report_'//name
          else if (index(path, limits) == 1 .and. attribute == '') then
-            if (self%is_head) call self%set(passed, '', '', .false.)
+            if (self%is_head) call self%set(passed, '', '')
             name = 'validity_'//name
          else if (index(path, '/summary/') /= 1 .and. index(path, '/sweep/') /= 1) then
             return
@@ -91,9 +91,9 @@ contains
          if (name(:8) == 'scaling_' .and. .not. (path == '/scaling' .and. present(numbers))) return
       end select
       if (present(numbers)) then
-         call self%set(name, unit, exact_text(number), index(path, inputs) == 1)
+         call self%set(name, unit, exact_text(number))
       else
-         call self%set(name, unit, csv_cell(text), index(path, inputs) == 1)
+         call self%set(name, unit, csv_cell(text))
       end if
    end subroutine put
 
@@ -108,12 +108,11 @@ contains
       end associate
    end subroutine add_passed
 
-   !> Takes a cell; of two with one name the first counts. `is_optional`: without a column of that
-   !> name it is left out.
-   subroutine set(self, name, unit, text, is_optional)
+   !> Takes a cell; of two with one name the first counts. What is no key of the namelist (derived
+   !> values, with a point in their names) may have no column.
+   subroutine set(self, name, unit, text)
       class(summary_row_t), intent(inout) :: self
       character(*), intent(in) :: name, unit, text
-      logical, intent(in) :: is_optional
       integer :: k
 
       k = place_of(self, name)
@@ -124,7 +123,7 @@ contains
          if (unit == '=') self%columns(k)%unit = self%columns(self%last)%unit
          self%last = k
       else if (k == 0) then
-         if (.not. is_optional) self%homeless = name
+         if (index(name, '.') == 0) self%homeless = name
       else
          self%last = k
          if (self%is_head .or. allocated(self%columns(k)%text)) return
