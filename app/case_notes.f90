@@ -7,6 +7,7 @@ module case_notes
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
+   use line_contact, only: rough_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
@@ -91,19 +92,20 @@ contains
       end do
    end subroutine note_unusual
 
-   !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces, or for
+   !> Adds to `note` where grid or time step of a `contact` are too coarse for its waves, or for
    !> the thinnest film of a duty. With a wanted accuracy both are chosen by their effect on h_min.
-   subroutine note_coarse_waves(case, listener, note)
+   subroutine note_coarse_waves(case, contact, listener, note)
       type(case_t), intent(in) :: case
+      class(rough_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
       real(wp) :: spacing, wanted, when
 
       if (case%solver%target > 0.0_wp) return
-      words = coarse_waves(case%contact, case%time)
+      words = coarse_waves(contact, case%time)
       if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
-         long_steps(case%contact, case%time)
+         long_steps(contact, case%time)
       call add_note(case, listener, words, note)
       if (.not. allocated(case%duty)) return
       call find_finest_moment(case%contact, when, spacing)

@@ -63,7 +63,7 @@ contains
       if (note /= '') call listener%log%say(case%file//': '//note)
       call note_unusual(case, note)
       call add_note(case, listener, case%note, note)
-      call note_coarse_waves(case, listener, note)
+      call note_coarse_waves(case, case%contact, listener, note)
       call note_missed_target(case, listener, note)
       call add_note(case, listener, passage_note(case%contact, &
          listener%writer%run%passage%times), note)

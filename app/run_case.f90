@@ -65,7 +65,7 @@ contains
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else if (case%problem == point) then
-         call solve_point_case(case, path, log, command%threads, outcome, error)
+         call solve_point_case(case, path, command%is_resume, log, command%threads, outcome, error)
          if (allocated(error)) call give_up(error, log, outcome)
       else
          call solve_and_write(case, path, log, command%threads, outcome, error)

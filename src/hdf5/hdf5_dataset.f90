@@ -44,12 +44,12 @@ module hdf5_dataset
       module procedure :: attach_reals, attach_quantity, attach_integer, attach_string
    end interface write_attribute
 
-   !> A series in an open file: numbers (n) or rows (row_length, n), in h5py (n, row_length).
+   !> A series in an open file: numbers (n) or records (shape, n), in h5py (n, shape backwards).
    type :: series_t
       !> Records written so far.
       integer :: records = 0
-      !> Length of a row; 0 = the records are single numbers.
-      integer :: row_length = 0
+      !> Extents of a record; none: single numbers.
+      integer, allocatable :: shape(:)
       character(:), allocatable, private :: path
       integer(hid_t), private :: id = -1_hid_t
    contains
@@ -327,22 +327,19 @@ contains
    end function stored_text
 
    !> Makes a series at `path` for this many `records`.
-   subroutine create_series(series, file, path, row_length, records, label)
+   subroutine create_series(series, file, path, shape, records, label)
       type(series_t), intent(out) :: series
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      integer, intent(in) :: row_length, records
+      integer, intent(in) :: shape(:), records
       type(label_t), intent(in) :: label
       integer(hid_t) :: space
-      integer :: status, first
+      integer :: status
 
       if (allocated(file%failure)) return
       series%path = path
-      series%row_length = row_length
-      first = merge(2, 1, row_length == 0)
-      associate (extents => [int(row_length, hsize_t), int(records, hsize_t)])
-         call h5screate_simple_f(3 - first, extents(first:), space, status)
-      end associate
+      series%shape = shape
+      call h5screate_simple_f(size(shape) + 1, int([shape, records], hsize_t), space, status)
       call file%check(status, path)
       call create_labelled(file, path, file%real_type, space, file%shared%creation, label, &
          series%id)
@@ -351,21 +348,18 @@ contains
       call file%check(status, path)
    end subroutine create_series
 
-   !> Writes records behind the last one.
+   !> Writes records behind the last one, each flat.
    subroutine append(self, file, values)
       class(series_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous, target :: values(:, :)
       integer(hid_t) :: file_space, memory_space
-      integer(hsize_t) :: offset(2), extents(2)
-      integer :: first, status
+      integer :: status
 
       if (allocated(file%failure) .or. size(values, 2) == 0) return
       call file%check_values(self%path, values)
-      offset = [0_hsize_t, int(self%records, hsize_t)]
-      extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
-      first = merge(2, 1, self%row_length == 0)
-      associate (start => offset(first:), count => extents(first:))
+      associate (start => int([0*self%shape, self%records], hsize_t), &
+         count => int([self%shape, size(values, 2)], hsize_t))
          call h5dget_space_f(self%id, file_space, status)
          if (status >= 0) call h5screate_simple_f(size(count), count, memory_space, status)
          if (status >= 0) call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, count, &

@@ -103,7 +103,7 @@ contains
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
 
-      if (.not. self%is_transient) call begin_store(self%store, self%fields, size(state%x), &
+      if (.not. self%is_transient) call begin_store(self%store, self%fields, size(state%pressure), &
          self%profile_stride)
       self%is_transient = .true.
       call self%store%append(state, summary, report)
@@ -186,13 +186,15 @@ contains
       end do
    end subroutine write_inputs
 
-   !> Copies the time steps into /transient; series in SI too if they are wanted.
-   subroutine copy_steps(self, has_si)
+   !> Copies the time steps into /transient, with fields of this `shape`; series in SI too if they
+   !> are wanted.
+   subroutine copy_steps(self, has_si, shape)
       class(result_file_t), intent(inout) :: self
       logical, intent(in) :: has_si
+      integer, intent(in) :: shape(:)
 
       if (.not. self%is_transient .or. allocated(self%file%failure)) return
-      call self%store%copy_into(self%file, self%scaling, has_si)
+      call self%store%copy_into(self%file, self%scaling, has_si, shape)
       call self%keep_failure()
    end subroutine copy_steps
 

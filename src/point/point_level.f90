@@ -6,6 +6,7 @@
 module point_level
    use constants, only: pi
    use errors, only: error_t
+   use features, only: surface_height
    use half_space_response, only: open_area_kernel
    use kinds, only: wp
    use point_contact, only: point_contact_t
@@ -13,7 +14,7 @@ module point_level
    implicit none (type, external)
    private
 
-   public :: deflect, load_on, new_level, set_point_film
+   public :: deflect, load_on, new_level, set_point_film, set_surfaces
 
    !> Distance, in nodes, up to which the deflection is kept.
    integer, parameter :: reach = 64
@@ -28,6 +29,10 @@ module point_level
       real(wp), allocatable :: x(:), y(:)
       !> Gap of the rigid bodies less the heights of the surfaces.
       real(wp), allocatable :: rigid(:, :)
+      !> Weight of rho H in the squeeze term, 0 in a steady contact, and what older times leave of
+      !> it; not allocated: 0.
+      real(wp) :: inverse_time_step = 0.0_wp
+      real(wp), allocatable :: old_squeeze(:, :)
       !> Deflection by a unit pressure at small distances (of small grids at all), and the product
       !> with all of it.
       real(wp), allocatable :: kernel(:, :)
@@ -65,7 +70,7 @@ contains
       level%nx = nx
       level%ny = ny
       allocate (level%x(0:nx), level%y(0:ny), level%rigid(0:nx, 0:ny))
-      associate (domain => contact%domain, q => contact%curvature)
+      associate (domain => contact%domain)
          level%hx = (domain%x_outlet - domain%x_inlet)/nx
          level%hy = 2*domain%y_half_width/ny
          do i = 0, nx
@@ -73,8 +78,7 @@ contains
          end do
          do j = 0, ny
             level%y(j) = (j - 0.5_wp*ny)*level%hy
-            level%rigid(:, j) = 0.5_wp*q(1)*level%x**2 + q(2)*level%x*level%y(j) &
-               + 0.5_wp*q(3)*level%y(j)**2
+            level%rigid(:, j) = rigid_gap(contact, level%x, level%y(j))
          end do
       end associate
       allocate (level%pressure, level%film, level%flowing, level%is_local, mold=level%rigid)
@@ -92,6 +96,30 @@ contains
       level%kernel = kernel(:size(level%kernel, 1), :size(level%kernel, 2))
       call new_convolution(level%elastic, kernel, threads, error)   ! error: handed up
    end subroutine new_level
+
+   !> Gap of the rigid bodies at `x` and `y`.
+   pure elemental real(wp) function rigid_gap(contact, x, y) result(gap)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: x, y
+
+      associate (q => contact%curvature)
+         gap = 0.5_wp*q(1)*x**2 + q(2)*x*y + 0.5_wp*q(3)*y**2
+      end associate
+   end function rigid_gap
+
+   !> Takes the heights of both surfaces at a `time` from the gap of the rigid bodies.
+   pure subroutine set_surfaces(level, contact, time)
+      type(point_level_t), intent(inout) :: level
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: time
+      integer :: j
+
+      do j = 0, level%ny
+         level%rigid(:, j) = rigid_gap(contact, level%x, level%y(j)) &
+            - surface_height(contact%surface_1, level%x, time, level%y(j)) &
+            - surface_height(contact%surface_2, level%x, time, level%y(j))
+      end do
+   end subroutine set_surfaces
 
    !> Computes the deflection of the pressure `p`, both on all nodes.
    subroutine deflect(level, p, deflection)

@@ -25,6 +25,7 @@ contains
       if (allocated(surface%features)) scaled%features = surface%features
       scaled%features%amplitude = scaled%features%amplitude/scaling%film
       scaled%features%wavelength = scaled%features%wavelength/scaling%half_width
+      scaled%features%wavelength_y = scaled%features%wavelength_y/scaling%half_width
       scaled%speed = 2.0_wp*surface%speed/scaling%speed_sum
       scaled%entry_length = surface%entry_length
       scaled%entry_position = surface%entry_position
