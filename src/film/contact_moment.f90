@@ -6,7 +6,7 @@ module contact_moment
    use eyring, only: ln_b_of_no_sliding
    use film_state, only: film_state_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, smoothen
+   use line_contact, only: line_contact_t, smoothen_both
    use lubricant, only: fluid_t
    use moes, only: moes_l_from_alpha_bar, moes_l_sum_from_mean, moes_m_mean_from_sum, &
       moes_m_sum_from_lambda
@@ -54,8 +54,7 @@ contains
       real(wp) :: pressure, speed
 
       moment = contact%duty%at(time)
-      call smoothen(own%surface_1)   ! without a copy of the duty
-      call smoothen(own%surface_2)
+      call smoothen_both(own)   ! without a copy of the duty
       own%surface_1%speed = 1.0_wp
       own%surface_2%speed = 1.0_wp
       own%fluid = contact%fluid

@@ -14,7 +14,8 @@ module line_contact
    private
 
    public :: closing_slope, finest_wave, inlet_tail_t, intervals_for_waves, line_contact_t, &
-      move_profiles, rough_contact_t, shortest_passage, smoothen, without_surfaces
+      move_profiles, rough_contact_t, shortest_passage, smoothen, &
+      smoothen_both, without_surfaces
 
    !> Fewest intervals in the finest wave (feature, sinusoid, profile): with fewer, coarse runs on
    !> n/4 may miss it.
@@ -143,9 +144,16 @@ contains
       type(line_contact_t) :: smooth
 
       smooth = contact
-      call smoothen(smooth%surface_1)
-      call smoothen(smooth%surface_2)
+      call smoothen_both(smooth)
    end function without_surfaces
+
+   !> Removes features and profiles from both surfaces.
+   pure subroutine smoothen_both(contact)
+      class(rough_contact_t), intent(inout) :: contact
+
+      call smoothen(contact%surface_1)
+      call smoothen(contact%surface_2)
+   end subroutine smoothen_both
 
    !> Removes features and profile from a surface.
    pure subroutine smoothen(surface)

@@ -349,8 +349,9 @@ module input_keys
          //'profiles, else 0', range='>= 0, <= 1e4', used=of_roughness//', '//in_time, &
          problems=film, example='! 1.0'), &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
-         'feature: ridge, dent or bump; sinusoid A cos(2 pi x/Lambda) cos(2 pi y/Lambda_y), '// &
-         'one for each element', words='smooth feature sinusoid', problems=point), &
+         'file, synthetic; or ridge, dent or bump, sinusoid A cos(2 pi x/Lambda) cos(2 pi '// &
+         'y/Lambda_y), one for each element', words='smooth feature sinusoid file synthetic', &
+         problems=point), &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
          'file, synthetic, parabola (radius of &bodies), or features and sinusoids, one for ' &
          //'each element', words='smooth feature sinusoid file synthetic parabola', problems=dry, &
@@ -360,33 +361,33 @@ module input_keys
          used=of_features, problems=dry, example='!'), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, &
          'file of heights: table of positions and heights, or HDF5', used='shape = file', &
-         needed='shape = file', problems=other_than_point, example="! 'profile.csv'"), &
+         needed='shape = file', problems=every, example="! 'profile.csv'"), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, &
          'heights: name of the column (needed if there are more than two), or path in the ' &
-         //'HDF5 file', used='shape = file', problems=other_than_point, example="! 'z'"), &
+         //'HDF5 file', used='shape = file', problems=every, example="! 'z'"), &
       key_row_t('surface_1', 'positions', text_kind, '', is_optional, &
          'name of the column of positions, needed if there are more than two', &
          used='shape = file', problems=other_than_point, example="! 'x'"), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=other_than_point, &
+         words='auto '//length_words, used='shape = file', problems=every, &
          example="! 'mm'"), &
       key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
          'unit of the heights in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=other_than_point, &
+         words='auto '//length_words, used='shape = file', problems=every, &
          example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
          'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
-         problems=other_than_point, example="! 'line'"), &
+         problems=every, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
          'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, &
          typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
          'cut-off lambda_s: shorter waves are removed by the same filter', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, &
          typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
@@ -397,33 +398,33 @@ module input_keys
          range='>= 1, <= 16777216', used=of_roughness, problems=dry, example='! 50'), &
       key_row_t('surface_1', 'seed', integer_kind, '-', '1', &
          'the same seed gives the same surface everywhere', range='>= 0, <= 2147483647', &
-         used=of_synthesis, problems=other_than_point, example='!', dry_example='1'), &
+         used=of_synthesis, problems=every, example='!', dry_example='1'), &
       key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', &
          'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
-         problems=other_than_point, example='!', dry_example='0.8'), &
+         problems=every, example='!', dry_example='0.8'), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
          range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, &
-         problems=other_than_point, &
+         problems=every, &
          typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
-         used=of_synthesis, problems=other_than_point, typical=typical_wave, example='! 4e-4'), &
+         used=of_synthesis, problems=every, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=other_than_point, &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, &
          typical=typical_wave, &
          example='! 1e-4', dry_example='1e-4'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, typical=typical_wave, &
-         example='! 2.5e-5'), &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, problems=film, &
+         typical=typical_wave, example='! 2.5e-5'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_chosen, &
          'shortest wave; chosen: two node spacings, with &accuracy target required', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave, &
          example='1.25e-5'), &
       key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', 'Rsk', range='>= -3, <= 3', &
-         used=of_synthesis, problems=other_than_point, example='!', dry_example='0.0'), &
+         used=of_synthesis, problems=every, example='!', dry_example='0.0'), &
       key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', 'Rku', range='>= 1, <= 20', &
-         used=of_synthesis, problems=other_than_point, example='!', dry_example='3.0')]
+         used=of_synthesis, problems=every, example='!', dry_example='3.0')]
 
    type(key_row_t), parameter :: domain_rows(*) = [ &
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, &

@@ -12,7 +12,8 @@ module point_input
    use line_contact, only: intervals_for_waves
    use line_profiles, only: make_surface, place_surface
    use lubricant_input, only: fill_lubricant
-   use point_contact, only: first_intervals, intervals_for, new_point_contact, rows_for
+   use point_contact, only: first_intervals, intervals_for, new_point_contact, point_contact_t, &
+      rows_for
    use point_cycle, only: fewest
    use passage_times, only: place_features
    use scaling, only: new_point_moes_scaling, new_point_scaling, scaled_fluid, sum_per_mean
@@ -165,7 +166,7 @@ contains
             domain%intervals = min(most_intervals, max(intervals_for(contact, usual_error), &
                coarser_grids*first_intervals(contact, most_intervals)))
             do while (intervals_for_waves(contact) > domain%intervals .and. 2*domain%intervals &
-               <= most_intervals)
+               <= most_intervals .and. .not. has_area(contact))
                domain%intervals = 2*domain%intervals
             end do
          end if
@@ -193,6 +194,8 @@ contains
          call place_surface(contact%surface_1, domain%x_inlet, domain%x_outlet)
          call place_surface(contact%surface_2, domain%x_inlet, domain%x_outlet)
          if (case%time%is_transient) call place_features(contact)
+         if (has_area(contact) .and. .not. case%time%time_step > 0.0_wp) case%time%time_step = &
+            (domain%x_outlet - domain%x_inlet)/domain%intervals
          call plan_times(values, contact, case)
          associate (stride => case%output_settings%profile_stride, time => case%time)
             if (stride == 0 .and. time%is_transient) stride = max(1, nint(time%end_time &
@@ -200,6 +203,13 @@ contains
          end associate
       end associate
    end subroutine plan_passage
+
+   !> Whether a surface is an area, whose finest waves may be noise and choose no grid and no step.
+   pure logical function has_area(contact)
+      type(point_contact_t), intent(in) :: contact
+
+      has_area = allocated(contact%surface_1%profile) .or. allocated(contact%surface_2%profile)
+   end function has_area
 
    !> Finding: a domain that cuts the dry contact.
    subroutine check_border(values, case)

@@ -2,7 +2,8 @@
 !>
 !> XML that names datasets of the result and holds no numbers itself. Each group with fields is a
 !> grid of nodes: over x alone, x and y (areas), x and time or x, y and time (passages), or zeta and
-!> x (layers of the film). It is made from the finished file, so that nothing is named that is not there.
+!> x (layers of the film). It is made from the finished file, so that nothing is named that is not
+!> there.
 module xdmf_file
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: any_mark, place_fault, remove_file, rename_file, xdmf_mark, xdmf_words
@@ -92,17 +93,7 @@ contains
       integer :: i, rank
 
       group = '/'//trim(row%group)//'/'
-      nodes = 1
-      rank = 0
-      do i = 1, size(row%axes)
-         if (row%axes(i) == '') cycle
-         if (.not. reader%has(group//trim(row%axes(i)))) cycle
-         rank = rank + 1
-         axes(rank) = row%axes(i)
-         source = source_at(group//trim(axes(rank)))
-         nodes(rank:rank) = source%extents
-      end do
-      if (rank == 0) return
+      call find_axes()
       fields = ''
       do i = 1, size(names)
          if (.not. reader%has(group//trim(names(i)))) cycle
@@ -129,6 +120,21 @@ contains
       text = text//'</Geometry>'//nl//fields//'</Grid>'//nl
 
    contains
+
+      !> The axes that the group has, and their nodes.
+      subroutine find_axes()
+
+         nodes = 1
+         rank = 0
+         do i = 1, size(row%axes)
+            if (row%axes(i) == '') cycle
+            if (.not. reader%has(group//trim(row%axes(i)))) cycle
+            rank = rank + 1
+            axes(rank) = row%axes(i)
+            source = source_at(group//trim(axes(rank)))
+            nodes(rank:rank) = source%extents
+         end do
+      end subroutine find_axes
 
       !> Where an axis is stored: in this group it may be a link, which ParaView does not follow.
       function path_of(axis) result(path)

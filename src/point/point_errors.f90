@@ -5,6 +5,7 @@ module point_errors
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: wp
+   use line_contact, only: smoothen_both
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t
@@ -164,6 +165,7 @@ contains
       if (.not. is_known) return
       near = run%grids(size(run%grids) - 2)
       longer = contact
+      if (run%time%is_transient) call smoothen_both(longer)
       n = [contact%domain%intervals, contact%domain%rows]/coarsening
       associate (domain => longer%domain)
          more = contact%domain%intervals/extension

@@ -78,9 +78,9 @@ contains
          end do
          do j = 0, ny
             level%y(j) = (j - 0.5_wp*ny)*level%hy
-            level%rigid(:, j) = rigid_gap(contact, level%x, level%y(j))
          end do
       end associate
+      call set_surfaces(level, contact, 0.0_wp)
       allocate (level%pressure, level%film, level%flowing, level%is_local, mold=level%rigid)
       allocate (level%residual, level%diagonal, level%flow, level%rise, mold=level%rigid)
       level%residual = 0.0_wp
@@ -97,28 +97,20 @@ contains
       call new_convolution(level%elastic, kernel, threads, error)   ! error: handed up
    end subroutine new_level
 
-   !> Gap of the rigid bodies at `x` and `y`.
-   pure elemental real(wp) function rigid_gap(contact, x, y) result(gap)
-      type(point_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: x, y
-
-      associate (q => contact%curvature)
-         gap = 0.5_wp*q(1)*x**2 + q(2)*x*y + 0.5_wp*q(3)*y**2
-      end associate
-   end function rigid_gap
-
-   !> Takes the heights of both surfaces at a `time` from the gap of the rigid bodies.
+   !> Sets the gap of the rigid bodies less the heights of both surfaces at a `time`.
    pure subroutine set_surfaces(level, contact, time)
       type(point_level_t), intent(inout) :: level
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: time
       integer :: j
 
-      do j = 0, level%ny
-         level%rigid(:, j) = rigid_gap(contact, level%x, level%y(j)) &
-            - surface_height(contact%surface_1, level%x, time, level%y(j)) &
-            - surface_height(contact%surface_2, level%x, time, level%y(j))
-      end do
+      associate (q => contact%curvature, x => level%x)
+         do j = 0, level%ny
+            level%rigid(:, j) = 0.5_wp*q(1)*x**2 + q(2)*x*level%y(j) &
+               + 0.5_wp*q(3)*level%y(j)**2 - surface_height(contact%surface_1, x, time, &
+               level%y(j)) - surface_height(contact%surface_2, x, time, level%y(j))
+         end do
+      end associate
    end subroutine set_surfaces
 
    !> Computes the deflection of the pressure `p`, both on all nodes.

@@ -7,6 +7,7 @@ module point_march
    use iteration_report, only: phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
+   use line_contact, only: smoothen_both
    use listener, only: listener_t, relay_t
    use lubricant, only: fluid_density
    use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights
@@ -35,17 +36,22 @@ contains
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
+      type(point_contact_t) :: start
       real(wp) :: begin
 
       begin = wall_seconds()
-      call solve_point_steady(run, contact, listener, report, error)
+      start = contact
+      if (run%time%is_transient) call smoothen_both(start)
+      call solve_point_steady(run, start, listener, report, error)
       if (allocated(error)) return
+      contact%domain = start%domain
       associate (seconds => report%cost%phase_seconds)
          seconds(phase_steady) = wall_seconds() - begin
          call fill_point_state(run%newton%hierarchy%levels(1), contact, 0.0_wp, state)
          if (.not. (report%converged .and. run%time%is_transient)) return
          begin = wall_seconds()
          if (allocated(run%time%resume_from)) report = run%time%resume_from%report
+         report%numbers%levels = size(run%newton%hierarchy%levels)
          call march_point(run, contact, listener, state, report)
          seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
       end associate

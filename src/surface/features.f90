@@ -2,7 +2,7 @@
 module features
    use constants, only: pi
    use kinds, only: wp
-   use profile, only: profile_height, profile_t, smooth_ramp
+   use profile, only: profile_height, profile_t, row_at, smooth_ramp
    use time_table, only: time_table_t
    implicit none (type, external)
    private
@@ -77,8 +77,13 @@ contains
             end associate
          end do
       end if
-      if (allocated(surface%profile)) psi = psi + profile_height(surface%profile, &
-         x - way)
+      if (allocated(surface%profile)) then
+         if (allocated(surface%profile%rows) .and. present(y)) then
+            psi = psi + profile_height(row_at(surface%profile, y), x - way)
+         else
+            psi = psi + profile_height(surface%profile, x - way)
+         end if
+      end if
       if (surface%entry_length > 0.0_wp) psi = psi*entered_share(surface, x, time)
    end function surface_height
 

@@ -33,6 +33,9 @@ contains
       scaled%profile = surface%profile
       if (allocated(surface%profile%heights)) scaled%profile%heights = surface%profile%heights &
          /scaling%film
+      if (allocated(surface%profile%rows)) scaled%profile%rows = surface%profile%rows/scaling%film
+      scaled%profile%row_spacing = surface%profile%row_spacing/scaling%half_width
+      scaled%profile%first_row = surface%profile%first_row/scaling%half_width
       scaled%profile%unit = scaling%film
       scaled%profile%spacing = surface%profile%spacing/scaling%half_width
       scaled%profile%finest_wave = surface%profile%finest_wave/scaling%half_width
