@@ -18,10 +18,7 @@ module passage_extremes
       type(line_summary_t) :: counted, earlier
       logical :: has_counted = .false., has_earlier = .false.
    contains
-      !> Adds the quantities of a time step.
-      procedure :: add
-      !> The extremes, with the part of their error due to the start.
-      procedure :: extremes
+      procedure :: add, extremes
    end type passage_extremes_t
 
 contains
