@@ -10,9 +10,7 @@ module gmres
    !> A linear system with its product and an approximate inverse.
    type, abstract :: krylov_system_t
    contains
-      !> y = A x.
       procedure(product_interface), deferred :: multiply
-      !> x = M x, with M close to the inverse of A.
       procedure(precondition_interface), deferred :: precondition
    end type krylov_system_t
 
@@ -26,7 +24,7 @@ module gmres
          real(wp), intent(out) :: y(:)
       end subroutine product_interface
 
-      !> x (n) = M x.
+      !> x (n) = M x, with M close to the inverse of A.
       subroutine precondition_interface(self, x)
          import :: krylov_system_t, wp
          implicit none (type, external)
@@ -59,7 +57,11 @@ contains
       real(wp) :: size_of_b
       integer :: j
 
-      call allocate_basis(gmres, size(x))
+      if (allocated(gmres%basis)) then
+         if (size(gmres%basis, 1) /= size(x)) deallocate (gmres%basis, gmres%directions)
+      end if
+      if (.not. allocated(gmres%basis)) allocate (gmres%basis(size(x), gmres%max_iterations + 1), &
+         gmres%directions(size(x), gmres%max_iterations))
       gmres%iterations = 0
       size_of_b = norm2(x)
       is_solved = size_of_b <= 0.0_wp
@@ -79,18 +81,6 @@ contains
       end do
       call combine(gmres, hessenberg, rest, x)
    end subroutine solve_gmres
-
-   !> Allocates work space for n unknowns, unless it has this size.
-   subroutine allocate_basis(gmres, n)
-      type(gmres_t), intent(inout) :: gmres
-      integer, intent(in) :: n
-
-      if (allocated(gmres%basis)) then
-         if (size(gmres%basis, 1) == n) return
-         deallocate (gmres%basis, gmres%directions)
-      end if
-      allocate (gmres%basis(n, gmres%max_iterations + 1), gmres%directions(n, gmres%max_iterations))
-   end subroutine allocate_basis
 
    !> Orthogonalises the last vector against all before it (modified Gram-Schmidt); `column`
    !> receives the products and its length.
