@@ -4,7 +4,7 @@ module dry_scaling
    implicit none (type, external)
    private
 
-   public :: contact_modulus, dry_scaling_t, new_dry_scaling
+   public :: dry_scaling_t, new_dry_scaling
 
    !> Lengths x L, heights x s, pressures x E' s/(4 L): then 1/q is the transfer function of the
    !> half-space.
@@ -36,13 +36,5 @@ contains
       scaling%reduced_modulus = reduced_modulus
       scaling%pressure = reduced_modulus*scaling%height/(4.0_wp*length)
    end function new_dry_scaling
-
-   !> E' against a rigid plane: 2/E' = (1 - nu^2)/E.
-   pure elemental function contact_modulus(youngs_modulus, poisson_ratio) result(reduced_modulus)
-      real(wp), intent(in) :: youngs_modulus, poisson_ratio
-      real(wp) :: reduced_modulus
-
-      reduced_modulus = 2.0_wp*youngs_modulus/(1.0_wp - poisson_ratio**2)
-   end function contact_modulus
 
 end module dry_scaling
