@@ -79,7 +79,12 @@ contains
          is_solved = abs(rest(j + 1)) <= tolerance*size_of_b
          if (is_solved) exit
       end do
-      call combine(gmres, hessenberg, rest, x)
+      x = 0.0_wp
+      do j = gmres%iterations, 1, -1   ! of the triangular system
+         rest(j) = rest(j)/hessenberg(j, j)
+         rest(1:j - 1) = rest(1:j - 1) - rest(j)*hessenberg(1:j - 1, j)
+         x = x + rest(j)*gmres%directions(:, j)
+      end do
    end subroutine solve_gmres
 
    !> Orthogonalises the last vector against all before it (modified Gram-Schmidt); `column`
@@ -119,21 +124,5 @@ contains
       rest(j + 1) = -sine(j)*rest(j)
       rest(j) = cosine(j)*rest(j)
    end subroutine rotate
-
-   !> Sets x to the sum of the directions with the coefficients of the triangular system.
-   pure subroutine combine(gmres, triangle, right_side, x)
-      type(gmres_t), intent(in) :: gmres
-      real(wp), intent(in) :: triangle(:, :)
-      real(wp), intent(inout) :: right_side(:)
-      real(wp), intent(out) :: x(:)
-      integer :: i
-
-      x = 0.0_wp
-      do i = gmres%iterations, 1, -1
-         right_side(i) = right_side(i)/triangle(i, i)
-         right_side(1:i - 1) = right_side(1:i - 1) - right_side(i)*triangle(1:i - 1, i)
-         x = x + right_side(i)*gmres%directions(:, i)
-      end do
-   end subroutine combine
 
 end module gmres
