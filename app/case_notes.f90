@@ -35,32 +35,23 @@ module case_notes
 
 contains
 
-   !> Processor time [s] that a transient of Reynolds' equation is expected to take; 0 where that is
-   !> not known: steady cases, other equations, a grid that trial runs choose.
-   pure real(wp) function expected_seconds(case) result(seconds)
-      type(case_t), intent(in) :: case
-
-      seconds = 0.0_wp
-      if (.not. case%time%is_transient .or. case%layers > 0 .or. case%solver%target > 0) return
-      associate (steps => case%time%end_time/case%time%time_step)
-         seconds = step_seconds*case%contact%domain%intervals*steps
-      end associate
-      if (case%solver%wants_coarse_runs) seconds = (1 + error_bars_share)*seconds
-   end function expected_seconds
-
-   !> The expected time in words, from `least` [s] on, and from an hour on what would make it
-   !> shorter; empty: it is less, or not known.
+   !> The processor time that a transient of Reynolds' equation is expected to take, from `least`
+   !> [s] on, and from an hour on what would make it shorter. Empty: it is less, or not known, as of
+   !> steady cases, other equations, and a grid that trial runs choose.
    pure function time_text(case, least) result(words)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: least
       character(:), allocatable :: words
-      real(wp) :: seconds
+      real(wp) :: seconds, steps
 
       words = ''
-      seconds = expected_seconds(case)
+      if (.not. case%time%is_transient .or. case%layers > 0 .or. case%solver%target > 0) return
+      steps = case%time%end_time/case%time%time_step
+      seconds = step_seconds*case%contact%domain%intervals*steps
+      if (case%solver%wants_coarse_runs) seconds = (1 + error_bars_share)*seconds
       if (seconds < least) return
       words = 'about '//duration_text(seconds)//': '//to_text(case%contact%domain%intervals)// &
-         ' intervals, '//to_text(case%time%end_time/case%time%time_step, 3)//' time steps'
+         ' intervals, '//to_text(steps, 3)//' time steps'
       if (seconds < hour) return
       words = words//'. Without the finest waves (cutoff_short, harmonics, wavelength_short) '// &
          'or with fewer &domain intervals, half the grid takes a quarter of the time; a shorter'// &

@@ -13,7 +13,7 @@ module contact_moment
    implicit none (type, external)
    private
 
-   public :: at_moment, moments_of, put_into_reference_units, own_contact, set_sliding, width_of
+   public :: at_moment, moments_of, own_contact, set_sliding, width_of
 
    !> Moments of a table that choose domain and grid, at most.
    integer, parameter, public :: sample_count = 200
@@ -117,16 +117,5 @@ contains
       now%slide_to_roll = 2*(moment%speeds(2) - moment%speeds(1))
       call set_sliding(now%fluid, contact%lambda, moment)
    end function at_moment
-
-   !> Converts pressure and H0 of a contact from its own to reference units. (H0 holds the part of
-   !> ln|X - X'| that the unit of X changes.)
-   pure subroutine put_into_reference_units(moment, state)
-      type(moment_t), intent(in) :: moment
-      type(film_state_t), intent(inout) :: state
-
-      state%pressure = state%pressure*sqrt(moment%load/moment%radius)
-      state%rigid_displacement = moment%load*(state%rigid_displacement &
-         + 0.5_wp*log(width_of(moment)))
-   end subroutine put_into_reference_units
 
 end module contact_moment

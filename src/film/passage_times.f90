@@ -60,14 +60,7 @@ module passage_times
       !> The user gave `counts_from`.
       logical :: is_given = .false.
    contains
-      !> Whether a time counts, and whether it belongs to the comparison.
-      procedure :: counts
-      procedure :: is_earlier
-      procedure :: lengthened
-      !> Time from which statistics of the film count.
-      procedure :: statistics_from
-      !> Whether the run lasts until its quantities are free of the start.
-      procedure :: is_settled
+      procedure :: counts, is_earlier, is_settled, lengthened, statistics_from
    end type passage_times_t
 
 contains
