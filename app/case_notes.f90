@@ -7,6 +7,7 @@ module case_notes
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
+   use line_contact, only: rough_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
@@ -34,32 +35,23 @@ module case_notes
 
 contains
 
-   !> Processor time [s] that a transient of Reynolds' equation is expected to take; 0 where that is
-   !> not known: steady cases, other equations, a grid that trial runs choose.
-   pure real(wp) function expected_seconds(case) result(seconds)
-      type(case_t), intent(in) :: case
-
-      seconds = 0.0_wp
-      if (.not. case%time%is_transient .or. case%layers > 0 .or. case%solver%target > 0) return
-      associate (steps => case%time%end_time/case%time%time_step)
-         seconds = step_seconds*case%contact%domain%intervals*steps
-      end associate
-      if (case%solver%wants_coarse_runs) seconds = (1 + error_bars_share)*seconds
-   end function expected_seconds
-
-   !> The expected time in words, from `least` [s] on, and from an hour on what would make it
-   !> shorter; empty: it is less, or not known.
+   !> The processor time that a transient of Reynolds' equation is expected to take, from `least`
+   !> [s] on, and from an hour on what would make it shorter. Empty: it is less, or not known, as of
+   !> steady cases, other equations, and a grid that trial runs choose.
    pure function time_text(case, least) result(words)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: least
       character(:), allocatable :: words
-      real(wp) :: seconds
+      real(wp) :: seconds, steps
 
       words = ''
-      seconds = expected_seconds(case)
+      if (.not. case%time%is_transient .or. case%layers > 0 .or. case%solver%target > 0) return
+      steps = case%time%end_time/case%time%time_step
+      seconds = step_seconds*case%contact%domain%intervals*steps
+      if (case%solver%wants_coarse_runs) seconds = (1 + error_bars_share)*seconds
       if (seconds < least) return
       words = 'about '//duration_text(seconds)//': '//to_text(case%contact%domain%intervals)// &
-         ' intervals, '//to_text(case%time%end_time/case%time%time_step, 3)//' time steps'
+         ' intervals, '//to_text(steps, 3)//' time steps'
       if (seconds < hour) return
       words = words//'. Without the finest waves (cutoff_short, harmonics, wavelength_short) '// &
          'or with fewer &domain intervals, half the grid takes a quarter of the time; a shorter'// &
@@ -91,19 +83,20 @@ contains
       end do
    end subroutine note_unusual
 
-   !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces, or for
+   !> Adds to `note` where grid or time step of a `contact` are too coarse for its waves, or for
    !> the thinnest film of a duty. With a wanted accuracy both are chosen by their effect on h_min.
-   subroutine note_coarse_waves(case, listener, note)
+   subroutine note_coarse_waves(case, contact, listener, note)
       type(case_t), intent(in) :: case
+      class(rough_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
       real(wp) :: spacing, wanted, when
 
       if (case%solver%target > 0.0_wp) return
-      words = coarse_waves(case%contact, case%time)
+      words = coarse_waves(contact, case%time)
       if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
-         long_steps(case%contact, case%time)
+         long_steps(contact, case%time)
       call add_note(case, listener, words, note)
       if (.not. allocated(case%duty)) return
       call find_finest_moment(case%contact, when, spacing)

@@ -8,7 +8,7 @@ module case_outcome
    implicit none (type, external)
    private
 
-   public :: case_outcome_t, count_outcome, give_up, outcome_line, outcome_of
+   public :: case_outcome_t, count_outcome, give_up, outcome_of
 
    !> Exit status of one case: converged and written; failed inside; not converged, or outside the
    !> model, but written; not written; interrupted.
@@ -47,32 +47,26 @@ contains
    end function outcome_of
 
    !> Takes the outcome of `file` into the `status` of the call, the largest of all, and writes its
-   !> line if `is_told`. Error: standard output is lost.
+   !> line of `--outcomes` if `is_told`: status, `file` and reason, with tabs between. Error:
+   !> standard output is lost.
    subroutine count_outcome(file, outcome, is_told, status, error)
       character(*), intent(in) :: file
       type(case_outcome_t), intent(in) :: outcome
       logical, intent(in) :: is_told
       integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
-
-      status = max(status, outcome%status)
-      if (is_told) call write_text(outcome_line(file, outcome), error)   ! error: handed up
-   end subroutine count_outcome
-
-   !> The line of `--outcomes`: status, `file` and reason, with tabs between and a line end.
-   pure function outcome_line(file, outcome) result(line)
-      character(*), intent(in) :: file
-      type(case_outcome_t), intent(in) :: outcome
       character(:), allocatable :: line
       character(*), parameter :: tab = achar(9)
       integer :: i
 
+      status = max(status, outcome%status)
+      if (.not. is_told) return
       line = to_text(outcome%status)//tab//file//tab
       if (allocated(outcome%reason)) line = line//outcome%reason
       do i = 1, len(line)
          if (line(i:i) == new_line('a')) line(i:i) = ' '
       end do
-      line = line//new_line('a')
-   end function outcome_line
+      call write_text(line//new_line('a'), error)   ! error: handed up
+   end subroutine count_outcome
 
 end module case_outcome

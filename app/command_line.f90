@@ -262,9 +262,7 @@ contains
          // '  asperity load*.nml --output results --quiet                        several '// &
             'cases, one after another' // nl &
          // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by '// &
-            'side on 8 cores' // nl &
-         // '  asperity load*.nml --quiet --summary films.csv                     numbers '// &
-            'only, a row for each case' // nl // nl &
+            'side on 8 cores' // nl // nl &
          // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; '// &
             '2 a case did not converge' // nl &
          // 'or left the model (written, marked, with the reason); 3 a result could not be '// &

@@ -11,7 +11,6 @@ module film_momentum
    use momentum_setup, only: walls_t
    use momentum_solver, only: solve_film_momentum
    use run_observer, only: run_observer_t
-   use scaling, only: inertia_number
    use signals, only: begin_activity
    use system_limits, only: peak_memory
    use text, only: to_text
@@ -41,9 +40,12 @@ contains
       type(run_observer_t), intent(in) :: listener
       type(walls_t) :: walls
 
-      walls%delta = listener%log%scaling%slope
-      if (case%has_inertia) walls%inertia = inertia_number(listener%log%scaling, &
-         case%materials%density)
+      associate (scaling => listener%log%scaling)
+         walls%delta = scaling%slope
+         ! rho_0 u_s^2/p_h: inertia of the oil at ambient pressure over the pressure of the contact
+         if (case%has_inertia) walls%inertia = case%materials%density*scaling%speed_sum**2 &
+            /scaling%hertz_pressure
+      end associate
       walls%curvature_share = case%bodies%curvature_share
    end function walls_of
 

@@ -63,7 +63,7 @@ contains
       if (note /= '') call listener%log%say(case%file//': '//note)
       call note_unusual(case, note)
       call add_note(case, listener, case%note, note)
-      call note_coarse_waves(case, listener, note)
+      call note_coarse_waves(case, case%contact, listener, note)
       call note_missed_target(case, listener, note)
       call add_note(case, listener, passage_note(case%contact, &
          listener%writer%run%passage%times), note)
@@ -218,16 +218,21 @@ contains
       type(report_t), intent(in) :: report
       type(model_choice_t), intent(inout) :: choice
       character(:), allocatable :: method
+      character(len=12) :: ends
 
       if (case%model /= 'auto') return
       method = 'none'
       if (allocated(report%method)) method = report%method
-      associate (given => case%domain, domain => case%contact%domain)
+      ends = 'chosen'
+      if (case%domain%has_inlet) ends = 'inlet given'
+      if (case%domain%has_outlet) ends = 'outlet given'
+      if (case%domain%has_inlet .and. case%domain%has_outlet) ends = 'given'
+      associate (domain => case%contact%domain)
          choice%numbers = [number_choice_t('grid', 'grid', 'chosen', &
             number_text(real(domain%intervals, wp), 9)//trim(merge(' elements ', ' intervals', &
             domain%grid == 'graded'))), &
-            number_choice_t('domain', 'domain', ends_decision(given%has_inlet, given%has_outlet), &
-            number_text(domain%x_inlet, 3)//' to '//number_text(domain%x_outlet, 3)), &
+            number_choice_t('domain', 'domain', ends, number_text(domain%x_inlet, 3) &
+            //' to '//number_text(domain%x_outlet, 3)), &
             number_choice_t('method', 'iteration', trim(merge('chosen', 'given ', &
             case%solver%method == 'auto')), method)]
       end associate
@@ -235,17 +240,6 @@ contains
          number_choice_t('time_step', '', 'chosen', 'dT '//number_text(case%time%time_step, 4)), &
          choice%numbers(3)]
    end subroutine fill_numbers
-
-   !> Whether the ends of a domain were given.
-   pure function ends_decision(has_inlet, has_outlet) result(words)
-      logical, intent(in) :: has_inlet, has_outlet
-      character(len=12) :: words
-
-      words = 'chosen'
-      if (has_inlet) words = 'inlet given'
-      if (has_outlet) words = 'outlet given'
-      if (has_inlet .and. has_outlet) words = 'given'
-   end function ends_decision
 
    !> The centres of the features of a `surface`, or of a profile `given` without its place.
    subroutine fill_positions(case, group, given, surface)

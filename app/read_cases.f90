@@ -70,12 +70,11 @@ contains
       end if
       problems = ''
       if (command%keeps_going .or. all(is_good)) then
-         if (command%summary /= '') then
+         if (command%summary == '') then
+            problems = output_findings(cases, command%output_dir, command%is_resume)
+         else
             call plan_rows(cases, command%is_resume, error)   ! error: handed up
-            return
          end if
-         problems = output_findings(cases, command%output_dir, &
-            command%is_resume)
       else
          do i = 1, size(refused)
             if (i > 1) problems = problems // new_line('a')

@@ -23,7 +23,7 @@ module result_end
    implicit none (type, external)
    private
 
-   public :: end_result
+   public :: end_result, suspend_result
 
 contains
 

@@ -41,14 +41,13 @@ contains
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
       listener%writer%profile_stride = case%output_settings%profile_stride
       inquire (file=path//'.ckpt', exist=has_checkpoint)
-      has_checkpoint = has_checkpoint .and. .not. allocated(case%table)
       if (case%time%is_transient .or. has_checkpoint) listener%writer%run%case = &
          case_identity(case)
       if (is_resume .and. has_checkpoint) then
          call go_on(case, path, listener, error)
       else
-         if (is_resume .and. .not. allocated(case%table)) call listener%log%say(case%file// &
-            ': no checkpoint '//path//'.ckpt: starts at the beginning')
+         if (is_resume) call listener%log%say(case%file//': no checkpoint '//path &
+            //'.ckpt: starts at the beginning')
          call open_result(listener%writer, case, path, error)
          if (.not. allocated(error)) listener%writer%fields = stored_fields(case, &
             listener%log%scaling)

@@ -36,7 +36,7 @@ contains
       type(progress_log_t) :: log
       type(error_t), allocatable :: error
       character(:), allocatable :: earlier, path, reason, words
-      logical :: is_complete
+      logical :: is_complete, is_resume
 
       log = new_progress_log(command%is_quiet, command%has_outcomes)
       log%is_verbose = command%is_verbose
@@ -44,14 +44,14 @@ contains
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
       is_complete = .false.
-      if (allocated(case%table)) is_complete = allocated(case%table%outcome)
-      if (is_complete) then
+      is_resume = command%is_resume .and. .not. allocated(case%table)
+      if (allocated(case%table)) then
          path = case%table%path
-         earlier = case%table%outcome
-         reason = case%table%reason
-      else if (command%is_resume .and. .not. allocated(case%table)) then
-         call find_complete_result(path, case, is_complete, earlier, reason, error)
+         is_complete = allocated(case%table%outcome)
+         call move_alloc(case%table%outcome, earlier)
+         call move_alloc(case%table%reason, reason)
       end if
+      if (is_resume) call find_complete_result(path, case, is_complete, earlier, reason, error)
       if (allocated(error)) then
          call give_up(error, log, outcome)
          return
@@ -69,9 +69,9 @@ contains
       words = unusual_text(case)
       if (words /= '') call log%say(words(2:))
       if (case%problem == lubricated) then
-         call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
+         call run_lubricated_case(case, path, is_resume, command%threads, log, outcome)
       else if (case%problem == point) then
-         call solve_point_case(case, path, log, command%threads, outcome, error)
+         call solve_point_case(case, path, is_resume, log, command%threads, outcome, error)
          if (allocated(error)) call give_up(error, log, outcome)
       else
          call solve_and_write(case, path, log, command%threads, outcome, error)

@@ -37,7 +37,7 @@ class Row:
 
 @dataclass
 class TableRow(Row):
-    """What a row of a table says; checksums of the namelist and, behind a dash, of the files that it names."""
+    """What a row of a table says; checksums of the namelist and, behind a dash, of all values used."""
 
     digits: str = ""
 

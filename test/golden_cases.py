@@ -67,6 +67,13 @@ def tilted(seed, columns):
 TARGET = "&accuracy target = 0.02 /\n"
 NO_BARS = "&accuracy error_bars = .false. /\n"
 SAVING = "&output checkpoint_interval = 0.0 /\n"
+DENTED = (
+    CASE_1.replace("ehl_line", "ehl_point").replace("radius_1 = 0.01, radius_2 = 2.0", "radius_x_1 = 0.01, radius_x_2 = 0.02")
+    .replace("load_per_length = 1e5", "load = 20.0")
+    + "&surface_1 shape = 'feature', amplitude = -6e-8, wavelength = 1e-4, wavelength_y = 2e-4, position_y = 0.2 /\n"
+    + "&surface_2 shape = 'sinusoid', amplitude = 1e-8, wavelength = 2e-4, wavelength_y = 1e-4 /\n"
+    + "&domain intervals_x = 32, intervals_y = 48 /\n"
+)
 NO_ADEQUACY = "&output adequacy = .false. /\n"
 GRADED = "&domain grid = 'graded' /\n" + NO_ADEQUACY
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
@@ -227,6 +234,8 @@ MORE = {
     ),
     "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
+    "stopped_point": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
+    "stopped_point_not": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["asperity a.nml --quiet"]),
     "stopped_leaving": (
         {
             "a.nml": PLAIN.replace("128", "64")

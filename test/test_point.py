@@ -88,6 +88,49 @@ def test_a_coarse_grid_is_told(told_case):
     assert np.isnan(result["summary/h_central"])
 
 
+def test_a_measured_area_is_what_it_holds(solved_cases, tmp_path):
+    place = 1.5e-6 * (np.arange(601) - 300)
+    wave = np.cos(2 * np.pi * place / 1.5e-4)
+    with h5py.File(tmp_path / "wavy.h5", "w") as file:
+        heights = file.create_dataset("heights", data=2e-8 * wave[:, None] * wave)
+        heights.attrs["spacing_x"] = heights.attrs["spacing_y"] = 1.5e-6
+    still = BALL.replace("speed_1 = 0.5", "speed_1 = 0.0") + "&domain intervals_x = 64 /\n"
+    file = "&surface_1 shape = 'file', file = 'wavy.h5', dataset = 'heights', detrend = 'none' /\n"
+    formula = "&surface_1 shape = 'sinusoid', amplitude = 2e-8, wavelength = 1.5e-4, wavelength_y = 1.5e-4 /\n"
+    one, other, smooth = solved_cases(a=still + file, b=still + formula, c=still)
+    x, y = (np.abs(one[f"solution/{axis}"][()]) < 1.2 for axis in "xy")
+    films = [result["si/solution/film_thickness"][()][np.ix_(y, x)] for result in (one, other, smooth)]
+    np.testing.assert_allclose(films[0], films[1], rtol=2e-4)
+    assert abs(films[0] / films[2] - 1).max() > 0.05
+    heights = [result["si/solution/roughness_1"][()][np.ix_(y, x)] for result in (one, other)]
+    np.testing.assert_allclose(*heights, atol=2e-12)
+
+
+def test_a_synthetic_area_passes(solved_case):
+    rough = "&surface_2 shape = 'synthetic', rms_height = 1e-8, wavelength_short = 1e-4, seed = 3 /\n"
+    passage = "&domain intervals_x = 64, intervals_y = 64 /\n&time transient = .true., end_time = 6.0, time_step = 0.2 /\n&output profile_stride = 1 /\n"
+    with solved_case(BALL + rough + passage) as file:
+        assert file["transient/film_thickness"].shape == (31, 65, 65)
+        assert [scale.keys()[0] for scale in file["transient/film_thickness"].dims] == ["profile_time", "y", "x"]
+        series = file["transient/h_min"][()]
+        assert np.ptp(series) > 0.01 * series.mean()
+        heights = file["si/solution/roughness_2"][20:45, 15:40]  # where it has entered
+        assert heights.std() == pytest.approx(1e-8, rel=0.5)
+
+
+def test_passages_have_bars_and_honest_ones(solved_case):
+    dent = "&surface_1 shape = 'feature', amplitude = -5e-8, wavelength = 2e-4, wavelength_y = 2e-4, position = -1.5 /\n"
+    passage = "&time transient = .true., end_time = 1.5 /\n"
+    slow = BALL.replace("load = 30.0", "load = 5.0")
+    with solved_case(slow + dent + passage + "&domain intervals_x = 256 /\n") as file:
+        truth = {name: file[f"summary/{name}"][()] for name in ("h_min", "h_central", "p_max")}
+    with solved_case(slow + dent + passage + "&domain intervals_x = 128 /\n") as file:
+        for name, value in truth.items():
+            bar = file[f"summary/{name}"].attrs["error_estimate"]
+            assert abs(file[f"summary/{name}"][()] - value) < bar, name
+            assert name == "p_max" or bar < 0.1 * value, name  # a spike may grow
+
+
 def test_threads_change_nothing_but_round_off(asperity, tmp_path):
     films = []
     for threads in ("1", "2"):

@@ -30,6 +30,7 @@ KINDS = {
     "sphere": SPHERE,
     "profile": PROFILE,
     "point": POINT,
+    "point_passage": POINT + "&time transient = .true., end_time = 0.5, time_step = 0.1 /\n",
     "point_few": POINT + "&solver max_cycles = 1 /\n",
 }
 

@@ -21,10 +21,17 @@ LINE = "&domain length = 1e-3, intervals = 64 /"
 # Namelist; nodes of each grid along x, y and z; some of its fields.
 STILL, IN_TIME = ((257, 1, 1), {"pressure", "film_thickness"}), ((257, 21, 1), {"pressure", "film_thickness"})
 RIDGE = "&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -2.1 /\n"
+DENT = """&surface_1 shape = 'feature', amplitude = -5e-8, wavelength = 2e-4, wavelength_y = 2e-4 /
+&time transient = .true., end_time = 0.6, time_step = 0.2 /
+"""
 LAYERS = {"solution": ((65, 1, 1), {"pressure"})}
 AREAS = {"pressure", "gap", "height_loaded", "height_unloaded", "plastic_deformation"}
 KINDS = {
     "point": (POINT + LEAN.replace(", adequacy = .false.", ""), {"solution": ((65, 97, 1), {"pressure", "film_thickness"})}),
+    "point in time": (
+        POINT.replace("intervals_x = 64", "intervals_x = 32") + DENT + LEAN.replace(", adequacy = .false.", ""),
+        {"solution": ((33, 49, 1), {"roughness_1"}), "transient": ((33, 49, 4), {"pressure", "film_thickness"})},
+    ),
     "steady": (STEADY + LEAN, {"solution": ((257, 1, 1), {"pressure", "film_thickness", "shear_stress_1"})}),
     "passage": (TRANSIENT + LEAN, {"solution": ((257, 1, 1), {"pressure"}), "transient": IN_TIME}),
     "moes": (MOES + LEAN, {"solution": STILL}),

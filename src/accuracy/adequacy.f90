@@ -15,8 +15,13 @@ module adequacy
    implicit none (type, external)
    private
 
-   public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
-      new_influence, judge_at_rest
+   public :: accuracy_for, adequacy_t, influence_t, is_plainly_needed, judge, new_influence, &
+      judge_at_rest
+
+   !> Whether a quantity is compared: those of the closing table, where the largest pressure also
+   !> stands for the central one.
+   logical, parameter, public :: compared(*) = quantity_rows%short /= '' &
+      .and. quantity_rows%name /= quantity_rows(p_central)%name
 
    !> A change of the smooth steady contact this many times the accuracy, and this large, is no less
    !> than the accuracy in a transient.
@@ -63,14 +68,6 @@ contains
 
       call begin_row(name, text, row%judged_t, row%change, row%error)
    end function new_influence
-
-   !> Whether row `i` of the quantities is compared: those of the closing table, where the largest
-   !> pressure also stands for the central one.
-   pure elemental logical function compared(i)
-      integer, intent(in) :: i
-
-      compared = len_trim(quantity_rows(i)%short) > 0 .and. i /= p_central
-   end function compared
 
    !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of
    !> h_min in `summary` if that is larger.
@@ -148,10 +145,9 @@ contains
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy
       logical :: is_known(quantity_count)
-      integer :: i
 
       verdict = verdict_unknown
-      is_known = ieee_is_finite(row%change) .and. [(compared(i), i=1, quantity_count)]
+      is_known = ieee_is_finite(row%change) .and. compared
       if (.not. any(is_known)) return
       if (row%is_at_rest) then
          if (is_plainly_needed(row, accuracy)) verdict = verdict_needed

@@ -85,12 +85,20 @@ contains
       integer :: i
 
       if (.not. allocated(self%runs)) allocate (self%runs(0))
-      if (is_result(self, setting)) then
+      ! one load of the result that no earlier load has deformed
+      if (setting%load > 0 .and. setting%without == without_nothing &
+         .and. .not. abs(setting%ratio - 1.0_wp) > 0.0_wp &
+         .and. (setting%load == 1 .or. .not. self%sweep%loads%has_history)) then
          rows = self%outcome%rows(setting%load:setting%load)
          return
       end if
       do i = 1, size(self%runs)
-         if (.not. is_same(self%runs(i)%setting, setting)) cycle
+         associate (old => self%runs(i)%setting)
+            if (any([old%without, old%number, old%load] /= [setting%without, setting%number, &
+               setting%load]) .or. (old%is_rough .neqv. setting%is_rough)) cycle
+            if (any(abs([old%ratio, old%tolerance] - [setting%ratio, setting%tolerance]) &
+               > 0.0_wp)) cycle
+         end associate
          rows = self%runs(i)%rows
          return
       end do
@@ -114,25 +122,6 @@ contains
       runs(size(runs))%rows = rows
       call move_alloc(runs, self%runs)
    end subroutine run
-
-   !> Whether a run is one load of the result that no earlier load has deformed.
-   pure logical function is_result(self, setting)
-      class(dry_record_t), intent(in) :: self
-      type(dry_setting_t), intent(in) :: setting
-
-      is_result = setting%load > 0 .and. setting%without == without_nothing &
-         .and. .not. abs(setting%ratio - 1.0_wp) > 0.0_wp &
-         .and. (setting%load == 1 .or. .not. self%sweep%loads%has_history)
-   end function is_result
-
-   !> Whether two runs are the same.
-   pure logical function is_same(a, b)
-      type(dry_setting_t), intent(in) :: a, b
-
-      is_same = all([a%without, a%number, a%load] == [b%without, b%number, b%load]) &
-         .and. (a%is_rough .eqv. b%is_rough) &
-         .and. .not. any(abs([a%ratio - b%ratio, a%tolerance - b%tolerance]) > 0.0_wp)
-   end function is_same
 
    !> Prepares the `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails
    !> (internal_error) if FFTW does.

@@ -17,7 +17,7 @@ module experiment
    implicit none (type, external)
    private
 
-   public :: coarser, experiment_t, new_experiment, outcome_t, run_experiment
+   public :: coarser, collector_t, experiment_t, new_experiment, outcome_t, run_experiment
 
    !> Runs for comparison have at least this many intervals.
    integer, parameter, public :: min_intervals = 32

@@ -130,6 +130,7 @@ contains
       real(wp), intent(in) :: spacing
       type(line_summary_t), intent(in) :: summary
       real(wp) :: doubt(2)
+      real(wp) :: area, ln_mu(1)
       real(wp), allocatable :: phase(:)
 
       doubt = 0.0_wp
@@ -137,23 +138,16 @@ contains
       associate (k => waves%wavenumber, film => summary%of(h_central)%value, &
          pressure => summary%of(p_central)%value)
          if (size(k) == 0 .or. .not. all(ieee_is_finite([film, pressure]))) return
-         phase = k*(k*spacing)**2/3/max(1.0_wp, flow_area(law, pressure, film)*k**3)
+         call fluid_viscosity(law%fluid, [pressure], ln_mu)
+         ! l_flow^2 with the S of sliding alone
+         area = exp(3*log(film) - ln_mu(1) + ln_slip(law%fluid, 0.0_wp, film, ln_mu(1)) &
+            - log(law%lambda))
+         phase = k*(k*spacing)**2/3/max(1.0_wp, area*k**3)
          if (any(phase > lost_phase .and. waves%height > large_share*film)) doubt(1) = not_known()
          doubt(2) = maxval(k*waves%height*min(1.0_wp, safety*phase), mask=phase > seen_phase)
          doubt(2) = max(0.0_wp, doubt(2))
          if (doubt(2) > large_share*pressure) doubt(2) = not_known()
       end associate
    end function doubts
-
-   !> l_flow^2 at this pressure and film, with the S of sliding alone.
-   pure function flow_area(law, pressure, film) result(area)
-      type(spike_law_t), intent(in) :: law
-      real(wp), intent(in) :: pressure, film
-      real(wp) :: area, ln_mu(1)
-
-      call fluid_viscosity(law%fluid, [pressure], ln_mu)
-      area = exp(3*log(film) - ln_mu(1) + ln_slip(law%fluid, 0.0_wp, film, ln_mu(1)) &
-         - log(law%lambda))
-   end function flow_area
 
 end module film_waves

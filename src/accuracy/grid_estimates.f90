@@ -142,7 +142,11 @@ contains
       levels = on_levels(values, i, quantity)
       own = error_on_grids(levels%value, bounds, lasts)
       between = error_on_grids(levels%between, bounds, lasts)
-      if (i == h_central) own = [error_of_line(quantity, between), between(2)]
+      if (i == h_central) then   ! on a line between two nodes, whose error has a sign
+         own = [between(1) + abs(quantity%value - quantity%between), between(2)]
+         if (ieee_is_finite(between(2))) own(1) = max(between(1)/(2*safety), between(1) &
+            + abs(quantity%value - between(2)) - abs(quantity%between - between(2)))
+      end if
       between(1) = between(1) + abs(quantity%value - quantity%between)
       select case (quantity_rows(i)%rule)
       case (rule_node)
@@ -162,18 +166,6 @@ contains
       quantity%error_grid = own(1)
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
-
-   !> Error of a value interpolated between two nodes from that of the value between nodes and its
-   !> limit (`between`; NaN: not known): the interpolation error has a sign and depends on the
-   !> position of the nodes.
-   pure real(wp) function error_of_line(quantity, between) result(error)
-      type(quantity_t), intent(in) :: quantity
-      real(wp), intent(in) :: between(2)
-
-      error = between(1) + abs(quantity%value - quantity%between)
-      if (ieee_is_finite(between(2))) error = max(between(1)/(2*safety), between(1) &
-         + abs(quantity%value - between(2)) - abs(quantity%between - between(2)))
-   end function error_of_line
 
    !> Error of row `i` by the kappa scheme between nodes: a share of the error by upwind2, which
    !> falls regularly.

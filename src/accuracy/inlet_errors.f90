@@ -56,6 +56,7 @@ contains
       type(report_t), intent(in) :: report
       type(line_summary_t), intent(in) :: summary
       real(wp) :: shares(quantity_count)
+      real(wp) :: ln_mu(1), response
 
       if (change%is_known) then
          shares = change_by_inlet(change)
@@ -65,27 +66,19 @@ contains
       end if
       shares = report%fit%inlet_error*min(1.0_wp, summary%of(h_central)%value)
       where (quantity_rows%field == 'pressure') shares = report%fit%inlet_pressure_error
-      where (quantity_rows%field == 'film_thickness') shares = domain_error(report%fit%inlet_error)
-      where (quantity_rows%field == 'friction_coefficient' .or. quantity_rows%field == 'power' &
+      where (quantity_rows%field == 'film_thickness' .or. quantity_rows%field == 'power' &
+         .or. quantity_rows%field == 'friction_coefficient' &
          .or. quantity_rows%field == 'temperature_rise') shares = domain_error( &
          report%fit%inlet_error)
-      shares(sheared_rows) = shares(sheared_rows) + shear_response(fluid, &
-         summary%of(p_max)%value)*report%fit%inlet_pressure_error
+      response = shear_safety
+      if (.not. thins(fluid) .and. ieee_is_finite(summary%of(p_max)%value)) then
+         call fluid_viscosity(fluid, [summary%of(p_max)%value], ln_mu)
+         response = max(response, pressure_part*ln_mu(1))
+      end if
+      shares(sheared_rows) = shares(sheared_rows) + response*report%fit%inlet_pressure_error
       shares([asperity_share, boundary_friction]) = abs(summary%asperity_response)*domain_error( &
          report%fit%inlet_error)
    end function inlet_shares
-
-   !> Relative error of sliding over the share of pressures lost at the inlet.
-   pure function shear_response(fluid, pressure) result(response)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: pressure
-      real(wp) :: response, ln_mu(1)
-
-      response = shear_safety
-      if (thins(fluid) .or. .not. ieee_is_finite(pressure)) return
-      call fluid_viscosity(fluid, [pressure], ln_mu)
-      response = max(response, pressure_part*ln_mu(1))
-   end function shear_response
 
    !> Estimated errors of all quantities by the inlet: relative; of positions in units of b.
    pure function change_by_inlet(self) result(errors)

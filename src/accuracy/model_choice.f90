@@ -24,7 +24,7 @@ module model_choice
    use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all
    use passage_times, only: new_passage_times
-   use quantities, only: h_central, h_min, quantity_count
+   use quantities, only: h_central, h_min
    use solver_settings, only: solver_settings_t
    implicit none (type, external)
    private
@@ -114,7 +114,7 @@ contains
       type(model_choice_t), intent(inout) :: choice
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      integer :: i, k
+      integer :: i
 
       i = findloc(list%kind, roughness, 1)
       choice%why(i) = too_high
@@ -127,7 +127,7 @@ contains
          if (.not. all(ieee_is_finite(row%change([h_min, h_central])))) return
          choice%why(i) = may_matter
          if (any(pack(abs(row%change) + row%error, ieee_is_finite(row%change) &
-            .and. compared([(k, k=1, quantity_count)])) > leave_share*target)) return
+            .and. compared) > leave_share*target)) return
          choice%influence = abs(row%change) + row%error
       end associate
       choice%is_steady = .true.

@@ -2,7 +2,7 @@
 !> their distance from periodicity.
 module passage_extremes
    use kinds, only: wp
-   use line_summary, only: keep_extremes, line_summary_t, quantity_t
+   use line_summary, only: keep_extremes, line_summary_t
    use missing_value, only: not_known
    use passage_times, only: passage_times_t
    use quantities, only: quantity_count
@@ -18,10 +18,7 @@ module passage_extremes
       type(line_summary_t) :: counted, earlier
       logical :: has_counted = .false., has_earlier = .false.
    contains
-      !> Adds the quantities of a time step.
-      procedure :: add
-      !> The extremes, with the part of their error due to the start.
-      procedure :: extremes
+      procedure :: add, extremes
    end type passage_extremes_t
 
 contains
@@ -67,24 +64,14 @@ contains
       summary = last
       if (self%has_counted) summary = self%counted
       do i = 1, quantity_count
-         call set_start_error(summary%of(i), self%earlier%of(i))
+         associate (quantity => summary%of(i))
+            if (.not. self%times%is_settled()) then   ! the start is not forgotten
+               quantity%error_start = not_known()
+            else if (self%has_earlier .and. self%has_counted) then
+               quantity%error_start = abs(quantity%value - self%earlier%of(i)%value)
+            end if
+         end associate
       end do
-
-   contains
-
-      !> Sets the change of a quantity since the period before; not known if the start is not
-      !> forgotten.
-      pure subroutine set_start_error(quantity, earlier)
-         type(quantity_t), intent(inout) :: quantity
-         type(quantity_t), intent(in) :: earlier
-
-         if (.not. self%times%is_settled()) then
-            quantity%error_start = not_known()
-         else if (self%has_earlier .and. self%has_counted) then
-            quantity%error_start = abs(quantity%value - earlier%value)
-         end if
-      end subroutine set_start_error
-
    end function extremes
 
 end module passage_extremes

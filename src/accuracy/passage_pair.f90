@@ -215,10 +215,13 @@ contains
       type(lean_level_t) :: lean
       type(passage_extremes_t) :: passage
       real(wp), allocatable :: smooth(:)
-      real(wp) :: last, now
+      real(wp) :: distance, last, now, speed
       integer :: k, steps
 
       own = experiment%contact
+      speed = 0.0_wp   ! dX/dT of the only rough surface; 0 if both are rough
+      if (.not. has_roughness(own%surface_1)) speed = own%surface_2%speed
+      if (.not. has_roughness(own%surface_2)) speed = own%surface_1%speed
       passage = passage_extremes_t(new_passage_times(own, experiment%time))
       steps = nint(experiment%time%end_time/experiment%time%time_step)
       do k = 0, steps
@@ -236,10 +239,9 @@ contains
             smooth = lean%level%state%pressure
             last = now
          end if
-         associate (distance => wave_speed(own)*(now - last))
-            if (distance > far_share*finest_wave(own)) call carry_waves(smooth, &
-               distance/lean%level%dx, lean%level%state%pressure)
-         end associate
+         distance = speed*(now - last)
+         if (distance > far_share*finest_wave(own)) call carry_waves(smooth, &
+            distance/lean%level%dx, lean%level%state%pressure)
          last = now
          lean%level%rhs_film = lean%level%gap - roughness_at(own, lean%level, now)
          call place_film(lean%level, minval(lean%level%state%film))
@@ -251,15 +253,6 @@ contains
       end do
       outcome%summary = passage%extremes(level_summary(lean%level))
    end subroutine follow_waves
-
-   !> Speed dX/dT of the only rough surface; 0 if both are rough.
-   pure real(wp) function wave_speed(contact) result(speed)
-      type(line_contact_t), intent(in) :: contact
-
-      speed = 0.0_wp
-      if (.not. has_roughness(contact%surface_1)) speed = contact%surface_2%speed
-      if (.not. has_roughness(contact%surface_2)) speed = contact%surface_1%speed
-   end function wave_speed
 
    !> Moves the difference from the `smooth` pressure by `distance` [dX], along with the waves.
    pure subroutine carry_waves(smooth, distance, pressure)

@@ -138,7 +138,9 @@ contains
       type(solver_settings_t) :: settled
 
       search%trial = new_experiment(contact, settings, time)
-      search%may_change_scheme = settings%space_scheme == 'auto' .and. allows_kappa(settings)
+      ! methods that do not solve the kappa scheme do not try it
+      search%may_change_scheme = settings%space_scheme == 'auto' .and. settings%smoother == 'auto' &
+         .and. index(settings%method, 'block_jacobi') == 0
       if (search%may_change_scheme) search%trial%settings%space_scheme = 'kappa'
       settled = settings
       call settle_tolerance(settled)
@@ -148,13 +150,6 @@ contains
          search%work_limit = max_work*first%intervals*first%steps
       end associate
    end function new_search
-
-   !> Whether the chosen methods solve the kappa scheme.
-   pure logical function allows_kappa(settings)
-      type(solver_settings_t), intent(in) :: settings
-
-      allows_kappa = settings%smoother == 'auto' .and. index(settings%method, 'block_jacobi') == 0
-   end function allows_kappa
 
    !> Makes the next trial run. Without a solution it is repeated with upwind2, if allowed; if that
    !> succeeds, the search starts again from here with upwind2.

@@ -259,18 +259,21 @@ contains
       real(wp), intent(in) :: target
       type(resolution_t) :: cheapest, candidate
       type(split_error_t) :: error
-      real(wp) :: min_cost, cost
+      real(wp) :: min_cost, cost, reach(2)
       integer :: i
 
       if (.not. has_forecast(trials)) return
       if (.not. sees_passages(trials)) return
       error = error_of(trials, h_min)
+      reach = reach_of(trials)
       min_cost = huge(1.0_wp)
       do i = 0, size(families)*doublings
          ! one to four times the intervals of the trial run
          candidate%intervals = trials%last%intervals/4*families(1 + modulo(i, size(families))) &
             *2**(i/size(families))
-         if (.not. is_within_reach(trials, candidate%intervals)) cycle
+         if (min_in_wave*candidate%intervals < nodes_in_wave*trials%for_waves &
+            .or. candidate%intervals > trials%max_intervals .or. real(trials%last%intervals, wp) &
+            /candidate%intervals*reach(space) < 1.0_wp) cycle
          candidate%steps = steps_needed(trials, error, candidate%intervals, &
             target*trials%values(h_min))
          if (candidate%steps == 0) cycle
@@ -280,18 +283,6 @@ contains
          cheapest = candidate
       end do
    end function cheapest_resolution
-
-   !> Whether this many intervals resolve the waves, are allowed and can be predicted.
-   pure logical function is_within_reach(trials, intervals)
-      type(trials_t), intent(in) :: trials
-      integer, intent(in) :: intervals
-      real(wp) :: reach(2)
-
-      reach = reach_of(trials)
-      is_within_reach = min_in_wave*intervals >= nodes_in_wave*trials%for_waves &
-         .and. intervals <= trials%max_intervals .and. real(trials%last%intervals, wp)/intervals &
-         *reach(space) >= 1.0_wp
-   end function is_within_reach
 
    !> The fewest steps on this grid whose predicted error is at most `bound`; 0: none.
    pure integer function steps_needed(trials, error, intervals, bound) result(steps)

@@ -7,7 +7,7 @@
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t
-   use expected_film, only: share_with_viscosity
+   use expected_film, only: film_with_viscosity, flooded_film
    use features, only: feature_sinusoid, rough_surface_t
    use film_heating, only: largest_rise
    use friction_sums, only: stressed_share
@@ -114,7 +114,14 @@ contains
       case (starvation)
          limit%value = of%film_loss
       case (viscosity_data)
-         call compare_viscosity_data(of, limit)
+         if (of%lubricant%viscosity_law == viscosity_barus) limit%threshold = barus_data
+         if (of%lubricant%viscosity_law == viscosity_constant) then
+            limit%missing = 'constant viscosity'
+         else if (.not. of%scaling%hertz_pressure > 0.0_wp) then
+            limit%missing = 'no SI units'
+         else
+            limit%value = of%summary%of(p_max)%value*of%scaling%hertz_pressure
+         end if
       case default   ! all others
          if (of%has_momentum .and. any(i == [stokes_number, surface_slope, film_over_wave])) then
             limit%missing = 'the full momentum equations are solved'
@@ -213,23 +220,8 @@ contains
       if (.not. ieee_is_finite(limit%value)) return
       rest = exp(-min(beta*limit%value, largest_exponent))
       limit%viscosity_loss = 1 - rest
-      limit%film_loss = max(1 - share_with_viscosity(contact, rest), 0.0_wp)
+      limit%film_loss = max(1 - film_with_viscosity(contact, rest)/flooded_film(contact), 0.0_wp)
    end subroutine set_losses
-
-   !> Compares the largest pressure with the data behind the viscosity law.
-   pure subroutine compare_viscosity_data(of, limit)
-      type(circumstances_t), intent(in) :: of
-      type(limit_t), intent(inout) :: limit
-
-      if (of%lubricant%viscosity_law == viscosity_barus) limit%threshold = barus_data
-      if (of%lubricant%viscosity_law == viscosity_constant) then
-         limit%missing = 'constant viscosity'
-      else if (.not. of%scaling%hertz_pressure > 0.0_wp) then
-         limit%missing = 'no SI units'
-      else
-         limit%value = of%summary%of(p_max)%value*of%scaling%hertz_pressure
-      end if
-   end subroutine compare_viscosity_data
 
    !> Compares pressures with the strength of the bodies.
    pure subroutine compare_strength(i, of, limit)

@@ -22,8 +22,6 @@ module findings
       character(len=64), allocatable :: set_keys(:)
       integer, public :: count = 0
    contains
-      !> From now on findings about this key, or about its group if the key is empty, are about
-      !> --set.
       procedure, public :: set_apart
       procedure, public :: add => add_finding
       procedure, public :: report => findings_report

@@ -51,8 +51,8 @@ contains
          form = '(ss,f40.' // integer_to_text(decimals) // ')'
       else
          ! Without its width an exponent of three digits loses its E.
-         form = '(ss,es40.' // integer_to_text(shown - 1) // trim(merge('e3)', ')  ', &
-            has_long_exponent(value)))
+         form = '(ss,es40.' // integer_to_text(shown - 1) // trim(merge('e3)', ')  ', abs(value) &
+            >= 9.9e99_wp .or. (abs(value) > 0.0_wp .and. abs(value) < 1.0e-99_wp)))
       end if
       write (buffer, form) value
       string = trim(adjustl(buffer))
@@ -88,14 +88,6 @@ contains
 
       unit = 10.0_wp**(floor(log10(value)) - digits + 1)
    end function last_digit
-
-   !> Whether the exponent of `value` has three digits.
-   pure logical function has_long_exponent(value)
-      real(wp), intent(in) :: value
-
-      has_long_exponent = abs(value) >= 9.9e99_wp .and. abs(value) <= huge(1.0_wp) &
-                          .or. abs(value) > 0.0_wp .and. abs(value) < 1.0e-99_wp
-   end function has_long_exponent
 
    !> `string` with A-Z in lower case.
    pure function to_lower(string) result(lower)

@@ -58,8 +58,7 @@ module active_set
       !> Sums and maxima of each row (ny).
       type(row_t), allocatable, private :: row(:)
    contains
-      procedure :: survey
-      procedure :: follow
+      procedure :: follow, survey
    end type active_set_t
 
 contains

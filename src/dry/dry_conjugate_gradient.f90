@@ -70,7 +70,7 @@ contains
       type(dry_solution_t), intent(inout) :: solution
       type(error_t), allocatable, intent(out) :: error
       type(work_t) :: work
-      real(wp) :: best
+      real(wp) :: best, noise
       integer :: iteration, stalled
 
       call problem%elastic%plan_single(error)
@@ -81,7 +81,10 @@ contains
       associate (p => solution%pressure, report => solution%report)
          call begin(problem, p, work)
          do iteration = 0, settings%max_cycles
-            if (must_refresh(work, problem, settings)) then
+            ! the solution seems found, or the updates of v have collected too many rounding errors
+            noise = single_noise*work%path/max(problem%height_scale, tiny(1.0_wp))
+            if (work%path > 0.0_wp .and. .not. settings%is_rough .and. (work%set%error &
+               <= settings%tolerance .or. noise > noise_share*work%set%error)) then
                call problem%find_v(p, work%v)
                work%path = 0.0_wp
                call work%set%survey(problem, p, work%v)
@@ -146,19 +149,6 @@ contains
       call problem%elastic%single%add_to(scale, work%v)
       call work%set%survey(problem, p, work%v)
    end subroutine begin
-
-   !> Whether the updates of v have collected too many rounding errors, or the solution seems found.
-   pure logical function must_refresh(work, problem, settings)
-      type(work_t), intent(in) :: work
-      type(dry_problem_t), intent(in) :: problem
-      type(dry_settings_t), intent(in) :: settings
-      real(wp) :: noise
-
-      noise = single_noise*work%path/max(problem%height_scale, tiny(1.0_wp))
-      must_refresh = work%path > 0.0_wp .and. (work%set%error <= settings%tolerance &
-         .or. noise > noise_share*work%set%error)
-      if (settings%is_rough) must_refresh = .false.
-   end function must_refresh
 
    !> Makes one iteration: direction, step, return to the bounds, K times the change, and its
    !> length. The product is in single precision: it only changes v, which is recomputed from time

@@ -236,7 +236,12 @@ contains
       if (bound <= 0.0_wp) bound = solver%settings%tolerance*(datum + maxval(problem%height))
       pairs = 0
       cycles = 0
-      search%x = log(first_load(problem, datum, solution))
+      ! without a neighbouring solution the load of a bed of springs as stiff as the longest wave
+      if (solution%contacts == 0) problem%load = 2.0_wp*pi*sum(max(problem%height + datum, 0.0_wp))
+      problem%load = max(problem%load, tiny(1.0_wp))
+      if (problem%is_capped()) problem%load = min(problem%load, &
+         problem%hardness*size(problem%height))
+      search%x = log(problem%load)
       do
          problem%load = exp(search%x)
          if (problem%is_capped()) problem%load = min(problem%load, &
@@ -261,19 +266,6 @@ contains
       solution%report%reason = 'the separation is off by '//to_text(abs(search%miss)/bound &
          *solver%settings%tolerance, 3)//' times the rms height'
    end subroutine solve_for_datum
-
-   !> Load of the neighbouring solution; without one that of a bed of springs as stiff as the
-   !> longest wave.
-   pure real(wp) function first_load(problem, datum, solution) result(load)
-      type(dry_problem_t), intent(in) :: problem
-      real(wp), intent(in) :: datum
-      type(dry_solution_t), intent(in) :: solution
-
-      load = problem%load
-      if (solution%contacts == 0) load = 2.0_wp*pi*sum(max(problem%height + datum, 0.0_wp))
-      load = max(load, tiny(1.0_wp))
-      if (problem%is_capped()) load = min(load, problem%hardness*size(problem%height))
-   end function first_load
 
    !> Narrows the bracket and chooses the next load: that of an integer number of nodes at the
    !> hardness if only that is left in between, else by the secant, else the middle.

@@ -51,8 +51,7 @@ module dry_problem
       !> K; open kernels have padded transforms.
       type(spectral_product_t) :: elastic
    contains
-      procedure :: find_v
-      procedure :: is_capped
+      procedure :: find_v, is_capped
    end type dry_problem_t
 
 contains

@@ -5,7 +5,7 @@ module dry_quantities
    use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi
    use contact_edges, only: crest_of, find_edges, line_excess
-   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
+   use dry_problem, only: dry_problem_t, kernel_open
    use dry_scaling, only: dry_scaling_t
    use dry_solution, only: dry_solution_t
    use kinds, only: wp
@@ -13,7 +13,7 @@ module dry_quantities
    implicit none (type, external)
    private
 
-   public :: compared_values, describe, fill_row, yields
+   public :: compared_values, fill_row, yields
 
    !> Rows of the table.
    integer, parameter, public :: mean_pressure = 1, load = 2, contact_area = 3, &
@@ -119,19 +119,6 @@ module dry_quantities
 
 contains
 
-   !> Returns text and unit of the data set of quantity `k` on a `grid`; no unit: not stored.
-   pure subroutine describe(k, grid, text, unit)
-      integer, intent(in) :: k
-      type(dry_grid_t), intent(in) :: grid
-      character(:), allocatable, intent(out) :: text, unit
-
-      text = trim(dry_table(k)%text)
-      unit = trim(dry_table(k)%units(merge(1, 2, grid%ny == 1)))
-      if (k /= separation .or. grid%kernel /= kernel_open) return
-      text = 'approach of the bodies since first touch'
-      if (grid%ny == 1) unit = ''
-   end subroutine describe
-
    !> Quantities compared between grids: the crest of the pressure replaces its largest node.
    pure function compared_values(row) result(values)
       type(dry_row_t), intent(in) :: row
@@ -169,9 +156,9 @@ contains
          row%nodes = n
          call find_edges(nx, ny, solution%pressure, problem%hardness, row%edges, row%edge_load)
          row%p_crest = crest_of(problem%grid, fields%pressure)
-         if (problem%is_capped()) row%p_crest = min(row%p_crest, &
-            scaling%pressure_in_si(problem%hardness))
-         area = scaling%domain_area(problem%grid%aspect, ny == 1)
+         if (problem%is_capped()) row%p_crest = min(row%p_crest, scaling%pressure*problem%hardness)
+         area = scaling%length   ! [m] of a line, [m^2] of an area
+         if (ny > 1) area = area*scaling%length*problem%grid%aspect
          associate (values => row%values)
             values(mean_pressure) = pressure
             values(load) = pressure*area
@@ -181,21 +168,20 @@ contains
             values(corrected_area) = values(contact_area) - border_share*row%edges(1)/n
             if (ny == 1) values(corrected_area) = values(contact_area) &
                - line_excess(solution%pressure)/n
-            values(mean_separation) = scaling%height_in_si(sum(solution%v)/n - solution%datum &
+            values(mean_separation) = scaling%height*(sum(solution%v)/n - solution%datum &
                + sum(plastic)/n)
             ! The problem's heights have zero mean; the datum is that of the heights as given.
-            values(datum) = scaling%height_in_si(solution%datum) - sum(z)/n
-            values(separation) = -scaling%height_in_si(solution%datum)
+            values(datum) = scaling%height*solution%datum - sum(z)/n
+            values(separation) = -(scaling%height*solution%datum)
             if (problem%grid%kernel == kernel_open) values(separation) = merge(0.0_wp, &
-               scaling%height_in_si(problem%top + solution%datum), ny == 1)
+               scaling%height*(problem%top + solution%datum), ny == 1)
             values(p_max) = maxval(fields%pressure)
-            values(elastic_energy) = scaling%energy_in_si(0.5_wp*area/n, &
-               sum(solution%pressure*(solution%v + problem%height)))
+            values(elastic_energy) = (0.5_wp*area/n)*scaling%pressure*scaling%height &
+               *sum(solution%pressure*(solution%v + problem%height))
             if (problem%is_capped()) then
                values(dp_max) = maxval(fields%plastic_deformation)
                values(dp_mean) = sum(fields%plastic_deformation)/n
-               values(dissipated_energy) = scaling%pressure_in_si(problem%hardness)*area &
-                  *values(dp_mean)
+               values(dissipated_energy) = scaling%pressure*problem%hardness*area*values(dp_mean)
             end if
          end associate
       end associate

@@ -40,7 +40,10 @@ contains
       allocate (transforms(4, 0))
       n = size(p)
       p = problem%load/n
-      if (.not. can_be_halved(problem%grid)) return
+      associate (nx => problem%grid%nx, ny => problem%grid%ny)
+         if (mod(nx, 2) /= 0 .or. nx < 2*coarsest) return
+         if (ny > 1 .and. (mod(ny, 2) /= 0 .or. ny < 2*coarsest)) return
+      end associate
       call halve(problem, coarse, error)
       if (allocated(error)) return
       allocate (solution%pressure(size(coarse%height)))
@@ -55,15 +58,6 @@ contains
       if (.not. solution%kkt < 1.0_wp) return
       call refine(coarse%grid, solution%pressure, problem%grid, p)
    end subroutine nested_start
-
-   !> Whether both sides are even and large enough.
-   pure logical function can_be_halved(grid)
-      type(dry_grid_t), intent(in) :: grid
-
-      can_be_halved = mod(grid%nx, 2) == 0 .and. grid%nx >= 2*coarsest
-      if (grid%ny > 1) can_be_halved = can_be_halved .and. mod(grid%ny, 2) == 0 &
-         .and. grid%ny >= 2*coarsest
-   end function can_be_halved
 
    !> Sets up the problem on half the nodes: heights averaged over 2 or 4 nodes, with the same mean
    !> pressure and hardness.

@@ -55,7 +55,7 @@ contains
       outcome%scaling = scaling
       call new_dry_problem(problem, grid, z/scaling%height, error)
       if (allocated(error)) return
-      if (loads%hardness < huge(1.0_wp)) problem%hardness = scaling%scaled_pressure(loads%hardness)
+      if (loads%hardness < huge(1.0_wp)) problem%hardness = loads%hardness/scaling%pressure
       n = size(z)
       if (.not. settings%is_rough) undeformed = roughness_of(z, grid%ny == 1)
       call problem%elastic%plan_single(error)
@@ -77,11 +77,11 @@ contains
             if (allocated(settings%starts)) call start_from(settings%starts(:, i), problem, &
                solution)
             if (allocated(loads%separation)) then
-               wanted = -scaling%scaled_height(loads%separation(i))
+               wanted = -(loads%separation(i)/scaling%height)
                if (grid%kernel == kernel_open) wanted = -wanted - problem%top
                call solve_for_datum(solver, problem, wanted, solution, error)
             else
-               problem%load = scaling%scaled_pressure(loads%mean_pressure(i))*n
+               problem%load = loads%mean_pressure(i)/scaling%pressure*n
                call solver%solve(problem, solution, error)
             end if
             if (allocated(error)) return
@@ -95,12 +95,12 @@ contains
             if (problem%is_capped()) then
                where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             end if
-            pressure = scaling%pressure_in_si(problem%load/n)
+            pressure = scaling%pressure*(problem%load/n)
             if (allocated(loads%mean_pressure)) pressure = loads%mean_pressure(i)
             call fill_row(problem, z, plastic, pressure, i, outcome)
             if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, undeformed, &
                outcome%rows(i))
-            call check_border(grid, scaling, z, fields, outcome%rows(i))
+            call check_border(grid, scaling, z, fields%pressure, outcome%rows(i))
             if (settings%keeps_pressures) outcome%pressures(:, i) = real(solution%pressure, real32)
             if (loads%has_history) call yield(plastic, problem, solver, solution, yielded)
             deallocate (plastic)
@@ -217,54 +217,38 @@ contains
          roughness_of(fields%height_unloaded, is_line)
    end subroutine fill_roughness
 
-   !> Marks a contact that reaches the border of an open domain as not converged.
-   subroutine check_border(grid, scaling, z, fields, row)
+   !> Marks a contact whose `pressure` (nx*ny) is positive at the border of an open domain as not
+   !> converged. `z` (nx*ny) [m] are the heights.
+   subroutine check_border(grid, scaling, z, pressure, row)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: z(:)
-      type(dry_fields_t), intent(in) :: fields
+      real(wp), intent(in) :: z(:), pressure(:)
       type(dry_row_t), intent(inout) :: row
-      character(:), allocatable :: reason
-
-      reason = border_reason(grid, scaling, z, fields%pressure, row%values(load))
-      if (reason == '' .or. .not. row%is_converged) return
-      row%is_converged = .false.
-      call move_alloc(reason, row%reason)
-   end subroutine check_border
-
-   !> Why the contact pressure (nx*ny) of an open domain is no solution: it is positive at the
-   !> border. Empty: it is not, or the domain is periodic. `z` (nx*ny) [m] are the heights, `load`
-   !> is in N, for a line in N/m.
-   pure function border_reason(grid, scaling, z, pressure, load) result(reason)
-      type(dry_grid_t), intent(in) :: grid
-      type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: z(:), pressure(:), load
-      character(:), allocatable :: reason
       real(wp) :: half_width, radius
       logical :: is_pressed
 
-      reason = ''
-      if (grid%kernel /= kernel_open) return
+      if (grid%kernel /= kernel_open .or. .not. row%is_converged) return
       associate (nx => grid%nx, last_row => grid%nx*(grid%ny - 1))
          is_pressed = any(pressure(1::nx) > 0.0_wp) .or. any(pressure(nx::nx) > 0.0_wp)
          if (grid%ny > 1) is_pressed = is_pressed .or. any(pressure(:nx) > 0.0_wp) &
             .or. any(pressure(last_row + 1:) > 0.0_wp)
       end associate
       if (.not. is_pressed) return
+      row%is_converged = .false.
       radius = fitted_radius(grid, scaling%length, z)
       if (radius <= 0.0_wp) then
-         reason = 'the contact reaches the border of the open domain, towards which the '// &
+         row%reason = 'the contact reaches the border of the open domain, towards which the '// &
             'surface does not fall: no length is enough'
          return
       end if
       if (grid%ny == 1) then
-         half_width = line_half_width(load, radius, scaling%reduced_modulus)
+         half_width = line_half_width(row%values(load), radius, scaling%reduced_modulus)
       else
-         half_width = point_radius(load, radius, scaling%reduced_modulus)
+         half_width = point_radius(row%values(load), radius, scaling%reduced_modulus)
       end if
-      reason = 'the contact reaches the border of the open domain, which should be about ' &
-               // to_text(2.0_wp*recommended_room*half_width, 2) // ' m long for this load'
-   end function border_reason
+      row%reason = 'the contact reaches the border of the open domain, which should be about ' &
+         //to_text(2.0_wp*recommended_room*half_width, 2)//' m long for this load'
+   end subroutine check_border
 
    !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best by least squares; 0 if
    !> they do not fall towards the border, or are hardly a parabola.

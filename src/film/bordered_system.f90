@@ -73,10 +73,21 @@ contains
    subroutine factor_bordered(system, is_sound)
       class(bordered_system_t), intent(inout) :: system
       logical, intent(out) :: is_sound
+      integer :: i
 
       call fill_factors(system%factors, system%rows, system%by_pressure, system%by_film, &
          system%is_cavitated)
-      if (allocated(system%yields)) call fill_yielding_rows(system)
+      if (allocated(system%yields)) then   ! asperities bear the cavitated rows
+         do i = 1, system%factors%n
+            if (.not. system%is_cavitated(i)) cycle
+            associate (factors => system%factors, row => system%rows(min(i, size(system%rows))), &
+               y => system%yields(i))
+               factors%lower(:, i) = y*[row%left(:, 0), row%slots(0, [-1, -2])]
+               factors%upper(:, i) = y*[row%right(:, 0), row%slots(0, [1, 2])]
+               factors%diagonal(i) = 1 + y*row%slots(0, 0)
+            end associate
+         end do
+      end if
       call factor_semiseparable(system%factors, system%smallest_pivot)
       is_sound = system%smallest_pivot > 0.0_wp
    end subroutine factor_bordered
@@ -120,23 +131,6 @@ contains
          end associate
       end do
    end subroutine fill_factors
-
-   !> Fills the cavitated rows where asperities bear them.
-   pure subroutine fill_yielding_rows(system)
-      class(bordered_system_t), intent(inout) :: system
-      integer :: i
-
-      associate (factors => system%factors)
-         do i = 1, factors%n
-            if (.not. system%is_cavitated(i)) cycle
-            associate (row => system%rows(min(i, size(system%rows))), y => system%yields(i))
-               factors%lower(:, i) = y*[row%left(:, 0), row%slots(0, [-1, -2])]
-               factors%upper(:, i) = y*[row%right(:, 0), row%slots(0, [1, 2])]
-               factors%diagonal(i) = 1 + y*row%slots(0, 0)
-            end associate
-         end do
-      end associate
-   end subroutine fill_yielding_rows
 
    !> Computes the column of H0 and its solution with fresh factors; `x` becomes the first
    !> approximation, the bordered solution with the factors.

@@ -6,14 +6,14 @@ module contact_moment
    use eyring, only: ln_b_of_no_sliding
    use film_state, only: film_state_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, smoothen
+   use line_contact, only: line_contact_t, smoothen_both
    use lubricant, only: fluid_t
    use moes, only: moes_l_from_alpha_bar, moes_l_sum_from_mean, moes_m_mean_from_sum, &
       moes_m_sum_from_lambda
    implicit none (type, external)
    private
 
-   public :: at_moment, moments_of, put_into_reference_units, own_contact, set_sliding, width_of
+   public :: at_moment, moments_of, own_contact, set_sliding, width_of
 
    !> Moments of a table that choose domain and grid, at most.
    integer, parameter, public :: sample_count = 200
@@ -54,8 +54,7 @@ contains
       real(wp) :: pressure, speed
 
       moment = contact%duty%at(time)
-      call smoothen(own%surface_1)   ! without a copy of the duty
-      call smoothen(own%surface_2)
+      call smoothen_both(own)   ! without a copy of the duty
       own%surface_1%speed = 1.0_wp
       own%surface_2%speed = 1.0_wp
       own%fluid = contact%fluid
@@ -118,16 +117,5 @@ contains
       now%slide_to_roll = 2*(moment%speeds(2) - moment%speeds(1))
       call set_sliding(now%fluid, contact%lambda, moment)
    end function at_moment
-
-   !> Converts pressure and H0 of a contact from its own to reference units. (H0 holds the part of
-   !> ln|X - X'| that the unit of X changes.)
-   pure subroutine put_into_reference_units(moment, state)
-      type(moment_t), intent(in) :: moment
-      type(film_state_t), intent(inout) :: state
-
-      state%pressure = state%pressure*sqrt(moment%load/moment%radius)
-      state%rigid_displacement = moment%load*(state%rigid_displacement &
-         + 0.5_wp*log(width_of(moment)))
-   end subroutine put_into_reference_units
 
 end module contact_moment

@@ -234,27 +234,20 @@ contains
    !> by e, H and the terms of H.
    pure real(wp) function round_off(level) result(floor)
       type(line_level_t), intent(in) :: level
+      real(wp) :: p(0:level%n)
 
       if (allocated(level%state%compensation)) then
          floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%elastic%deflection))) &
             /level%dx
       else
-         associate (p => rounded_pressure(level))
-            floor = 4.0e-16_wp*(maxval(level%oil%face_mobility*max(p(2:), p(:level%n))) &
-               /(level%lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
-         end associate
+         p = level%state%pressure
+         ! where asperities touch the oil has the difference of their law, at a separation of
+         ! rounded deflections, from the total
+         if (allocated(level%rough)) p = p + level%state%asperity_pressure &
+            + abs(level%rough%slope)*maxval(abs(level%elastic%deflection))
+         floor = 4.0e-16_wp*(maxval(level%oil%face_mobility*max(p(1:), p(:level%n - 1))) &
+            /(level%lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
       end if
    end function round_off
-
-   !> Pressure (0:n) whose rounding is that of the oil pressure: where asperities touch that is the
-   !> difference of their law, at a separation of rounded deflections, from the total.
-   pure function rounded_pressure(level) result(p)
-      type(line_level_t), intent(in) :: level
-      real(wp) :: p(0:level%n)
-
-      p = level%state%pressure
-      if (allocated(level%rough)) p = p + level%state%asperity_pressure + abs(level%rough%slope) &
-         *maxval(abs(level%elastic%deflection))
-   end function rounded_pressure
 
 end module cycle_control

@@ -3,20 +3,22 @@ module ehl_line_solver
    use contact_moment, only: at_moment, least_speed
    use domain_choice, only: choose_anew, choose_domain, cut_asperities, farthest, inlet_error, &
       inlet_pressure_error
-   use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
+   use ehl_line_steady, only: blame_grid, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
+   use expected_film, only: film_estimate
    use film_breakdown, only: check_breakdown
    use graded_contact, only: find_tail, solve_graded_contact
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles, without_surfaces
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost, &
-      set_moment
+      roughness_at, set_moment
    use line_state, only: line_state_t
    use listener, only: listener_t
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: coarser_summaries, fill_properties, fill_state
+   use text, only: to_text
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step
    implicit none (type, external)
@@ -144,6 +146,7 @@ contains
       type(report_t), intent(inout) :: report
       character(:), allocatable :: cut
       type(line_contact_t) :: posed
+      real(wp) :: rise
 
       posed = contact
       if (time%is_transient) posed = without_surfaces(contact)
@@ -153,8 +156,12 @@ contains
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, posed, settings, listener, report)
       if (settings%explains_failure .and. .not. (report%converged .or. listener%is_stopping)) then
-         if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), &
-            contact, report)
+         if (.not. time%is_transient) then
+            rise = maxval(roughness_at(contact, hierarchy%levels(hierarchy%finest), 0.0_wp)) &
+               /film_estimate(contact)
+            if (rise > 1.0_wp) report%reason = 'the surfaces rise to '//to_text(rise, 2)// &
+               ' times the estimated film of the smooth contact; '//report%reason
+         end if
          call blame_grid(contact, settings, .not. time%is_transient, listener, report)
          cut = cut_asperities(contact)
          if (cut /= '') report%reason = cut//'; '//report%reason

@@ -6,11 +6,11 @@ module ehl_line_steady
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use expected_film, only: film_estimate
+
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t, method_fas, new_hierarchy, &
-      pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
-   use line_level, only: line_level_t
+      pose_coarser_levels, pose_steady_problem, relaxation_t
+
    use nested_start, only: bump_start, full_multigrid_start, graded_start
    use listener, only: relay_t, listener_t
    use solver_choice, only: adopt, note_choice, steady_attempts
@@ -20,7 +20,7 @@ module ehl_line_steady
    implicit none (type, external)
    private
 
-   public :: blame_grid, blame_surfaces, solve_steady
+   public :: blame_grid, solve_steady
 
    !> Methods whose failure is always checked on finer grids, even if the fit says that the grid
    !> carries the film: other methods fail for other reasons.
@@ -141,19 +141,6 @@ contains
             to_text(given)//'; none found up to '//to_text(last)//'); '//report%reason
       end if
    end subroutine blame_grid
-
-   !> After a failure, adds to the front of the reason that the surfaces rise above the film of the
-   !> smooth contact, if they do.
-   pure subroutine blame_surfaces(level, contact, report)
-      type(line_level_t), intent(in) :: level
-      type(line_contact_t), intent(in) :: contact
-      type(report_t), intent(inout) :: report
-      real(wp) :: rise
-
-      rise = maxval(roughness_at(contact, level, 0.0_wp))/film_estimate(contact)
-      if (rise > 1.0_wp) report%reason = 'the surfaces rise to '//to_text(rise, 2)// &
-         ' times the estimated film of the smooth contact; '//report%reason
-   end subroutine blame_surfaces
 
    !> Whether Newton's method solves a steady contact on its grid.
    subroutine try_grid(contact, space_scheme, with_roughness, relay, is_solved)

@@ -29,17 +29,18 @@ module ehl_line_transient
    use line_state, only: line_state_t
    use listener, only: listener_t
    use lubricant, only: fluid_density
-   use march_state, only: march_state_t, time_part_t
+   use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights, &
+      time_part_t
    use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: to_text
-   use time_scheme, only: derivative_weights, error_share, parabola_weights, part_ends
+   use time_scheme, only: error_share, parabola_weights, part_ends
    implicit none (type, external)
    private
 
-   public :: extrapolate, march, predictors, remember
+   public :: march
 
    !> A time step and how it is solved.
    type :: step_plan_t
@@ -58,9 +59,6 @@ module ehl_line_transient
       type(time_part_t), allocatable :: parts(:)
    end type step_plan_t
 
-   !> The history predicts a step if the line through two solutions missed the next one by at most
-   !> this share of its change.
-   real(wp), parameter :: largest_miss = 0.5_wp
    !> First part of a march with an error estimate, and shortest part [T]; most growth and fall of
    !> parts from one to the next; share of the bound that the next one aims at.
    real(wp), parameter :: first_part = 1.0e-3_wp, shortest_part = 1.0e-9_wp, growth = 2.0_wp, &
@@ -69,9 +67,8 @@ module ehl_line_transient
    !> above this share of the largest pressure.
    real(wp), parameter :: fronts = 1.0e-3_wp
    !> A kink nearer to an end of a step than this share of it does not divide the step: a part of
-   !> hardly any length has no slope but that of rounding. A part that is longer than the one before
-   !> by more than the second number takes no slope from it.
-   real(wp), parameter :: nearest_kink = 1.0e-3_wp, longest_growth = 10.0_wp
+   !> hardly any length has no slope but that of rounding.
+   real(wp), parameter :: nearest_kink = 1.0e-3_wp
    !> The film at the end of a cycle repeats the one before within this share; most cycles.
    real(wp), parameter :: same_film = 1.0e-3_wp, most_cycles = 20.0_wp
 
@@ -375,7 +372,6 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable :: error
       real(wp) :: length, new_time, weights(3)
-      logical :: has_older
       integer :: part
 
       if (plan%keeps_parts) then
@@ -395,11 +391,7 @@ contains
             end if
             call set_moment(hierarchy, contact, new_time)
             if (history%direction*level%direction < 0.0_wp) call turn_history(history)
-            has_older = plan%scheme == 'bdf2' .and. history%size > 1 &
-               .and. length < longest_growth*history%lengths(1)
-            weights = derivative_weights(length/merge(history%lengths(1), length, has_older), &
-               has_older)/length
-            if (plan%scheme == 'quasi_steady') weights = 0.0_wp
+            weights = step_weights(history, plan%scheme, length)
             level%inverse_time_step = weights(1)
             level%rhs_reynolds = level%lambda*(weights(2)*history%mass(:, 1) &
                + weights(3)*history%mass(:, 2))
@@ -465,40 +457,6 @@ contains
       end associate
    end subroutine solve_step
 
-   !> Number of last solutions that best predict the next one: all, or only the newest if the line
-   !> through the two before missed it (features that move by a spacing or more in a step). In 48
-   !> transients with dT = dX this saves 20 % of the cycles on 64 intervals, 10 % on 128, 3 % on
-   !> 256.
-   pure integer function predictors(history) result(count)
-      type(march_state_t), intent(in) :: history
-      real(wp) :: weights(3)
-
-      count = min(history%size, 3)
-      if (count < 3) return
-      weights = parabola_weights(2, history%lengths(1)/history%lengths(2), 1.0_wp)
-      associate (p => history%pressure)
-         if (maxval(abs(p(:, 1) - weights(1)*p(:, 2) - weights(2)*p(:, 3))) > largest_miss &
-            *maxval(abs(p(:, 1) - p(:, 2)))) count = 1
-      end associate
-   end function predictors
-
-   !> P (cut at 0) and H0 at the end of a step of `length`, by the polynomial of lowest degree
-   !> through the last `count` solutions.
-   pure subroutine extrapolate(history, count, length, state)
-      type(march_state_t), intent(in) :: history
-      integer, intent(in) :: count
-      real(wp), intent(in) :: length
-      type(film_state_t), intent(inout) :: state
-      real(wp) :: weights(3), last
-
-      last = merge(history%lengths(1), 1.0_wp, history%size > 1)
-      weights = parabola_weights(count, length/last, history%lengths(2)/last)
-      associate (p => history%pressure, h0 => history%rigid_displacement)
-         state%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
-         state%rigid_displacement = dot_product(weights, h0)
-      end associate
-   end subroutine extrapolate
-
    !> Error of BDF2 in the last part relative to the film, largest where `pressure` (0:n) is above
    !> the share `least` of its largest: from the film that the parabola through the three before has
    !> predicted; without three by the line through two, which overrates it; 0 after the first part.
@@ -534,19 +492,11 @@ contains
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: length
 
-      if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), &
-         history%mass(0:level%n, 4), source=0.0_wp)
-      history%pressure(:, 3) = history%pressure(:, 2)
-      history%pressure(:, 2) = history%pressure(:, 1)
-      history%pressure(:, 1) = total_pressure(level)
-      history%lengths = [length, history%lengths(1:2)]
-      history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
       call fluid_density(level%fluid, level%state%pressure, level%oil%density)
-      history%mass(:, 2:) = history%mass(:, :3)
-      history%mass(:, 1) = level%oil%density*level%state%film
+      call keep_solution(history, length, total_pressure(level), level%state%rigid_displacement, &
+         level%oil%density*level%state%film)
       if (allocated(level%oil%saturation)) history%mass(:, 1) = history%mass(:, 1) &
          *level%oil%saturation
-      history%size = min(history%size + 1, 4)
       history%direction = level%direction
    end subroutine remember
 

@@ -4,7 +4,7 @@ module entry_zone
    use features, only: feature_ridge, feature_sinusoid, feature_t, rough_surface_t
    use kinds, only: wp
    use expected_film, only: film_estimate
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, rough_contact_t
    use profile, only: profile_length
    implicit none (type, external)
    private
@@ -21,8 +21,8 @@ module entry_zone
 
    !> Position of the contact, and the time that the film takes through it.
    type :: zone_t
-      !> S = sqrt(2 H_c), and the border of the contact, |X|.
-      real(wp) :: width, border
+      !> S = sqrt(2 H_c), and |X| of the end of the dry contact and of the border.
+      real(wp) :: width, end, border
       real(wp) :: transit
    end type zone_t
 
@@ -30,12 +30,19 @@ contains
 
    !> Where the contact begins and ends for features that enter it.
    pure function zone_of(contact) result(zone)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(zone_t) :: zone
+      real(wp) :: film
 
-      zone%width = sqrt(2*film_estimate(contact))
-      zone%border = 1 + border*zone%width
-      zone%transit = 2 + zone%width
+      film = contact%expected_film
+      select type (contact)
+      class is (line_contact_t)
+         film = film_estimate(contact)
+      end select
+      zone%width = sqrt(2*film)
+      zone%end = contact%half_length
+      zone%border = zone%end + border*zone%width
+      zone%transit = 2*zone%end + zone%width
    end function zone_of
 
    !> Whether a surface is rough along its full length, however far it moves.
@@ -142,14 +149,15 @@ contains
 
    end function first_passage
 
-   !> Time at which the last ridge of a moving surface leaves the contact at its end, |X| = 1.
-   pure real(wp) function last_passage(surface) result(time)
+   !> Time at which the last ridge of a moving surface leaves the contact at its `end` [|X|].
+   pure real(wp) function last_passage(surface, end) result(time)
       type(rough_surface_t), intent(in) :: surface
+      real(wp), intent(in) :: end
 
       time = 0.0_wp
       if (.not. (allocated(surface%features) .and. is_moving(surface))) return
       associate (f => surface%features)
-         time = maxval([time, pack(1 + half_ridge*f%wavelength &
+         time = maxval([time, pack(end + half_ridge*f%wavelength &
             - sign(1.0_wp, surface%speed)*f%position, is_ridge(f))/abs(surface%speed)])
       end associate
    end function last_passage

@@ -27,8 +27,8 @@ module expected_film
    implicit none (type, external)
    private
 
-   public :: clearing_film, film_estimate, film_with_viscosity, newtonian_film, &
-      share_with_viscosity, thinned_central_film
+   public :: clearing_film, film_estimate, film_with_viscosity, flooded_film, newtonian_film, &
+      thinned_central_film
 
    !> Fitted values of pressure, flow over P' lambda, and the power that joins the limits.
    real(wp), parameter :: pressure_share = 0.75_wp, flow_share = 0.7_wp, power = 0.7_wp
@@ -69,15 +69,6 @@ contains
 
       film = central_film(contact%moes_m_sum, contact%moes_l_sum, contact%elasticity)
    end function newtonian_film
-
-   !> Central film of a contact with `factor` > 0 times its viscosity, relative to that at its full
-   !> viscosity.
-   pure real(wp) function share_with_viscosity(contact, factor) result(share)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: factor
-
-      share = film_with_viscosity(contact, factor)/flooded_film(contact)
-   end function share_with_viscosity
 
    !> Central film of a contact with `factor` > 0 times its viscosity, or speeds: M ~ mu_0^(-1/2), L
    !> ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.

@@ -47,19 +47,14 @@ contains
       film = level%rhs_film + level%state%rigid_displacement - level%elastic%deflection
    end function elastic_film
 
-   !> Sets the film of the level from its present pressure and H0.
+   !> Sets the film of the level from its present pressure and H0; between rough surfaces also
+   !> separation, mean gap and what the asperities do there: none at both ends, where P = 0.
    subroutine set_film(level)
       type(line_level_t), intent(inout) :: level
 
       call evaluate_deflection(level)
       level%state%film = elastic_film(level)
-      if (allocated(level%rough)) call set_rough_gap(level)
-   end subroutine set_film
-
-   !> Sets separation, mean gap and what the asperities do there; none at both ends, where P = 0.
-   pure subroutine set_rough_gap(level)
-      type(line_level_t), intent(inout) :: level
-
+      if (.not. allocated(level%rough)) return
       associate (rough => level%rough, h => level%state%separation, film => level%state%film)
          h = film
          call asperity_pressure(rough%law, h, rough%pressure, rough%slope)
@@ -69,7 +64,7 @@ contains
          if (rough%law%has_flow_factor) call flow_factor(rough%law, h, film, rough%gap_slope, &
             rough%factor, rough%ln_slope)
       end associate
-   end subroutine set_rough_gap
+   end subroutine set_film
 
    !> Sets film and gap of the level from `state%pressure` as the total, and shares that: oil bears
    !> what the asperities do not.

@@ -34,11 +34,7 @@ module film_statistics
       !> H of the smooth contact at X = 0.
       real(wp) :: smooth_film = 0.0_wp
    contains
-      !> Lambda ratio: smooth central film over the composite rms height in the contact; 0 if the
-      !> surfaces are smooth.
-      procedure :: lambda_ratio
-      !> Composite rms height of both surfaces in the contact, over all times.
-      procedure :: rms_height
+      procedure :: lambda_ratio, rms_height
    end type film_statistics_t
 
 contains
@@ -103,7 +99,7 @@ contains
       bins(i) = bins(i) + 1.0_wp
    end subroutine add_to_bin
 
-   !> Composite rms height in the unit of H.
+   !> Composite rms height of both surfaces in the contact, over all times, in the unit of H.
    pure real(wp) function rms_height(self)
       class(film_statistics_t), intent(in) :: self
 
@@ -112,7 +108,7 @@ contains
          - (self%height_sum/self%times)**2, 0.0_wp))
    end function rms_height
 
-   !> Smooth film over rms height.
+   !> Lambda ratio: smooth central film over rms height; 0 if the surfaces are smooth.
    pure real(wp) function lambda_ratio(self)
       class(film_statistics_t), intent(in) :: self
 

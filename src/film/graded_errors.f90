@@ -21,7 +21,7 @@ module graded_errors
    implicit none (type, external)
    private
 
-   public :: estimate_errors, error_bound, has_flank, hidden_spike
+   public :: estimate_errors, has_flank, hidden_spike
 
    !> Remainder of an adjoint over its right side.
    real(wp), parameter :: adjoint_tolerance = 1.0e-3_wp
@@ -71,13 +71,6 @@ contains
       call bound_spike(line, shares)
    end subroutine estimate_errors
 
-   !> Bound of an error by the `shares` of the elements.
-   pure real(wp) function error_bound(shares)
-      real(wp), intent(in) :: shares(:)
-
-      error_bound = sum(abs(shares)) + 2*abs(sum(shares))
-   end function error_bound
-
    !> Error of the flux of every element, load that its straight line misses, and error of its
    !> rolling power.
    pure subroutine find_sources(line, flux_error, lost_load, power_error)
@@ -126,7 +119,7 @@ contains
          j = merge(top, spike, p(summit) >= maxval(p))
          ahead = count(x <= x(summit) - 4*h(summit)) - 1
          shares(max(first - 2, 1):min(last + 2, line%n), j) = 0.0_wp
-         ! a sum that `error_bound` counts three times, at the elements to halve
+         ! a sum that the bound counts three times, at the elements to halve
          shares(summit:min(summit + 1, line%n), j) = (p(summit) - p(ahead))/6
       end associate
    end subroutine bound_spike

@@ -10,7 +10,7 @@ module graded_solver
       ieee_usual
    use constants, only: pi
    use expected_film, only: newtonian_film
-   use graded_errors, only: error_bound, estimate_errors, has_flank, hidden_spike
+   use graded_errors, only: estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
    use graded_nodes, only: first_nodes, monotone_cubic, refined_nodes
@@ -163,7 +163,7 @@ contains
 
       associate (line => solution%line, values => solution%values, bounds => solution%bounds)
          call estimate_errors(line, contact%slide_to_roll, rounds%factors, values, shares)
-         bounds = [(error_bound(shares(:, j)), j=1, functional_count)]
+         bounds = sum(abs(shares), 1) + 2*abs(sum(shares, 1))
          goals = target*abs(values)
          goals(spike) = max(target*values(top), spike_share*(values(top) - values(spike)))
          if (.not. solution%is_limited) call judge_spike(bounds(top) > goals(top), rounds, solution)

@@ -134,8 +134,11 @@ contains
 
       n = contact%domain%intervals
       first = halved(n, coarsest_for_film(contact))
-      coarsest = cycle_coarsest(first, n)
-      if (levels > 0) coarsest = halved(n, max(n/2**(levels - 1), smallest_grid))
+      if (levels > 0) then
+         coarsest = halved(n, max(n/2**(levels - 1), smallest_grid))
+      else
+         coarsest = halved(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
+      end if
       first = min(first, coarsest)
       call make_room(hierarchy, 1 + doublings(first, n))
       do while (hierarchy%top < size(hierarchy%levels))
@@ -207,13 +210,6 @@ contains
             rough%factor(0:n), rough%ln_slope(0:n), source=0.0_wp)
       end associate
    end subroutine new_level_of
-
-   !> Intervals of the coarsest grid of the cycles if the nested start begins with `first`.
-   pure integer function cycle_coarsest(first, n) result(coarsest)
-      integer, intent(in) :: first, n
-
-      coarsest = halved(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
-   end function cycle_coarsest
 
    !> Halves n while it is even and the half is at least `least`; n itself if it is less.
    pure integer function halved(n, least) result(coarse)

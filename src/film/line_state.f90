@@ -10,8 +10,12 @@ module line_state
 
    public :: all_finite, line_state_t, turned
 
-   !> Fields of mixed lubrication, each (nx).
+   !> Fields of rough surfaces and of mixed lubrication, each (nx).
    type :: mixed_fields_t
+      !> Psi_1 = psi_1 R/b^2: height of surface 1, positive out of the material (towards the gap).
+      real(wp), allocatable :: roughness_1(:)
+      !> Psi_2 likewise for surface 2.
+      real(wp), allocatable :: roughness_2(:)
       !> Pressure of asperities, and separation of the mean planes, over p_h and b^2/R; the film is
       !> then the mean gap. Not allocated where none touch.
       real(wp), allocatable :: asperity_pressure(:), separation(:)
@@ -24,8 +28,8 @@ module line_state
 
    !> Dimensionless fields on the nodes of the finest grid, each (nx).
    type, extends(mixed_fields_t) :: line_state_t
-      !> X = x/b, rising.
-      real(wp), allocatable :: x(:)
+      !> X = x/b, rising; of a point contact also Y (ny), and all fields are (nx ny), x fastest.
+      real(wp), allocatable :: x(:), y(:)
       !> P = p/p_h, never negative; of the oil where asperities touch.
       real(wp), allocatable :: pressure(:)
       !> H = h R/b^2.
@@ -43,10 +47,6 @@ module line_state
       type(friction_t), allocatable :: friction
       !> Distance from the limit of Reynolds' equation; not allocated without a film.
       type(reynolds_limits_t), allocatable :: limits
-      !> Psi_1 = psi_1 R/b^2: height of surface 1, positive out of the material (towards the gap).
-      real(wp), allocatable :: roughness_1(:)
-      !> Psi_2 likewise for surface 2.
-      real(wp), allocatable :: roughness_2(:)
       !> H0 of (2.58).
       real(wp) :: rigid_displacement = 0.0_wp
       !> T = t u_s/(2 b).

@@ -8,9 +8,9 @@ module line_summary
    use kinds, only: wp
    use line_state, only: line_state_t, turned
    use missing_value, only: larger, not_known
-   use quantities, only: p_central, p_max, parabola_extreme, quantity_count, quantity_rows, &
-      quantity_values, rolling_power, rule_between, rule_crest, rule_first, rule_node, &
-      rule_value, sliding_power
+   use quantities, only: central_value, h_central, h_min, h_min_node, p_central, p_max, &
+      parabola_extreme, paraboloid_minimum, quantity_count, quantity_rows, quantity_values, &
+      rolling_power, rule_between, rule_crest, rule_first, rule_node, rule_value, sliding_power
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private
@@ -83,6 +83,10 @@ contains
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
 
+      if (allocated(state%y)) then
+         summary = summary_of_area(state)
+         return
+      end if
       if (sum(state%moment%speeds) < 0.0_wp) then   ! the exit is where the oil flows to
          summary = summary_of(turned(state))
          return
@@ -91,6 +95,28 @@ contains
          state%friction, state%asperity_pressure)
       if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of
+
+   !> The same of a point contact: smallest film, largest pressure and friction of all nodes, the
+   !> others on the middle row.
+   pure function summary_of_area(state) result(summary)
+      type(line_state_t), intent(in) :: state
+      type(line_summary_t) :: summary
+      integer :: first, last
+
+      first = size(state%x)*(size(state%y)/2) + 1
+      last = first + size(state%x) - 1
+      associate (h => state%film_thickness, time => state%time)
+         summary = summary_of_fields(state%x, state%pressure(first:last), h(first:last), time, &
+            state%friction)
+         summary%of(h_min) = new_quantity(h_min, spread(paraboloid_minimum(reshape(h, &
+            [size(state%x), size(state%y)])), 1, 2), time)
+         summary%of(h_min_node) = new_quantity(h_min_node, [minval(h), &
+            summary%of(h_min)%value], time)
+         summary%of(h_central) = new_quantity(h_central, spread(central_value(state%x, &
+            h(first:last)), 1, 2), time)
+         summary%of(p_max) = new_quantity(p_max, spread(maxval(state%pressure), 1, 2), time)
+      end associate
+   end function summary_of_area
 
    !> Quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
    !> (nx), of their friction if known, and of the pressure `solid` of asperities (nx).

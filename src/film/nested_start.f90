@@ -2,7 +2,7 @@
 !> solution on a graded grid.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use contact_moment, only: own_contact, put_into_reference_units, width_of
+   use contact_moment, only: own_contact, width_of
    use fas_cycle, only: cycle_from
    use film_equation, only: carried_load, elastic_film, evaluate_deflection, set_film, &
       share_pressure
@@ -138,8 +138,10 @@ contains
          level%state%pressure(1:level%n - 1) = monotone_cubic(solution%line%x, &
             solution%line%state%pressure, level%x(1:level%n - 1)/scale)
          level%state%pressure(level%n) = 0.0_wp
-         level%state%rigid_displacement = solution%line%state%rigid_displacement
-         call put_into_reference_units(level%moment, level%state)
+         ! from its own to reference units; H0 holds the part of ln|X - X'| that that of X changes
+         level%state%pressure = level%state%pressure*sqrt(level%moment%load/level%moment%radius)
+         level%state%rigid_displacement = level%moment%load &
+            *(solution%line%state%rigid_displacement + 0.5_wp*log(scale))
          call set_smooth_film(level)
       end associate
    end subroutine graded_start

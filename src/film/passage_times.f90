@@ -16,7 +16,7 @@ module passage_times
    use duty, only: moment_t, span_of
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: rough_contact_t
    use profile, only: profile_length
    use solver_settings, only: time_settings_t
    use text, only: add_sentence, rounded_up, to_text
@@ -60,14 +60,7 @@ module passage_times
       !> The user gave `counts_from`.
       logical :: is_given = .false.
    contains
-      !> Whether a time counts, and whether it belongs to the comparison.
-      procedure :: counts
-      procedure :: is_earlier
-      procedure :: lengthened
-      !> Time from which statistics of the film count.
-      procedure :: statistics_from
-      !> Whether the run lasts until its quantities are free of the start.
-      procedure :: is_settled
+      procedure :: counts, is_earlier, is_settled, lengthened, statistics_from
    end type passage_times_t
 
 contains
@@ -121,7 +114,7 @@ contains
 
    !> The times of a contact whose features are placed.
    pure function new_passage_times(contact, time) result(times)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       type(passage_times_t) :: times
       type(zone_t) :: zone
@@ -165,7 +158,7 @@ contains
    !> the one before shows to be periodic or not; two more cycles than the oil of the start needs to
    !> leave the contact.
    pure subroutine settle_duty(contact, time, times)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       type(passage_times_t), intent(inout) :: times
       type(zone_t) :: zone
@@ -194,29 +187,30 @@ contains
    !> End time T at which the quantities of a contact are complete: the start is forgotten, features
    !> and profiles have passed, waves have become periodic; 0: nothing rough moves.
    pure real(wp) function sufficient_end(contact) result(end_time)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(passage_times_t) :: times
 
       times = new_passage_times(contact, time_settings_t(is_transient=.true., &
          end_time=huge(1.0_wp)))
       end_time = times%needed_end
       if (allocated(contact%duty)) return
-      end_time = max(end_time, passage_end(contact%surface_1, times%settled_from), &
-         passage_end(contact%surface_2, times%settled_from))
+      end_time = max(end_time, passage_end(contact%surface_1, contact%half_length, &
+         times%settled_from), passage_end(contact%surface_2, contact%half_length, &
+         times%settled_from))
    end function sufficient_end
 
-   !> Time at which the ridges and the profile of a surface have passed, a periodic one once after
-   !> `settled_from`; 0: it has none, or is at rest.
-   pure real(wp) function passage_end(surface, settled_from) result(time)
+   !> Time at which the ridges and the profile of a surface have passed the `end` of the contact, a
+   !> periodic one once after `settled_from`; 0: it has none, or is at rest.
+   pure real(wp) function passage_end(surface, end, settled_from) result(time)
       type(rough_surface_t), intent(in) :: surface
-      real(wp), intent(in) :: settled_from
+      real(wp), intent(in) :: end, settled_from
       real(wp) :: way
 
-      time = last_passage(surface)
+      time = last_passage(surface, end)
       if (.not. (allocated(surface%profile) .and. is_moving(surface))) return
       associate (profile => surface%profile, length => profile_length(surface%profile))
-         way = 1 - profile%start
-         if (surface%speed < 0.0_wp) way = 1 + profile%start + length
+         way = end - profile%start
+         if (surface%speed < 0.0_wp) way = end + profile%start + length
          if (profile%is_periodic) way = length + abs(surface%speed)*settled_from
          time = max(time, way/abs(surface%speed))
       end associate
@@ -300,7 +294,7 @@ contains
    !> Places the features of moving surfaces that have no position just in front of the contact, on
    !> the side they come from; if something else must settle first, so far that they enter after it.
    pure subroutine place_features(contact)
-      type(line_contact_t), intent(inout) :: contact
+      class(rough_contact_t), intent(inout) :: contact
       type(passage_times_t) :: times
       type(zone_t) :: zone
 
@@ -324,7 +318,7 @@ contains
                if (feature%is_placed) cycle
                feature%is_placed = .true.
                if (feature%kind /= feature_ridge .or. .not. is_moving(surface)) cycle
-               distance = 1 + entry*zone%width + abs(surface%speed)*times%settled_from
+               distance = zone%end + entry*zone%width + abs(surface%speed)*times%settled_from
                if (surface%entry_length > 0.0_wp) distance = max(distance, &
                   abs(surface%entry_position) + surface%entry_length)
                feature%position = sign(distance + half_ridge*feature%wavelength, -surface%speed)
@@ -336,7 +330,7 @@ contains
 
    !> Note on the times: quantities that include the start, an incomplete passage; empty: none.
    pure function passage_note(contact, times) result(note)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(passage_times_t), intent(in) :: times
       character(:), allocatable :: note
       real(wp) :: left
@@ -359,7 +353,8 @@ contains
       else
          note = uncounted_passage(contact, times%settled_from)
       end if
-      left = max(last_passage(contact%surface_1), last_passage(contact%surface_2))
+      left = max(last_passage(contact%surface_1, contact%half_length), &
+         last_passage(contact%surface_2, contact%half_length))
       if (left > times%end_time*(1 + rounding)) call add_sentence(note, &
          'a feature is still in the contact or in front of it at the end: end_time = ' &
          //rounded_up(left, 3)//' or more is needed')
@@ -367,7 +362,7 @@ contains
 
    !> Note on features that pass before the quantities count, at `from`; empty: none.
    pure function uncounted_passage(contact, from) result(note)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       real(wp), intent(in) :: from
       character(:), allocatable :: note
       real(wp) :: first(2), shifts(2)

@@ -14,8 +14,8 @@ module quantities
    private
 
    public :: bend_of, central_by_cubic, central_value, exit_between_nodes, exit_position, &
-      is_chance, node_minimum, node_spacings, parabola_extreme, parabola_minimum, peak_value, &
-      quantity_values
+      is_chance, node_minimum, node_spacings, parabola_extreme, parabola_minimum, &
+      paraboloid_minimum, peak_value, quantity_values
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
@@ -174,6 +174,26 @@ contains
       vertex = parabola_extreme(x(i - 1:i + 1), h(i - 1:i + 1))
       if (vertex > 0.0_wp .or. smallest <= 0.0_wp) smallest = vertex
    end function parabola_minimum
+
+   !> Smallest value inside: of the paraboloid by least squares through the nine nodes around the
+   !> smallest one, or that node if the vertex lies outside of its neighbours.
+   pure real(wp) function paraboloid_minimum(h) result(smallest)
+      real(wp), intent(in) :: h(:, :)
+      real(wp) :: bend(2), c, cross, slope(2), vertex(2), z(-1:1, -1:1)
+      integer :: place(2)
+
+      place = minloc(h(2:size(h, 1) - 1, 2:size(h, 2) - 1)) + 1
+      z = h(place(1) - 1:place(1) + 1, place(2) - 1:place(2) + 1)
+      smallest = z(0, 0)
+      slope = [sum(z(1, :) - z(-1, :)), sum(z(:, 1) - z(:, -1))]/6
+      bend = [sum(z(1, :) + z(-1, :)), sum(z(:, 1) + z(:, -1))]/2 - sum(z)/3
+      cross = (z(1, 1) + z(-1, -1) - z(1, -1) - z(-1, 1))/4
+      c = 4*bend(1)*bend(2) - cross**2
+      if (.not. c > 0.0_wp) return
+      vertex = [cross*slope(2) - 2*bend(2)*slope(1), cross*slope(1) - 2*bend(1)*slope(2)]/c
+      if (all(abs(vertex) < 1.0_wp)) smallest = sum(z)/9 - 2*sum(bend)/3 + 0.5_wp &
+         *dot_product(slope, vertex)
+   end function paraboloid_minimum
 
    !> Vertex of the parabola through three values on rising nodes, the middle one the smallest or
    !> the largest; on a line the middle value.

@@ -44,6 +44,9 @@ module solver_settings
       logical :: may_lengthen = .false.
       !> Whether the program chose the inlet and the number of intervals.
       logical :: inlet_is_chosen = .false., intervals_are_chosen = .false.
+      !> Of a point contact: half of its width [half-widths], intervals across.
+      real(wp) :: y_half_width = 0.0_wp
+      integer :: rows = 0
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).

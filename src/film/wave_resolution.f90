@@ -7,7 +7,7 @@ module wave_resolution
    use, intrinsic :: iso_fortran_env, only: int64
    use duty, only: span_of
    use kinds, only: wp
-   use line_contact, only: finest_wave, line_contact_t, shortest_passage
+   use line_contact, only: finest_wave, rough_contact_t, shortest_passage
    use solver_settings, only: time_settings_t
    use text, only: add_sentence, rounded_down, to_text
    implicit none (type, external)
@@ -42,7 +42,7 @@ contains
 
    !> Nodes of a complete domain in the finest wave of the surfaces; huge if they are smooth.
    pure real(wp) function nodes_in_wave(contact) result(nodes)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
 
       nodes = huge(1.0_wp)
       if (contact%domain%grid == 'graded') return   ! its errors tell
@@ -52,7 +52,7 @@ contains
    !> Time steps in which the finest moving wave passes a point; huge without one, or if no step is
    !> known yet.
    pure real(wp) function steps_in_wave(contact, time) result(steps)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
 
       steps = huge(1.0_wp)
@@ -63,7 +63,7 @@ contains
    !> Note on waves with too few nodes or steps for 1 %, and what suffices; empty: none. Domain and
    !> time step must be complete.
    pure function coarse_waves(contact, time) result(words)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       character(:), allocatable :: words
       real(wp) :: nodes, steps
@@ -83,7 +83,7 @@ contains
    !> Note that time steps are too long for an error estimate, and which are not; empty: they are
    !> not too long. Domain and time step must be complete.
    pure function long_steps(contact, time) result(words)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       character(:), allocatable :: words
 
@@ -95,7 +95,7 @@ contains
 
    !> Whether longer steps miss waves that these resolve.
    pure logical function has_long_steps(contact, time) result(are_long)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
 
       are_long = steps_in_wave(contact, time) < seen_steps .and. time%time_step &
@@ -114,7 +114,7 @@ contains
    !> Why coarser grids and longer steps give no error estimate: waves that they do not resolve.
    !> Empty: they do, or grid and step are not known yet.
    pure function unseen_waves(contact, time) result(words)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       character(:), allocatable :: words
       real(wp) :: least, nodes
@@ -147,7 +147,7 @@ contains
 
    !> dX of a complete domain.
    pure real(wp) function node_spacing(contact) result(spacing)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
 
       spacing = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
    end function node_spacing
@@ -157,7 +157,7 @@ contains
    !> passage of the finest wave; shortened so that an integer number of steps ends at
    !> `time%end_time`, or makes a cycle. A steady case and a step already chosen do not change.
    pure subroutine choose_time_step(contact, time)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(inout) :: time
       real(wp) :: whole, wanted
 

@@ -14,6 +14,7 @@ module hdf5_axes
    use hdf5_dataset, only: attach_values, label_t, new_label, write_dataset, write_values
    use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
    use kinds, only: wp
+   use text, only: count_of
    implicit none (type, external)
    private
 
@@ -36,7 +37,7 @@ contains
       call write_dataset(file, path, values, label)
       call name_axes(file, path, axes)
       if (.not. present(has_si)) return
-      if (.not. has_si .or. label%si_units == '1' .or. allocated(file%row)) return
+      if (.not. has_si .or. label%si_units == '1') return
       call c_f_pointer(c_loc(values), flat, [size(values)])
       copy = label%si_scale*flat
       call file%check_values('/si'//path, copy)
@@ -97,23 +98,25 @@ contains
    subroutine name_axes(file, path, axes)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, axes
-      integer(int64), target :: places(2)
-      type(hvl_t), target :: lists(2)
+      integer(int64), allocatable, target :: places(:)
+      type(hvl_t), allocatable, target :: lists(:)
       integer(int64) :: user
       integer(hid_t) :: list_type
-      integer :: blank, i, rank, status
+      integer :: first, i, rank, status
 
       if (allocated(file%row)) return
       if (axes == '=') call make_axis(file, path)
       if (axes == '=' .or. allocated(file%failure)) return
       user = place_of(file, path)
-      blank = index(axes//' ', ' ')
-      rank = merge(2, 1, blank < len(axes))
-      associate (group => path(:index(path, '/', back=.true.)))
-         if (rank > 1) call use_axis(file, group//axes(blank + 1:), user, 0, places(1))
-         call use_axis(file, group//axes(:blank - 1), user, rank - 1, places(rank))
-      end associate
-      do i = 1, rank
+      rank = count_of(' ', axes) + 1
+      allocate (places(rank), lists(rank))
+      first = 1
+      do i = rank, 1, -1
+         associate (group => path(:index(path, '/', back=.true.)), length => index(axes(first:) &
+            //' ', ' ') - 1)
+            call use_axis(file, group//axes(first:first + length - 1), user, i - 1, places(i))
+            first = first + length + 1
+         end associate
          lists(i)%len = 1_size_t
          lists(i)%p = c_loc(places(i))
       end do

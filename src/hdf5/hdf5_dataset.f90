@@ -44,12 +44,12 @@ module hdf5_dataset
       module procedure :: attach_reals, attach_quantity, attach_integer, attach_string
    end interface write_attribute
 
-   !> A series in an open file: numbers (n) or rows (row_length, n), in h5py (n, row_length).
+   !> A series in an open file: numbers (n) or records (shape, n), in h5py (n, shape backwards).
    type :: series_t
       !> Records written so far.
       integer :: records = 0
-      !> Length of a row; 0 = the records are single numbers.
-      integer :: row_length = 0
+      !> Extents of a record; none: single numbers.
+      integer, allocatable :: shape(:)
       character(:), allocatable, private :: path
       integer(hid_t), private :: id = -1_hid_t
    contains
@@ -101,10 +101,7 @@ contains
       logical :: is_blank
 
       call file%check_values(path, value)
-      if (allocated(file%row)) then
-         call file%row%put(path, '', label%si_units, numbers=value)
-         return
-      end if
+      if (allocated(file%row)) call file%row%put(path, '', label%si_units, numbers=value)
       stored_type = file%real_type
       if (present(is_single)) stored_type = merge(file%single_type, stored_type, is_single)
       is_blank = size(value) > many
@@ -156,11 +153,8 @@ contains
       type(label_t), intent(in) :: label
       integer(int64), pointer :: flat(:)
 
-      if (allocated(file%row)) then
-         call c_f_pointer(c_loc(value), flat, [size(value)])
-         call file%row%put(path, '', label%si_units, numbers=real(flat, wp))
-         return
-      end if
+      call c_f_pointer(c_loc(value), flat, [size(value)])
+      if (allocated(file%row)) call file%row%put(path, '', label%si_units, numbers=real(flat, wp))
       call write_values(file, path, file%integer_type, shape(value), c_loc(value), label)
    end subroutine write_integers
 
@@ -171,11 +165,8 @@ contains
       type(label_t), intent(in), optional :: label
       character(kind=c_char, len=:), allocatable, target :: copy
 
-      if (allocated(file%failure)) return
-      if (allocated(file%row)) then
-         call file%row%put(path, '', '1', value)
-         return
-      end if
+      if (allocated(file%row)) call file%row%put(path, '', '1', value)
+      if (allocated(file%failure) .or. allocated(file%row)) return
       copy = stored_text(value)
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
@@ -251,10 +242,7 @@ contains
       character(*), intent(in) :: path, name
       real(wp), intent(in), contiguous, target :: value(..)
 
-      if (allocated(file%row)) then
-         call file%row%put(path, name, '=', numbers=value)
-         return
-      end if
+      if (allocated(file%row)) call file%row%put(path, name, '=', numbers=value)
       call attach_values(file, path, name, file%real_type, shape(value), c_loc(value))
    end subroutine attach_reals
 
@@ -264,10 +252,7 @@ contains
       character(*), intent(in) :: path, name, units
       real(wp), intent(in) :: value
 
-      if (allocated(file%row)) then
-         call file%row%put(path, name, units, numbers=value)
-         return
-      end if
+      if (allocated(file%row)) call file%row%put(path, name, units, numbers=value)
       call attach_reals(file, path, name, value)
       call attach_string(file, path, name//'_units', units)
    end subroutine attach_quantity
@@ -279,10 +264,7 @@ contains
       integer, intent(in) :: value
       integer(int64), target :: copy
 
-      if (allocated(file%row)) then
-         call file%row%put(path, name, '', numbers=real(value, wp))
-         return
-      end if
+      if (allocated(file%row)) call file%row%put(path, name, '', numbers=real(value, wp))
       copy = int(value, int64)
       call attach_values(file, path, name, file%integer_type, [integer ::], c_loc(copy))
    end subroutine attach_integer
@@ -293,11 +275,8 @@ contains
       character(*), intent(in) :: path, name, value
       character(kind=c_char, len=:), allocatable, target :: copy
 
-      if (allocated(file%failure)) return
-      if (allocated(file%row)) then
-         call file%row%put(path, name, '', value)
-         return
-      end if
+      if (allocated(file%row)) call file%row%put(path, name, '', value)
+      if (allocated(file%failure) .or. allocated(file%row)) return
       copy = stored_text(value)
       call attach_values(file, path, name, file%string_type(len(copy)), [integer ::], c_loc(copy))
    end subroutine attach_string
@@ -357,22 +336,19 @@ contains
    end function stored_text
 
    !> Makes a series at `path` for this many `records`.
-   subroutine create_series(series, file, path, row_length, records, label)
+   subroutine create_series(series, file, path, shape, records, label)
       type(series_t), intent(out) :: series
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      integer, intent(in) :: row_length, records
+      integer, intent(in) :: shape(:), records
       type(label_t), intent(in) :: label
       integer(hid_t) :: space
-      integer :: status, first
+      integer :: status
 
       if (allocated(file%failure)) return
       series%path = path
-      series%row_length = row_length
-      first = merge(2, 1, row_length == 0)
-      associate (extents => [int(row_length, hsize_t), int(records, hsize_t)])
-         call h5screate_simple_f(3 - first, extents(first:), space, status)
-      end associate
+      series%shape = shape
+      call h5screate_simple_f(size(shape) + 1, int([shape, records], hsize_t), space, status)
       call file%check(status, path)
       call create_labelled(file, path, file%real_type, space, file%shared%creation, label, &
          series%id)
@@ -381,21 +357,18 @@ contains
       call file%check(status, path)
    end subroutine create_series
 
-   !> Writes records behind the last one.
+   !> Writes records behind the last one, each flat.
    subroutine append(self, file, values)
       class(series_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous, target :: values(:, :)
       integer(hid_t) :: file_space, memory_space
-      integer(hsize_t) :: offset(2), extents(2)
-      integer :: first, status
+      integer :: status
 
       if (allocated(file%failure) .or. size(values, 2) == 0) return
       call file%check_values(self%path, values)
-      offset = [0_hsize_t, int(self%records, hsize_t)]
-      extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
-      first = merge(2, 1, self%row_length == 0)
-      associate (start => offset(first:), count => extents(first:))
+      associate (start => int([0*self%shape, self%records], hsize_t), &
+         count => int([self%shape, size(values, 2)], hsize_t))
          call h5dget_space_f(self%id, file_space, status)
          if (status >= 0) call h5screate_simple_f(size(count), count, memory_space, status)
          if (status >= 0) call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, count, &

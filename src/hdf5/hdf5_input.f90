@@ -14,7 +14,7 @@ module hdf5_input
       h5kind_to_type, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
    use hdf5_library, only: keep_hdf5_failure, start_hdf5
-   use hdf5_source, only: hdf5_source_t, new_source, number_class, text_class
+   use hdf5_source, only: hdf5_source_t, look_at, number_class, text_class
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
@@ -125,27 +125,31 @@ contains
    end function has_attribute
 
    !> Opens the dataset `path`, or the `attribute` of the object there, to be closed unless it
-   !> fails. A failure: there is none, or the values of a dataset lie elsewhere than in the file.
-   subroutine open_source(self, source, path, attribute)
+   !> fails. A failure: there is none, the values of a dataset lie elsewhere than in the file, or it
+   !> has not `count` values of the `class`, where that is asked for.
+   subroutine open_source(self, source, path, attribute, class, count)
       class(hdf5_input_t), intent(inout) :: self
       type(hdf5_source_t), intent(out) :: source
       character(*), intent(in) :: path
       character(*), intent(in), optional :: attribute
+      integer, intent(in), optional :: class
+      integer(int64), intent(in), optional :: count
       integer(hid_t) :: id
       integer :: status
 
       if (allocated(self%failure)) return
+      source%name = path
       if (present(attribute)) then
+         source%name = attribute
          call h5aopen_by_name_f(self%id, path, attribute, id, status)
-         call self%check(status, attribute)
       else
          call h5dopen_f(self%id, path, id, status)
-         call self%check(status, path)
       end if
+      call self%check(status, source%name)
       if (allocated(self%failure)) return
-      source = new_source(id, present(attribute))
-      if (present(attribute)) return
-      call self%refuse(path, source%fault_of_storage())
+      call look_at(source, id, present(attribute))
+      if (.not. present(attribute)) call self%refuse(path, source%fault_of_storage())
+      if (present(count)) call self%refuse(source%name, source%fault(class, count))
       if (allocated(self%failure)) call source%close()
    end subroutine open_source
 
@@ -221,18 +225,12 @@ contains
       type(c_ptr), intent(in) :: place
       character(*), intent(in), optional :: attribute
       type(hdf5_source_t) :: source
-      character(:), allocatable :: name
       integer :: status
 
-      call self%open(source, path, attribute)
+      call self%open(source, path, attribute, number_class, count)
       if (allocated(self%failure)) return
-      name = path
-      if (present(attribute)) name = attribute
-      call self%refuse(name, source%fault(number_class, count))
-      if (.not. allocated(self%failure)) then
-         call source%read_into(type_id, place, status)
-         call self%check(status, name)
-      end if
+      call source%read_into(type_id, place, status)
+      call self%check(status, source%name)
       call source%close()
    end subroutine read_numbers
 
@@ -244,21 +242,15 @@ contains
       character(:), allocatable :: text
       type(hdf5_source_t) :: source
       character(kind=c_char, len=:), allocatable, target :: buffer
-      character(:), allocatable :: name
       integer :: status
 
       text = ''
-      call self%open(source, path, attribute)
+      call self%open(source, path, attribute, text_class, 1_int64)
       if (allocated(self%failure)) return
-      name = path
-      if (present(attribute)) name = attribute
-      call self%refuse(name, source%fault(text_class, 1_int64))
-      if (.not. allocated(self%failure)) then
-         allocate (character(len=source%bytes) :: buffer)
-         call source%read_into(source%type_id, c_loc(buffer), status)
-         call self%check(status, name)
-         if (status >= 0) text = buffer(:verify(buffer, c_null_char, back=.true.))
-      end if
+      allocate (character(len=source%bytes) :: buffer)
+      call source%read_into(source%type_id, c_loc(buffer), status)
+      call self%check(status, source%name)
+      if (status >= 0) text = buffer(:verify(buffer, c_null_char, back=.true.))
       call source%close()
    end function text
 

@@ -17,7 +17,7 @@ module hdf5_source
    implicit none (type, external)
    private
 
-   public :: hdf5_source_t, new_source, number_class, text_class
+   public :: hdf5_source_t, look_at, number_class, text_class
 
    !> Values that are read: integers or reals of at most 16 bytes; a text of fixed length.
    integer, parameter :: number_class = 1, text_class = 2
@@ -35,6 +35,8 @@ module hdf5_source
 
    !> An open attribute or dataset.
    type :: hdf5_source_t
+      !> Its name in messages: path of the dataset, or the attribute.
+      character(:), allocatable :: name
       !> Identifiers of HDF5: of the source itself, and of the type of its values.
       integer(hid_t) :: id = -1_hid_t, type_id = -1_hid_t
       logical, private :: is_attribute = .false.
@@ -55,10 +57,10 @@ module hdf5_source
 contains
 
    !> Looks at what the attribute or dataset `id` holds.
-   function new_source(id, is_attribute) result(source)
+   subroutine look_at(source, id, is_attribute)
+      type(hdf5_source_t), intent(inout) :: source
       integer(hid_t), intent(in) :: id
       logical, intent(in) :: is_attribute
-      type(hdf5_source_t) :: source
       integer(hid_t) :: space
       integer :: status
 
@@ -76,7 +78,7 @@ contains
       if (source%class == h5t_string_f) call h5tis_variable_str_f(source%type_id, &
          source%is_variable, status)
       call read_extents(source, space)
-   end function new_source
+   end subroutine look_at
 
    !> Number of values and extents; closes the dataspace.
    subroutine read_extents(source, space)

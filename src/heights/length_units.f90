@@ -85,6 +85,8 @@ contains
       character(:), allocatable, intent(out) :: stated
       integer, intent(out) :: last
       character(*), parameter :: opening = '[({<', closing = '])}>'
+      character(:), allocatable :: plain, word
+      real(wp) :: per_metre
       integer :: first, kind
 
       stated = ''
@@ -101,22 +103,13 @@ contains
          stated = trim(adjustl(name(first + 1:last)))
       else
          first = scan(name(:last), '_ -.,', back=.true.)
-         if (is_unit_behind_mark(name(first + 1:last))) stated = name(first + 1:last)
-         if (stated == '') return
+         plain = in_ascii(name(first + 1:last))
+         call units_per_metre(name(first + 1:last), per_metre, word)
+         if (.not. (word /= '' .and. all(names_too /= plain) .or. any(other_units == plain))) return
+         stated = name(first + 1:last)
       end if
       last = len_trim(name(:first - 1))
    end subroutine find_unit
-
-   !> Whether the last part of a name is a unit.
-   pure logical function is_unit_behind_mark(part) result(is_unit)
-      character(*), intent(in) :: part
-      character(:), allocatable :: plain, word
-      real(wp) :: per_metre
-
-      plain = in_ascii(part)
-      call units_per_metre(part, per_metre, word)
-      is_unit = word /= '' .and. all(names_too /= plain) .or. any(other_units == plain)
-   end function is_unit_behind_mark
 
    !> The first unit of length in a comment except metre and inch, which are words; empty: none.
    pure function unit_among(comment) result(unit)

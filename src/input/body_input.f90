@@ -1,7 +1,6 @@
 !> &bodies and &load: what contradicts each other or follows from other keys; two bodies as one.
 module body_input
    use bodies, only: bodies_t, reduced_modulus, reduced_radius
-   use dry_scaling, only: contact_modulus
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t
@@ -297,7 +296,8 @@ contains
          values%real_value('bodies', 'radius_2'))
    end function radius_of
 
-   !> E' [Pa]: given, of both bodies, or of the first against a rigid one; 0 if there is none.
+   !> E' [Pa]: given, of both bodies, or of the first against a rigid one, 2/E' = (1 - nu^2)/E; 0 if
+   !> there is none.
    real(wp) function modulus_of(values) result(modulus)
       type(input_values_t), intent(in) :: values
 
@@ -308,8 +308,8 @@ contains
             values%real_value('bodies', 'youngs_modulus_2'), &
             values%real_value('bodies', 'poisson_ratio_2'))
       else if (values%is_given('bodies', 'youngs_modulus_1')) then
-         modulus = contact_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
-            values%real_value('bodies', 'poisson_ratio_1'))
+         modulus = 2.0_wp*values%real_value('bodies', 'youngs_modulus_1') &
+            /(1.0_wp - values%real_value('bodies', 'poisson_ratio_1')**2)
       end if
    end function modulus_of
 

@@ -89,6 +89,7 @@ contains
       if (case%problem == lubricated) then
          call fill_line_case(values, case)
       else if (case%problem == point) then
+         call fill_common(values, case)
          call fill_point_case(values, case)
       else
          case%dry%values = values
@@ -111,6 +112,7 @@ contains
       call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
          case%load_per_length)
       call fill_lubricant(values, case%lubricant, case%materials)
+      call fill_common(values, case)
       call fill_numerics(values, case)
       if (values%has_group('moes')) then
          moes_m = values%real_value('moes', 'moes_m')
@@ -133,13 +135,38 @@ contains
       call plan_line_case(values, case)
    end subroutine fill_line_case
 
-   !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.
+   !> &time, &output, &accuracy and the tolerance of lines and points; 0 where the program chooses.
+   subroutine fill_common(values, case)
+      type(input_values_t), intent(in) :: values
+      type(case_t), intent(inout) :: case
+      type(value_t) :: fields
+
+      fields = values%slot('output', 'fields')
+      associate (time => case%time, solver => case%solver, output => case%output_settings)
+         time%is_transient = values%logical_value('time', 'transient')
+         time%end_time = values%real_value('time', 'end_time')
+         time%time_step = values%real_value('time', 'time_step')
+         time%scheme = values%word_value('time', 'scheme')
+         time%statistics_from = values%real_value('time', 'statistics_from', time%statistics_from)
+         solver%tolerance = values%real_value('solver', 'tolerance')
+         solver%max_cycles = values%integer_value('solver', 'max_cycles')
+         solver%target = values%real_value('accuracy', 'target')
+         solver%wants_coarse_runs = values%logical_value('accuracy', 'error_bars')
+         output%profile_stride = values%integer_value('output', 'profile_stride')
+         output%fields = fields%words
+         output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
+         output%has_si = values%logical_value('output', 'si_copies')
+         allocate (output%film_thresholds(0))
+      end associate
+   end subroutine fill_common
+
+   !> &domain, &solver, &film and &output of a line; 0 where the program chooses.
    subroutine fill_numerics(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
-      type(value_t) :: fields, thresholds
+      type(value_t) :: thresholds
 
-      associate (domain => case%domain, time => case%time)
+      associate (domain => case%domain)
          domain%has_inlet = values%has_value('domain', 'x_inlet')
          domain%has_outlet = values%has_value('domain', 'x_outlet')
          domain%x_inlet = values%real_value('domain', 'x_inlet')
@@ -154,11 +181,6 @@ contains
          if (even_reason(values) /= '') domain%grid = 'even'
          if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
             .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'
-         time%is_transient = values%logical_value('time', 'transient')
-         time%end_time = values%real_value('time', 'end_time')
-         time%time_step = values%real_value('time', 'time_step')
-         time%scheme = values%word_value('time', 'scheme')
-         time%statistics_from = values%real_value('time', 'statistics_from', time%statistics_from)
       end associate
       case%contact%conserves_oil = conserves_oil(values)
       case%contact%supply = values%real_value('supply', 'film', case%contact%supply)   ! [m]
@@ -166,11 +188,7 @@ contains
          solver%method = values%word_value('solver', 'method')
          solver%smoother = values%word_value('solver', 'smoother')
          solver%space_scheme = values%word_value('solver', 'space_scheme')
-         solver%target = values%real_value('accuracy', 'target')
-         solver%wants_coarse_runs = values%logical_value('accuracy', 'error_bars')
          solver%start = values%word_value('solver', 'start')
-         solver%tolerance = values%real_value('solver', 'tolerance')
-         solver%max_cycles = values%integer_value('solver', 'max_cycles')
          solver%levels = values%integer_value('solver', 'levels')
          solver%pre_sweeps = values%integer_value('solver', 'pre_sweeps')
          solver%post_sweeps = values%integer_value('solver', 'post_sweeps')
@@ -185,15 +203,10 @@ contains
          case%has_inertia = values%logical_value('film', 'inertia')
          case%solver%space_scheme = 'kappa'
       end if
-      fields = values%slot('output', 'fields')
       thresholds = values%slot('output', 'film_thresholds')
       associate (output => case%output_settings)
-         output%profile_stride = values%integer_value('output', 'profile_stride')
-         output%fields = fields%words
-         output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
          output%film_thresholds = thresholds%reals
          output%adequacy = values%word_value('output', 'adequacy')
-         output%has_si = values%logical_value('output', 'si_copies')
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
    end subroutine fill_numerics

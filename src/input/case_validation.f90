@@ -44,8 +44,7 @@ contains
       call check_lubricant(values)
       call check_surface(values, 'surface_1', 'speed_1')
       call check_surface(values, 'surface_2', 'speed_2')
-      if (values%problem /= lubricated) return
-      call check_solver(values)
+      if (values%problem == lubricated) call check_solver(values)
       if (.not. values%logical_value('time', 'transient')) return
       if (values%has_value('time', 'end_time')) call check_times(values, &
          values%real_value('time', 'end_time'), values%real_value('time', 'time_step'))

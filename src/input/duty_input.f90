@@ -34,6 +34,7 @@ contains
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: folder
       type(duty_rows_t), allocatable, intent(out) :: rows
+      type(column_table_t) :: table
       type(error_t), allocatable :: error
       character(:), allocatable :: file
       integer :: i, widest
@@ -45,7 +46,13 @@ contains
          call fail(error, input_error, 'found an empty text, expected the name of a file')
       else
          if (index(file, '/') /= 1) file = folder//file
-         call read_rows(file, rows, error)
+         table = column_table_t(columns, least, largest, heads=2)
+         call read_columns(file, table, error)
+      end if
+      if (.not. allocated(error)) then
+         rows%has = table%has
+         call move_alloc(table%values, rows%values)
+         rows%digits = table%digits
       end if
       if (.not. allocated(error)) call check_clock(values, rows, file, error)
       if (.not. allocated(error)) call check_other_ways(values, rows, file, error)
@@ -182,20 +189,5 @@ contains
             ' s, expected at least '//to_text(shortest, 1)//' s')
       end associate
    end subroutine check_clock
-
-   !> Reads the table. Errors (input_error): those of `read_columns`.
-   subroutine read_rows(file, rows, error)
-      character(*), intent(in) :: file
-      type(duty_rows_t), intent(inout) :: rows
-      type(error_t), allocatable, intent(out) :: error
-      type(column_table_t) :: table
-
-      table = column_table_t(columns, least, largest, heads=2)
-      call read_columns(file, table, error)
-      if (allocated(error)) return
-      rows%has = table%has
-      call move_alloc(table%values, rows%values)
-      rows%digits = table%digits
-   end subroutine read_rows
 
 end module duty_input

@@ -9,6 +9,7 @@ module file_heights
       rms_slope, subtract_form, tilt_of, trend_t
    use profile, only: height_source_t
    use input_values, only: input_values_t
+   use key_row, only: dry_area, has_word, point
    use kinds, only: wp
    use measured_heights, only: height_request_t, heights_t, put_level
    use surface_keys, only: has_shape, surfaces
@@ -66,7 +67,8 @@ contains
       request%units(1) = trim(values%word_value(group, 'x_unit'))
       request%units(2) = trim(values%word_value(group, 'z_unit'))
       where (request%units == 'auto' .or. request%units == '?') request%units = ''
-      call read_heights(request, values%problem == 'dry_area', heights, error, kept)
+      call read_heights(request, has_word(dry_area//' '//point, trim(values%problem)), heights, &
+         error, kept)
       if (allocated(error)) call values%refuse(group, 'file', error%message)
    end subroutine read_surface
 

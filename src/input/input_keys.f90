@@ -37,13 +37,14 @@ module input_keys
          yields_to_moes=.true.), &
       group_row_t('surface_1', &
          'roughness of surface 1, moving at speed_1; heights count positive out of the material', &
-         other_than_point, yields_to_moes=.true.), &
+         every, yields_to_moes=.true.), &
       group_row_t('surface_2', &
          'roughness of surface 2, moving at speed_2; heights count positive out of the material', &
-         other_than_point, yields_to_moes=.true.), &
+         every, yields_to_moes=.true.), &
       group_row_t('domain', 'the computed stretch of the contact and its grid', every), &
       group_row_t('time', &
-         'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
+         'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)', &
+         film), &
       group_row_t('history', &
          'load, radius and speeds over time; scales: widest contact, largest u1 + u2', &
          yields_to_moes=.true.), &
@@ -328,19 +329,29 @@ module input_keys
          //'word for each element', words='smooth feature sinusoid file synthetic'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, &
          'height A of each element; a ridge is positive, a dent negative', range='>= -1, <= 1', &
-         used=of_features, needed=of_features, problems=other_than_point, typical='1e-9 to 1e-4', &
+         used=of_features, needed=of_features, problems=every, typical='1e-9 to 1e-4', &
          example='! 2e-7, -1e-7', dry_example='! 1e-6'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', range='>= 1e-12, <= 1e3', used=of_features, &
-         needed=of_features, problems=other_than_point, typical=typical_wave, &
+         needed=of_features, problems=every, typical=typical_wave, &
          example='! 1e-4, 5e-5', dry_example='! 1e-4'), &
+      key_row_t('surface_1', 'wavelength_y', reals_kind, 'm', '0.0', &
+         'across the flow; 0: the element is the same at all y', range='>= 0, <= 1e3', &
+         used=of_features, problems=point, typical=typical_wave, example='! 1e-4, 0.0'), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
          'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
-         range='>= -1e6, <= 1e6', used=of_roughness, example='! -2.5, -3.0'), &
+         range='>= -1e6, <= 1e6', used=of_roughness, problems=film, example='! -2.5, -3.0'), &
+      key_row_t('surface_1', 'position_y', reals_kind, 'half-widths', '0.0', &
+         'centre yc of each element', range='>= -1e6, <= 1e6', used=of_features, &
+         problems=point, example='! 0.5, 0.0'), &
       key_row_t('surface_1', 'entry_length', real_kind, 'half-widths', is_chosen, &
          'everything rises over it behind a front that enters the domain; chosen: 1 for ' &
          //'profiles, else 0', range='>= 0, <= 1e4', used=of_roughness//', '//in_time, &
-         example='! 1.0'), &
+         problems=film, example='! 1.0'), &
+      key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
+         'file, synthetic; or ridge, dent or bump, sinusoid A cos(2 pi x/Lambda) cos(2 pi '// &
+         'y/Lambda_y), one for each element', words='smooth feature sinusoid file synthetic', &
+         problems=point), &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
          'file, synthetic, parabola (radius of &bodies), or features and sinusoids, one for ' &
          //'each element', words='smooth feature sinusoid file synthetic parabola', problems=dry, &
@@ -350,33 +361,33 @@ module input_keys
          used=of_features, problems=dry, example='!'), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, &
          'file of heights: table of positions and heights, or HDF5', used='shape = file', &
-         needed='shape = file', problems=other_than_point, example="! 'profile.csv'"), &
+         needed='shape = file', problems=every, example="! 'profile.csv'"), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, &
          'heights: name of the column (needed if there are more than two), or path in the ' &
-         //'HDF5 file', used='shape = file', problems=other_than_point, example="! 'z'"), &
+         //'HDF5 file', used='shape = file', problems=every, example="! 'z'"), &
       key_row_t('surface_1', 'positions', text_kind, '', is_optional, &
          'name of the column of positions, needed if there are more than two', &
          used='shape = file', problems=other_than_point, example="! 'x'"), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=other_than_point, &
+         words='auto '//length_words, used='shape = file', problems=every, &
          example="! 'mm'"), &
       key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
          'unit of the heights in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=other_than_point, &
+         words='auto '//length_words, used='shape = file', problems=every, &
          example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
          'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
-         problems=other_than_point, example="! 'line'"), &
+         problems=every, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
          'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, &
          typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
          'cut-off lambda_s: shorter waves are removed by the same filter', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=other_than_point, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, &
          typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
@@ -387,33 +398,33 @@ module input_keys
          range='>= 1, <= 16777216', used=of_roughness, problems=dry, example='! 50'), &
       key_row_t('surface_1', 'seed', integer_kind, '-', '1', &
          'the same seed gives the same surface everywhere', range='>= 0, <= 2147483647', &
-         used=of_synthesis, problems=other_than_point, example='!', dry_example='1'), &
+         used=of_synthesis, problems=every, example='!', dry_example='1'), &
       key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', &
          'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
-         problems=other_than_point, example='!', dry_example='0.8'), &
+         problems=every, example='!', dry_example='0.8'), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
          range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, &
-         problems=other_than_point, &
+         problems=every, &
          typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
-         used=of_synthesis, problems=other_than_point, typical=typical_wave, example='! 4e-4'), &
+         used=of_synthesis, problems=every, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=other_than_point, &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, &
          typical=typical_wave, &
          example='! 1e-4', dry_example='1e-4'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, typical=typical_wave, &
-         example='! 2.5e-5'), &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, problems=film, &
+         typical=typical_wave, example='! 2.5e-5'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_chosen, &
          'shortest wave; chosen: two node spacings, with &accuracy target required', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave, &
          example='1.25e-5'), &
       key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', 'Rsk', range='>= -3, <= 3', &
-         used=of_synthesis, problems=other_than_point, example='!', dry_example='0.0'), &
+         used=of_synthesis, problems=every, example='!', dry_example='0.0'), &
       key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', 'Rku', range='>= 1, <= 20', &
-         used=of_synthesis, problems=other_than_point, example='!', dry_example='3.0')]
+         used=of_synthesis, problems=every, example='!', dry_example='3.0')]
 
    type(key_row_t), parameter :: domain_rows(*) = [ &
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, &
@@ -465,24 +476,28 @@ module input_keys
       key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", &
          'periodic: transfer function sampled, or pressure constant over each element; ' &
          //'open: element', words='band_limited element', problems=dry, is_expert=.true.), &
-      key_row_t('time', 'transient', logical_kind, '', '.false.', 'transient or steady'), &
+      key_row_t('time', 'transient', logical_kind, '', '.false.', 'transient or steady', &
+         problems=film), &
       key_row_t('time', 'end_time', real_kind, '-', is_chosen, &
          'end of the transient, T; chosen: all that is rough has passed, or repeats itself', &
          range='> 0, <= 1e6', used=in_time, needed=in_time// &
-         ', no duration, surface%shape = synthetic: with a synthetic surface', &
+         ', no duration, surface%shape = synthetic: with a synthetic surface', problems=film, &
          example='! 2.181818'), &
       key_row_t('time', 'duration', real_kind, 's', is_optional, &
          'end of the transient in seconds, in place of end_time', range='> 0, <= 1e9', &
-         used=in_time//', no end_time, '//in_metres, example='! 1e-3'), &
+         used=in_time//', no end_time, '//in_metres, problems=film, example='! 1e-3'), &
       key_row_t('time', 'time_step', real_kind, '-', is_chosen, &
          'time step in T, cut so that whole steps reach end_time; chosen: dX or less', &
-         range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &
+         range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, problems=film, &
+         example='! 2.7e-3'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", &
          'time discretisation: second order, or first order (thesis); quasi_steady: no squeeze', &
-         words='backward_euler bdf2 quasi_steady', used=in_time, example='!', is_expert=.true.), &
+         words='backward_euler bdf2 quasi_steady', used=in_time, problems=film, example='!', &
+         is_expert=.true.), &
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
          'T from which extremes and film statistics count; chosen: when waves have entered ' &
-         //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0'), &
+         //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, problems=film, &
+         example='! 0.0'), &
       key_row_t('history', 'file', text_kind, '', is_required, &
          'table: time [s] or angle [deg]; any of load_per_length [N/m], reduced_radius [m], ' &
          //'speed_1, speed_2 [m/s]', used=in_time, &
@@ -519,7 +534,7 @@ module input_keys
          words='fmg hertz', is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, &
          'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6', &
-         range='>= 1e-15, <= 1e-2', example='! 1e-8', is_expert=.true.), &
+         range='>= 1e-15, <= 1e-2', problems=film, example='! 1e-8', is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, &
          'most cycles (Newton: iterations) for one solution; chosen: by the method', &
          range='>= 1, <= 10000000', example='! 100', is_expert=.true.), &
@@ -553,7 +568,7 @@ module input_keys
          words='auto conjugate_gradient steepest_descent', problems=dry, is_expert=.true.), &
       key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', &
          'bound on the violation of the contact conditions', range='>= 1e-15, <= 1e-1', &
-         problems='dry_line dry_area ehl_point', is_expert=.true.), &
+         problems=dry, is_expert=.true.), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
          'most iterations for one load', range='>= 1, <= 10000000', &
          problems=dry, is_expert=.true.), &
@@ -564,10 +579,16 @@ module input_keys
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', &
          'every how many time steps profiles are stored', range='>= 1, <= 1000000000', &
          used=in_time, example='!'), &
+      key_row_t('output', 'profile_stride', integer_kind, '-', is_chosen, &
+         'every how many time steps fields are stored; chosen: for about 50 of them', &
+         range='>= 1, <= 1000000000', used=in_time, problems=point, example='! 10'), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", &
          'the profiles that are stored; shear stresses not with &moes', &
          words='pressure film_thickness shear_stress_1 shear_stress_mean shear_stress_2', &
          used=in_time, example='!'), &
+      key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", &
+         'the fields that are stored over time', words='pressure film_thickness', &
+         used=in_time, problems=point, example='!'), &
       key_row_t('output', 'fields', words_kind, '', is_optional, &
          'the fields of the last load that are stored; not given: all', &
          words='pressure gap height_undeformed height_loaded height_unloaded plastic_deformation', &
@@ -577,7 +598,7 @@ module input_keys
          problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
          'wall time between checkpoints, from which asperity --resume continues', &
-         range='>= 0, <= 1e9', used=in_time, example='!'), &
+         range='>= 0, <= 1e9', used=in_time, problems=film, example='!'), &
       key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, &
          'films for /statistics: how often and on how much of the contact the film is thinner', &
          range='> 0, <= 1', used=in_time//', '//in_metres, typical=typical_film, &

@@ -124,7 +124,7 @@ contains
 
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
-      character(:), allocatable :: text, heading
+      character(:), allocatable :: text, heading, range
       integer, allocatable :: rows(:)
       integer :: group, i, kind
 
@@ -144,23 +144,17 @@ contains
             if (size(rows) > 0) text = text // nl // '| key | type | unit | default | range or '// &
                'words | meaning |' // nl // '|---|---|---|---|---|---|' // nl
             do i = 1, size(rows)
-               text = text // markdown_entry(key_rows(rows(i)))
+               associate (row => key_rows(rows(i)))
+                  range = trim(row%range) // typical_text(row)
+                  if (row%words /= '') range = word_list(row%words)
+                  text = text // '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) &
+                     // ' | ' // trim(row%unit) // ' | ' // trim(row%default) // ' | ' // range &
+                     // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
+               end associate
             end do
          end do
       end do
    end function keys_markdown
-
-   !> One row of a table.
-   pure function markdown_entry(row) result(text)
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text, range
-
-      range = trim(row%range) // typical_text(row)
-      if (row%words /= '') range = word_list(row%words)
-      text = '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) // ' | ' // &
-         trim(row%unit) // ' | ' // trim(row%default) // ' | ' // range // ' | ' // &
-         trim(row%meaning) // conditions_text(row) // ' |' // nl
-   end function markdown_entry
 
    !> The template of a `problem`.
    pure function template_text(problem) result(template)

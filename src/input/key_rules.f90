@@ -284,7 +284,7 @@ contains
       text = used//text
    end function rules_text
 
-   !> Conditions as a text.
+   !> Conditions as a text: "with shape = 'file'", "without film_floor" or "with moes_l /= 0".
    pure function joined(conditions) result(text)
       type(condition_t), intent(in) :: conditions(:)
       character(:), allocatable :: text
@@ -293,24 +293,18 @@ contains
       text = ''
       do i = 1, size(conditions)
          if (i > 1) text = text//' and '
-         text = text//phrase(conditions(i))
+         associate (condition => conditions(i))
+            select case (condition%relation)
+            case ('with', 'without')
+               text = text//trim(condition%relation)//' '//name_of(condition)
+            case ('=')
+               text = text//'with '//trim(condition%key)//' = '//shown(condition%values)
+            case default
+               text = text//'with '//trim(condition%key)//' /= '//trim(condition%values)
+            end select
+         end associate
       end do
    end function joined
-
-   !> A condition as "with shape = 'file'", "without film_floor" or "with moes_l /= 0".
-   pure function phrase(condition) result(text)
-      type(condition_t), intent(in) :: condition
-      character(:), allocatable :: text
-
-      select case (condition%relation)
-      case ('with', 'without')
-         text = trim(condition%relation)//' '//name_of(condition)
-      case ('=')
-         text = 'with '//trim(condition%key)//' = '//shown(condition%values)
-      case default
-         text = 'with '//trim(condition%key)//' /= '//trim(condition%values)
-      end select
-   end function phrase
 
    !> What a condition is about: "film_floor", "&accuracy target" or "&moes".
    pure function name_of(condition) result(name)

@@ -10,8 +10,9 @@ module line_case
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
    use input_values, only: input_values_t
+   use key_row, only: point
    use kinds, only: wp
-   use line_contact, only: finest_wave, line_contact_t
+   use line_contact, only: finest_wave, line_contact_t, rough_contact_t
    use line_profiles, only: make_surface, place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
@@ -24,7 +25,7 @@ module line_case
    implicit none (type, external)
    private
 
-   public :: plan_line_case
+   public :: plan_line_case, plan_times
 
    !> No end time that is chosen is later [T].
    real(wp), parameter :: latest_end = 1000.0_wp
@@ -48,13 +49,10 @@ contains
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
       call read_heat(values, case)
       call build_contact(case)
-      if (values%is_given('time', 'duration')) case%time%end_time = values%real_value('time', &
-         'duration')/case%scaling%time
-      case%time%may_lengthen = all([case%time%may_lengthen, case%time%end_time <= 0.0_wp, &
+      case%time%may_lengthen = all([case%time%may_lengthen, case%time%end_time <= 0.0_wp, .not. &
+         values%is_given('time', 'duration'), &
          case%time%statistics_from < 0.0_wp, finest_wave(case%contact) >= huge(1.0_wp), &
          size(case%output_settings%film_thresholds) == 0])
-      if (case%time%is_transient .and. .not. case%time%end_time > 0.0_wp) call choose_end(values, &
-         case)
       call check_places(values, 'surface_1', case%contact%surface_1)
       call check_places(values, 'surface_2', case%contact%surface_2)
       if (allocated(case%duty) .and. case%time%scheme == 'quasi_steady') then
@@ -63,27 +61,36 @@ contains
             'rest there is no steady film')
       end if
       given = case%time
-      call choose_time_step(case%contact, case%time)
-      if (case%time%is_transient) call check_times(values, case%time%end_time, case%time%time_step)
+      call plan_times(values, case%contact, case)
+      given%end_time = case%time%end_time
       if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
          /case%scaling%film
-      if (case%scaling%is_dimensional .and. .not. case%solver%target > 0.0_wp) then
-         call check_wave(values, 'surface_1', case%contact%surface_1, case)
-         call check_wave(values, 'surface_2', case%contact%surface_2, case)
-      end if
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
 
-   !> Chooses the end of a transient. Finding: nothing tells when it ends.
-   subroutine choose_end(values, case)
+   !> End and step of a transient of a `contact`, line or point. Findings: nothing tells when it
+   !> ends; waves too fine for grid or step.
+   subroutine plan_times(values, contact, case)
       type(input_values_t), intent(inout) :: values
+      class(rough_contact_t), intent(in) :: contact
       type(case_t), intent(inout) :: case
 
-      case%time%end_time = sufficient_end(case%contact)
-      if ((case%time%end_time > latest_end .and. .not. allocated(case%duty)) .or. .not. &
-         case%time%end_time > 0.0_wp) call values%refuse_missing('time', 'end_time', &
-         'where nothing rough moves, or hardly')
-   end subroutine choose_end
+      associate (time => case%time)
+         if (values%is_given('time', 'duration')) time%end_time = values%real_value('time', &
+            'duration')/case%scaling%time
+         if (time%is_transient .and. .not. time%end_time > 0.0_wp) then
+            time%end_time = sufficient_end(contact)
+            if ((time%end_time > latest_end .and. .not. allocated(case%duty)) .or. .not. &
+               time%end_time > 0.0_wp) call values%refuse_missing('time', 'end_time', &
+               'where nothing rough moves, or hardly')
+         end if
+         call choose_time_step(contact, time)
+         if (time%is_transient) call check_times(values, time%end_time, time%time_step)
+      end associate
+      if (.not. case%scaling%is_dimensional .or. case%solver%target > 0.0_wp) return
+      call check_wave(values, 'surface_1', contact%surface_1, contact, case)
+      call check_wave(values, 'surface_2', contact%surface_2, contact, case)
+   end subroutine plan_times
 
    !> Reads &thermal, if any.
    subroutine read_heat(values, case)
@@ -190,20 +197,23 @@ contains
 
    !> Finds a wave that falls between the nodes of the grid, or passes within two of the given time
    !> steps.
-   subroutine check_wave(values, group, surface, case)
+   subroutine check_wave(values, group, surface, contact, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(rough_surface_t), intent(in) :: surface
+      class(rough_contact_t), intent(in) :: contact
       type(case_t), intent(in) :: case
+      character(:), allocatable :: key
       real(wp) :: wave, dx, nodes, way
 
       if (size(surface%features) == 0) return
       wave = minval(surface%features%wavelength)
-      associate (domain => case%contact%domain, half_width => case%scaling%half_width)
+      key = trim(merge('intervals_x', 'intervals  ', values%problem == point))
+      associate (domain => contact%domain, half_width => case%scaling%half_width)
          dx = (domain%x_outlet - domain%x_inlet)/domain%intervals
          nodes = wave/dx
-         if (nodes < min_in_a_wave .and. values%has_value('domain', 'intervals')) then
-            call values%refuse('domain', 'intervals', 'found '//to_text(domain%intervals) &
+         if (nodes < min_in_a_wave .and. values%has_value('domain', key)) then
+            call values%refuse('domain', key, 'found '//to_text(domain%intervals) &
                //', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
                to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
                to_text(intervals_at_least(min_in_a_wave*domain%intervals/nodes)) &
@@ -211,8 +221,8 @@ contains
          else if (nodes < min_in_a_wave) then
             call values%refuse(group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
                ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
-               'expected at least '//to_text(min_in_a_wave*dx*half_width, 3) &
-               //' m, or intervals in &domain')
+               'expected at least '//to_text(min_in_a_wave*dx*half_width, 3)//' m, or '//key &
+               //' in &domain')
          end if
       end associate
       way = abs(surface%speed)*case%time%time_step

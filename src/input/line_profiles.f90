@@ -34,6 +34,8 @@ module line_profiles
    integer, parameter :: max_nodes = 2**20, max_waves = max_nodes/(32*nodes_per_wave)
    !> Rms height over the expected film from which a note is given, and above which it is refused.
    real(wp), parameter :: many_films = 10.0_wp, most_films = 1000.0_wp
+   !> Most nodes of a synthetic area.
+   real(wp), parameter :: max_area = 2.0_wp**22
    !> Nodes of half a piece, at least.
    integer, parameter :: least_half = 32768
 
@@ -60,7 +62,9 @@ contains
       end if
       if (is_profile) then
          allocate (surface%profile)
-         if (shape == 'file') then
+         if (allocated(case%point)) then
+            call fill_area(values, group, case, surface%profile)
+         else if (shape == 'file') then
             call fill_from_file(values, group, case, surface%profile)
          else
             call fill_synthetic(values, group, case, surface%speed, surface%profile)
@@ -107,6 +111,61 @@ contains
          truncate_profile(values, group, profile)
    end subroutine fill_from_file
 
+   !> Heights of an area: of the file, or with a wanted spectrum as long and wide as the usual
+   !> domain, or as its longest waves, which repeat. Findings: the file; the synthesis.
+   subroutine fill_area(values, group, case, area)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      type(case_t), intent(inout) :: case
+      type(profile_t), intent(inout) :: area
+      type(heights_t) :: heights
+      type(trend_t) :: trend
+      type(synthesis_t) :: wanted
+      type(checksum_t) :: sums
+      type(error_t), allocatable :: error
+      real(wp) :: lengths(2), shortest
+
+      if (values%word_value(group, 'shape') == 'file') then
+         call read_surface(values, group, path_from_namelist(case, ''), heights)
+         if (.not. allocated(heights%z)) return
+         call level_surface(values, group, .false., heights, trend, case%note)
+         call compare_with_film(values, group, heights, trend, case)
+         call list_trend(case, group, trend)
+         area%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
+            'cutoff_short'))
+         call set_effective(case, group, 'heights_checksum', text=heights%digits)
+      else
+         shortest = values%real_value(group, 'wavelength_short')
+         associate (domain => case%point%domain)
+            lengths = case%scaling%half_width*[domain%x_outlet - domain%x_inlet, &
+               2*domain%y_half_width]
+         end associate
+         lengths = max(lengths, values%real_value(group, 'wavelength_long'), 4*shortest)
+         call read_synthesis(values, group, minval(lengths), shortest, wanted)
+         if (product(lengths/shortest*nodes_per_wave) > max_area) call values%refuse(group, &
+            'wavelength_short', 'found '//to_text(shortest)//' m, expected at least '// &
+            to_text(nodes_per_wave*sqrt(product(lengths)/max_area), 3)//' m for an area of '// &
+            to_text(lengths(1), 3)//' m times '//to_text(lengths(2), 3)//' m')
+         if (values%findings%count > 0) return
+         area%is_periodic = .true.
+         area%finest_wave = shortest
+         heights%grid = 2*ceiling(0.5_wp*lengths*nodes_per_wave/shortest)
+         heights%spacing = lengths/heights%grid
+         call synthetic_heights(wanted, heights%grid, lengths(1), lengths(2), heights%z, error)
+         if (allocated(error)) then
+            call values%refuse(group, 'shape', error%message)
+            return
+         end if
+         call sums%add(heights%z)
+         call set_effective(case, group, 'heights_checksum', text=sums%digits())
+      end if
+      area%spacing = heights%spacing(1)
+      area%row_spacing = heights%spacing(2)
+      area%first_row = -0.5_wp*(heights%grid(2) - 1)*heights%spacing(2)
+      area%rows = reshape(heights%z, heights%grid)
+      area%heights = area%rows(:, (heights%grid(2) + 1)/2)
+   end subroutine fill_area
+
    !> Finding: heights far above any film. A note: above the film that is expected.
    subroutine compare_with_film(values, group, heights, trend, case)
       type(input_values_t), intent(inout) :: values
@@ -121,6 +180,7 @@ contains
       associate (scales => case%scaling)
          film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
             moes_l_sum_from_mean(scales%moes_l))
+         if (allocated(case%point)) film = scales%film*case%point%expected_film
       end associate
       form = trend%form
       if (is_filtered(values, group)) form%terms = 0.0_wp   ! the sums are those without it

@@ -8,10 +8,16 @@ module point_input
    use elliptic_contact, only: ellipse_t, new_ellipse
    use input_values, only: input_values_t
    use kinds, only: wp
+   use line_case, only: plan_times
+   use line_contact, only: intervals_for_waves
+   use line_profiles, only: make_surface, place_surface
    use lubricant_input, only: fill_lubricant
-   use point_contact, only: first_intervals, intervals_for, new_point_contact, rows_for
+   use point_contact, only: first_intervals, intervals_for, new_point_contact, point_contact_t, &
+      rows_for
    use point_cycle, only: fewest
+   use passage_times, only: place_features
    use scaling, only: new_point_moes_scaling, new_point_scaling, scaled_fluid, sum_per_mean
+   use surface_scaling, only: scaled_surface
    use system_limits, only: memory_fault, of_blas, point_memory
    use text, only: to_text
    implicit none (type, external)
@@ -27,6 +33,8 @@ module point_input
    !> Most intervals in x that are chosen, and most nodes of the coarsest grid.
    integer, parameter :: most_intervals = 1024, most_coarsest = 2000
    real(wp), parameter :: degree = pi/180
+   !> Times whose fields are stored where the program chooses.
+   integer, parameter :: stored_times = 50
 
 contains
 
@@ -65,12 +73,15 @@ contains
             scales%moes_l*sum_per_mean**0.25_wp, degree*values%real_value('bodies', &
             'entrainment_angle'), scaled_fluid(scales, case%lubricant, case%bodies))
       end associate
-      case%solver%tolerance = values%real_value('solver', 'tolerance')
-      case%solver%max_cycles = values%integer_value('solver', 'max_cycles')
-      case%solver%target = values%real_value('accuracy', 'target')
-      case%solver%wants_coarse_runs = values%logical_value('accuracy', 'error_bars')
-      case%output_settings%has_si = values%logical_value('output', 'si_copies')
+      case%point%slide_to_roll = case%scaling%slide_to_roll
+      if (case%scaling%is_dimensional) then
+         call make_surface(values, 'surface_1', case)
+         call make_surface(values, 'surface_2', case)
+         case%point%surface_1 = scaled_surface(case%surface_1, case%scaling)
+         case%point%surface_2 = scaled_surface(case%surface_2, case%scaling)
+      end if
       call fill_grid(values, case)
+      if (values%findings%count == 0) call plan_passage(values, case)
       if (values%findings%count > 0) return
       call list_effective(values, case)
       if (case%scaling%is_dimensional) then
@@ -150,23 +161,55 @@ contains
          domain%y_half_width = values%real_value('domain', 'y_half_width', domain%y_half_width)
          call check_border(values, case)
          if (values%findings%count > 0) return
-         domain%nx = values%integer_value('domain', 'intervals_x')
-         if (domain%nx == 0) domain%nx = min(most_intervals, max(intervals_for(contact, &
-            usual_error), coarser_grids*first_intervals(contact, most_intervals)))
-         if (case%solver%target > 0.0_wp) domain%nx = most_intervals
-         domain%ny = values%integer_value('domain', 'intervals_y')
-         if (domain%ny == 0) domain%ny = rows_for(contact, domain%nx)
-         coarsest = [domain%nx, domain%ny]
+         domain%intervals = values%integer_value('domain', 'intervals_x')
+         if (domain%intervals == 0) then
+            domain%intervals = min(most_intervals, max(intervals_for(contact, usual_error), &
+               coarser_grids*first_intervals(contact, most_intervals)))
+            do while (intervals_for_waves(contact) > domain%intervals .and. 2*domain%intervals &
+               <= most_intervals .and. .not. has_area(contact))
+               domain%intervals = 2*domain%intervals
+            end do
+         end if
+         if (case%solver%target > 0.0_wp) domain%intervals = most_intervals
+         domain%rows = values%integer_value('domain', 'intervals_y')
+         if (domain%rows == 0) domain%rows = rows_for(contact, domain%intervals)
+         coarsest = [domain%intervals, domain%rows]
          do while (all(mod(coarsest, 2) == 0) .and. all(coarsest/2 >= fewest))
             coarsest = coarsest/2
          end do
          if (product(coarsest) > most_coarsest) call values%refuse('domain', 'intervals_y', &
-            'found '//to_text(domain%nx)//' and '//to_text(domain%ny)//' intervals, expected '// &
-            'numbers that can be halved together down to about 16')
-         fault = memory_fault('a grid', point_memory(domain%nx, domain%ny), of_blas)
+            'found '//to_text(domain%intervals)//' and '//to_text(domain%rows)// &
+            ' intervals, expected numbers that can be halved together down to about 16')
+         fault = memory_fault('a grid', point_memory(domain%intervals, domain%rows), of_blas)
          if (fault /= '') call values%refuse('domain', 'intervals_x', fault)
       end associate
    end subroutine fill_grid
+
+   !> Where the surfaces begin, and the times of their passage. Findings: those of module line_case.
+   subroutine plan_passage(values, case)
+      type(input_values_t), intent(inout) :: values
+      type(case_t), intent(inout) :: case
+
+      associate (contact => case%point, domain => case%point%domain)
+         call place_surface(contact%surface_1, domain%x_inlet, domain%x_outlet)
+         call place_surface(contact%surface_2, domain%x_inlet, domain%x_outlet)
+         if (case%time%is_transient) call place_features(contact)
+         if (has_area(contact) .and. .not. case%time%time_step > 0.0_wp) case%time%time_step = &
+            (domain%x_outlet - domain%x_inlet)/domain%intervals
+         call plan_times(values, contact, case)
+         associate (stride => case%output_settings%profile_stride, time => case%time)
+            if (stride == 0 .and. time%is_transient) stride = max(1, nint(time%end_time &
+               /(stored_times*time%time_step)))
+         end associate
+      end associate
+   end subroutine plan_passage
+
+   !> Whether a surface is an area, whose finest waves may be noise and choose no grid and no step.
+   pure logical function has_area(contact)
+      type(point_contact_t), intent(in) :: contact
+
+      has_area = allocated(contact%surface_1%profile) .or. allocated(contact%surface_2%profile)
+   end function has_area
 
    !> Finding: a domain that cuts the dry contact.
    subroutine check_border(values, case)

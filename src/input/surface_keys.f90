@@ -2,7 +2,7 @@
 module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
-   use key_row, only: lubricated, point
+   use key_row, only: film, has_word
    use kinds, only: wp
    use synthetic_surface, only: synthesis_t
    use text, only: to_text
@@ -46,7 +46,23 @@ contains
          if (size(position%reals) > 0) features(i)%position = position%reals(min(i, &
             size(position%reals)))
       end do
+      features%wavelength_y = reals_of(values, group, 'wavelength_y', size(features))
+      features%position_y = reals_of(values, group, 'position_y', size(features))
    end function features_of
+
+   !> The `count` numbers of a key; 0 if it has others, or the problem does not know it.
+   pure function reals_of(values, group, key, count) result(reals)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, key
+      integer, intent(in) :: count
+      real(wp) :: reals(count)
+      type(value_t) :: slot
+
+      reals = 0.0_wp
+      slot = values%slot(group, key)
+      if (.not. slot%is_given) return
+      if (size(slot%reals) == count) reals = slot%reals
+   end function reals_of
 
    !> The synthesis that the surface `group` wants; `longest` (of the roll-off too) and `shortest`
    !> are its waves [m] where it gives none. Findings: wavelengths out of order.
@@ -78,9 +94,8 @@ contains
       type(value_t) :: shape
       real(wp) :: metres_a_second
 
-      if (values%problem == point) return   ! smooth
       shape = values%slot(group, 'shape')
-      if (values%problem /= lubricated) then
+      if (.not. has_word(film, trim(values%problem))) then
          if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words &
             /= 'sinusoid')) call values%refuse(group, 'shape', &
             "found several shapes, expected 'feature' and 'sinusoid' among several")
@@ -125,7 +140,7 @@ contains
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       character(len=12), parameter :: keys(*) = [character(len=12) :: 'shape', 'wavelength', &
-         'position']
+         'position', 'wavelength_y', 'position_y']
       type(value_t) :: amplitude, other
       integer :: i, elements
 

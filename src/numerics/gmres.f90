@@ -10,9 +10,7 @@ module gmres
    !> A linear system with its product and an approximate inverse.
    type, abstract :: krylov_system_t
    contains
-      !> y = A x.
       procedure(product_interface), deferred :: multiply
-      !> x = M x, with M close to the inverse of A.
       procedure(precondition_interface), deferred :: precondition
    end type krylov_system_t
 
@@ -26,7 +24,7 @@ module gmres
          real(wp), intent(out) :: y(:)
       end subroutine product_interface
 
-      !> x (n) = M x.
+      !> x (n) = M x, with M close to the inverse of A.
       subroutine precondition_interface(self, x)
          import :: krylov_system_t, wp
          implicit none (type, external)
@@ -59,7 +57,11 @@ contains
       real(wp) :: size_of_b
       integer :: j
 
-      call allocate_basis(gmres, size(x))
+      if (allocated(gmres%basis)) then
+         if (size(gmres%basis, 1) /= size(x)) deallocate (gmres%basis, gmres%directions)
+      end if
+      if (.not. allocated(gmres%basis)) allocate (gmres%basis(size(x), gmres%max_iterations + 1), &
+         gmres%directions(size(x), gmres%max_iterations))
       gmres%iterations = 0
       size_of_b = norm2(x)
       is_solved = size_of_b <= 0.0_wp
@@ -77,20 +79,13 @@ contains
          is_solved = abs(rest(j + 1)) <= tolerance*size_of_b
          if (is_solved) exit
       end do
-      call combine(gmres, hessenberg, rest, x)
+      x = 0.0_wp
+      do j = gmres%iterations, 1, -1   ! of the triangular system
+         rest(j) = rest(j)/hessenberg(j, j)
+         rest(1:j - 1) = rest(1:j - 1) - rest(j)*hessenberg(1:j - 1, j)
+         x = x + rest(j)*gmres%directions(:, j)
+      end do
    end subroutine solve_gmres
-
-   !> Allocates work space for n unknowns, unless it has this size.
-   subroutine allocate_basis(gmres, n)
-      type(gmres_t), intent(inout) :: gmres
-      integer, intent(in) :: n
-
-      if (allocated(gmres%basis)) then
-         if (size(gmres%basis, 1) == n) return
-         deallocate (gmres%basis, gmres%directions)
-      end if
-      allocate (gmres%basis(n, gmres%max_iterations + 1), gmres%directions(n, gmres%max_iterations))
-   end subroutine allocate_basis
 
    !> Orthogonalises the last vector against all before it (modified Gram-Schmidt); `column`
    !> receives the products and its length.
@@ -129,21 +124,5 @@ contains
       rest(j + 1) = -sine(j)*rest(j)
       rest(j) = cosine(j)*rest(j)
    end subroutine rotate
-
-   !> Sets x to the sum of the directions with the coefficients of the triangular system.
-   pure subroutine combine(gmres, triangle, right_side, x)
-      type(gmres_t), intent(in) :: gmres
-      real(wp), intent(in) :: triangle(:, :)
-      real(wp), intent(inout) :: right_side(:)
-      real(wp), intent(out) :: x(:)
-      integer :: i
-
-      x = 0.0_wp
-      do i = gmres%iterations, 1, -1
-         right_side(i) = right_side(i)/triangle(i, i)
-         right_side(1:i - 1) = right_side(1:i - 1) - right_side(i)*triangle(1:i - 1, i)
-         x = x + right_side(i)*gmres%directions(:, i)
-      end do
-   end subroutine combine
 
 end module gmres

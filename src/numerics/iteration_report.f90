@@ -122,14 +122,7 @@ module iteration_report
       real(wp), allocatable, private :: history(:, :)
       integer, private :: history_size = 0
    contains
-      !> Appends one cycle to the history and counts it.
-      procedure :: add
-      !> Residual, load error after each cycle (history_size) [-].
-      procedure :: residual_history, load_error_history
-      !> Takes over a history that was kept, in place of the present one.
-      procedure :: restore
-      !> One of the outcomes above.
-      procedure :: outcome
+      procedure :: add, load_error_history, outcome, residual_history, restore
    end type report_t
 
 contains

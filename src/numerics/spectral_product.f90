@@ -32,10 +32,7 @@ module spectral_product
       type(single_product_t) :: single
       type(double_product_t), private :: double
    contains
-      procedure :: apply
-      procedure :: apply_inverse
-      procedure :: plan_single
-      procedure :: transforms
+      procedure :: apply, apply_inverse, plan_single, transforms
    end type spectral_product_t
 
 contains

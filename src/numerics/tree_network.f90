@@ -54,8 +54,7 @@ module tree_network
       integer, private :: most(0:max_levels) = 0
       type(tree_t), private :: tree(trees)
    contains
-      procedure :: settle
-      procedure :: solve
+      procedure :: settle, solve
    end type tree_network_t
 
 contains

@@ -39,11 +39,9 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(adequacy_t), intent(in) :: adequacy
       character(:), allocatable :: group, source
-      logical :: is_compared(quantity_count)
       integer :: i, k
 
       if (.not. allocated(adequacy%rows)) return
-      is_compared = [(compared(k), k=1, quantity_count)]
       do i = 1, size(adequacy%rows)
          group = '/adequacy/'//trim(adequacy%rows(i)%name)
          associate (row => adequacy%rows(i))
@@ -54,11 +52,11 @@ contains
             if (row%is_numerical) source = from_estimates
             if (row%name == 'time_step') source = 'runs of the error estimates, or a coarse '// &
                'grid with twice its time step'
-            call write_influence(file, row, source, pack(quantity_rows%name, is_compared), &
-               pack(row%change, is_compared), pack(row%error, is_compared))
+            call write_influence(file, row, source, pack(quantity_rows%name, compared), &
+               pack(row%change, compared), pack(row%error, compared))
             call write_attribute(file, group, 'left_out', row%left_out)
             do k = 1, quantity_count
-               if (is_compared(k) .and. row%least(k) > 0.0_wp) call write_attribute(file, group, &
+               if (compared(k) .and. row%least(k) > 0.0_wp) call write_attribute(file, group, &
                   trim(quantity_rows(k)%name)//'_at_least', row%least(k))
             end do
          end associate
@@ -204,8 +202,7 @@ contains
       type(model_choice_t), intent(in) :: choice
       character(len=*), parameter :: root = '/adequacy/decision'
       character(:), allocatable :: group
-      logical :: is_compared(quantity_count)
-      integer :: i, k
+      integer :: i
 
       if (.not. allocated(choice%rows)) return
       call file%create_group(root)
@@ -214,7 +211,7 @@ contains
          'and method of the run')
       call write_attribute(file, root, 'solved', solved_text(choice))
       if (all(choice%grids > 0)) call write_attribute(file, root, 'intervals', choice%grids(1))
-      is_compared = [(compared(k), k=1, quantity_count)]
+
       do i = 1, size(choice%rows)
          group = root//'/'//trim(choice%rows(i)%name)
          call file%create_group(group)
@@ -223,7 +220,7 @@ contains
          call write_attribute(file, group, 'instead', trim(choice%rows(i)%text))
          associate (row => choice%rows(i))
             call write_changes(file, group, trim(row%text), pack(quantity_rows%name, &
-               is_compared), pack(row%change, is_compared), pack(row%error, is_compared))
+               compared), pack(row%change, compared), pack(row%error, compared))
          end associate
       end do
       if (.not. allocated(choice%numbers)) return
@@ -330,7 +327,7 @@ contains
          if (i > 0) row = adequacy%rows(i)
       end if
       text = '-'
-      is_known = ieee_is_finite(row%change) .and. [(compared(i), i=1, quantity_count)]
+      is_known = ieee_is_finite(row%change) .and. compared
       i = maxloc(abs(row%change), 1, is_known .and. ieee_is_finite(row%error))
       if (i > 0) then
          text = '<0.001'

@@ -167,7 +167,16 @@ contains
       type(checkpoint_t), intent(inout) :: checkpoint
 
       call visit_run(file, checkpoint%run_record_t)
-      call visit_forecast(file, checkpoint%forecast)
+      associate (forecast => checkpoint%forecast)
+         forecast%is_known = file%has('/forecast', forecast%is_known)
+         if (forecast%is_known) then
+            call file%visit('/forecast/trial', forecast%trial)
+            call file%visit('/forecast/trial_error', forecast%trial_error)
+            call file%visit('/forecast/error', forecast%error)
+            call file%visit('/forecast/shift', forecast%shift)
+            call file%visit('/forecast/least_doubt', forecast%least_doubt)
+         end if
+      end associate
       call visit_march(file, checkpoint%march)
       if (file%has('/momentum', allocated(checkpoint%momentum))) then
          if (file%is_read) allocate (checkpoint%momentum, checkpoint%film_passage)
@@ -209,20 +218,6 @@ contains
       call file%visit(path, values)
       summary = transfer(values, summary)
    end subroutine visit_summary
-
-   !> What trial runs predicted, if there were any.
-   subroutine visit_forecast(file, forecast)
-      type(checkpoint_file_t), intent(inout) :: file
-      type(forecast_t), intent(inout) :: forecast
-
-      forecast%is_known = file%has('/forecast', forecast%is_known)
-      if (.not. forecast%is_known) return
-      call file%visit('/forecast/trial', forecast%trial)
-      call file%visit('/forecast/trial_error', forecast%trial_error)
-      call file%visit('/forecast/error', forecast%error)
-      call file%visit('/forecast/shift', forecast%shift)
-      call file%visit('/forecast/least_doubt', forecast%least_doubt)
-   end subroutine visit_forecast
 
    !> Sums over the time steps so far.
    subroutine visit_statistics(file, statistics)

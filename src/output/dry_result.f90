@@ -7,10 +7,10 @@ module dry_result
    use analytic_heights, only: node_positions
    use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
-   use dry_problem, only: no_hardness
-   use dry_quantities, only: contact_area, describe, dry_count, dry_fields_t, dry_outcome_t, &
-      dry_table, load, mean_pressure, mean_separation, p_max, plastic_area
-   use dry_scaling, only: dry_scaling_t, load_number
+   use dry_problem, only: kernel_open, no_hardness
+   use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
+      load, mean_pressure, mean_separation, p_max, plastic_area, separation
+   use dry_scaling, only: dry_scaling_t
    use errors, only: error_t
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
@@ -113,10 +113,10 @@ contains
       call file%create_group('/scaling')
       call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus, 'Pa')
       if (.not. dry%is_periodic .or. scaling%is_flat .or. .not. mean_pressure > 0.0_wp) return
-      call write_attribute(file, '/scaling', 'similarity_number', load_number(scaling%pressure, &
-         mean_pressure), '1')
+      call write_attribute(file, '/scaling', 'similarity_number', &
+         scaling%pressure/mean_pressure, '1')
       if (dry%loads%hardness < no_hardness) call write_attribute(file, '/scaling', &
-         'hardness_number', load_number(dry%loads%hardness, mean_pressure), '1')
+         'hardness_number', dry%loads%hardness/mean_pressure, '1')
    end subroutine write_scaling
 
    !> /solution.
@@ -174,7 +174,7 @@ contains
    end subroutine write_fields
 
    !> Quantity `k` of the table, one value for each load, with its estimated errors unless it is
-   !> given; that of the last load in /summary.
+   !> given; that of the last load in /summary. Without a unit it is not stored.
    subroutine write_quantity(file, dry, outcome, k)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
@@ -183,7 +183,12 @@ contains
       real(wp) :: errors(size(outcome%rows))
       character(:), allocatable :: missing, name, text, unit
 
-      call describe(k, dry%grid, text, unit)
+      text = trim(dry_table(k)%text)
+      unit = trim(dry_table(k)%units(merge(1, 2, dry%grid%ny == 1)))
+      if (k == separation .and. dry%grid%kernel == kernel_open) then
+         text = 'approach of the bodies since first touch'
+         if (dry%grid%ny == 1) unit = ''
+      end if
       if (unit == '') return
       name = trim(dry_table(k)%name)
       call write_column(file, name, outcome%rows%values(k), new_label(text, unit))

@@ -28,7 +28,8 @@ module field_sections
 
 contains
 
-   !> /solution: the fields of the last time; with `has_si` in /si/solution those that differ in SI.
+   !> /solution: the fields of the last time, of a point contact over x and y; with `has_si` in
+   !> /si/solution those that differ in SI.
    subroutine write_solution(file, state, scaling, has_si)
       class(hdf5_file_t), intent(inout) :: file
       type(line_state_t), intent(in) :: state
@@ -44,14 +45,24 @@ contains
          associate (values => field_values(name, state))
             if (size(values) == 0) cycle
             label = row_label(name, scaling)
-            call write_field(file, '/solution/'//name, values, label, axes, has_si .and. &
-               label%has_scale())
+            if (i > 1 .and. allocated(state%y)) then
+               call write_field(file, '/solution/'//name, reshape(values, [size(state%x), &
+                  size(state%y)]), label, 'x y', has_si .and. label%has_scale())
+            else
+               call write_field(file, '/solution/'//name, values, label, axes, has_si .and. &
+                  label%has_scale())
+            end if
          end associate
          axes = 'x'   ! the first field
+         if (i > 1 .or. .not. allocated(state%y)) cycle
+         label = row_label('y', scaling)
+         call write_field(file, '/solution/y', state%y, label, '=', has_si .and. label%has_scale())
       end do
+      name = 'rigid displacement H0 of the undeformed bodies'
+      if (.not. allocated(state%y)) name = 'rigid displacement H0 of (2.58); h0 of (2.24) = '// &
+         '(b^2/R)(H0 + ln(b)/2), b in m'
       call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
-         scaled_label('rigid displacement H0 of (2.58); h0 of (2.24) = '// &
-         '(b^2/R)(H0 + ln(b)/2), b in m', 'film', scaling))
+         scaled_label(name, 'film', scaling))
       call write_dataset(file, '/solution/time', state%time, &
          scaled_label('time of these fields, T = t u_s/(2 b)', 'time', scaling))
    end subroutine write_solution

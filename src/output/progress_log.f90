@@ -136,7 +136,8 @@ contains
       character(:), allocatable :: line
       real(wp) :: remaining, film
 
-      film = parabola_minimum(state%x, state%film_thickness)
+      film = minval(state%film_thickness)
+      if (.not. allocated(state%y)) film = parabola_minimum(state%x, state%film_thickness)
       remaining = (wall_seconds() - log%steps_start)*real(steps - step, &
          wp)/real(step - log%first_step, wp)
       line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T ' &

@@ -19,7 +19,7 @@ module result_file
    use result_sections, only: write_report
    use scaling, only: scaling_t
    use signals, only: begin_activity, set_patience
-   use summary_row, only: new_row
+   use summary_row, only: empty_row
    use transient_store, only: attach_store, begin_store, create_store, sliding_names, &
       transient_store_t
    implicit none (type, external)
@@ -48,8 +48,7 @@ module result_file
       type(transient_store_t) :: store
       logical :: is_transient = .false.
    contains
-      procedure :: append_step, sync, has_failed, is_row, begin_end, copy_steps, publish, suspend
-      procedure :: discard
+      procedure :: append_step, sync, has_failed, begin_end, copy_steps, publish, suspend, discard
       procedure, private :: keep_failure
    end type result_file_t
 
@@ -65,8 +64,8 @@ contains
 
       if (allocated(case%table)) then
          new%name%path = case%table%path//', the row of '//case%file
-         new%fields = [character(len=field_name_length) ::]
-         call new_row(new%file%row, case%table)
+         new%file%row = empty_row
+         new%file%row%place = case%table
          return
       end if
       call hold_name(new%name, path, error)
@@ -113,20 +112,13 @@ contains
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
 
-      if (.not. self%is_transient .and. .not. self%is_row()) call begin_store(self%store, &
-         self%fields, size(state%x), self%profile_stride)
+      if (.not. (self%is_transient .or. allocated(self%file%row))) call begin_store(self%store, &
+         self%fields, size(state%pressure), self%profile_stride)
       self%is_transient = .true.
-      if (self%is_row()) return
+      if (allocated(self%file%row)) return
       call self%store%append(state, summary, report)
       call self%keep_failure()
    end subroutine append_step
-
-   !> Whether the result is the row of a table, without fields and checkpoints.
-   pure logical function is_row(self)
-      class(result_file_t), intent(in) :: self
-
-      is_row = allocated(self%file%row)
-   end function is_row
 
    !> A failure of the store counts as one of the file.
    subroutine keep_failure(self)
@@ -163,11 +155,8 @@ contains
          .and. self%name%kept_step == self%store%records - 1))
       call begin_activity('writing the result')
       if (self%has_failed()) return
-      if (self%is_row()) then
-         call write_inputs(self%file, case%effective)
-         return
-      end if
-      call create_hdf5_file(self%file, self%name%path//'.tmp', error)   ! error: it stays
+      if (.not. allocated(self%file%row)) call create_hdf5_file(self%file, &
+         self%name%path//'.tmp', error)   ! error: it stays
       associate (file => self%file)
          call write_attribute(file, '/', 'program', program_name)
          call write_attribute(file, '/', 'version', program_version)
@@ -208,13 +197,16 @@ contains
       end do
    end subroutine write_inputs
 
-   !> Copies the time steps into /transient; series in SI too if they are wanted.
-   subroutine copy_steps(self, has_si)
+   !> Copies the time steps into /transient, with fields of this `shape`; series in SI too if they
+   !> are wanted.
+   subroutine copy_steps(self, has_si, shape)
       class(result_file_t), intent(inout) :: self
       logical, intent(in) :: has_si
+      integer, intent(in) :: shape(:)
 
-      if (.not. self%is_transient .or. allocated(self%file%failure) .or. self%is_row()) return
-      call self%store%copy_into(self%file, self%scaling, has_si)
+      if (.not. self%is_transient .or. allocated(self%file%failure)) return
+      if (allocated(self%file%row)) return
+      call self%store%copy_into(self%file, self%scaling, has_si, shape)
       call self%keep_failure()
    end subroutine copy_steps
 
@@ -240,7 +232,7 @@ contains
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
       call write_attribute(self%file, '/', 'outcome', report%outcome())
       call write_attribute(self%file, '/', 'reason', reason)
-      if (self%is_row()) then
+      if (allocated(self%file%row)) then
          call self%file%row%append(error)   ! error: handed up
          return
       end if
@@ -264,7 +256,7 @@ contains
       type(error_t), allocatable :: error
       logical :: is_removed
 
-      if (self%is_row()) return
+      if (allocated(self%file%row)) return
       call self%file%close(error)   ! error: the file is given up anyway
       call self%store%file%close()
       is_removed = remove_file(self%name%path//'.tmp')

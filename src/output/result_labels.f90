@@ -83,8 +83,27 @@ contains
       row = rows(findloc(rows%name == row%name, .true., 1))
       label = scaled_label(trim(row%text), trim(row%unit), scaling)
       label%definition = trim(row%definition)
+      if (allocated(scaling%ellipse)) label%definition = of_point(label%definition)
       if (i > 0) label = new_label(trim(quantity_rows(i)%text), label%si_units, label%si_scale)
    end function row_label
+
+   !> A definition in the scales of a point contact: a for b, Rx for R.
+   pure function of_point(definition) result(words)
+      character(*), intent(in) :: definition
+      character(:), allocatable :: words
+      integer :: i
+
+      words = ''
+      do i = 1, len(definition)
+         if (index(definition(i:), 'b)') == 1 .or. index(definition(max(i - 1, 1):), '/b') == 1) &
+            then
+            words = words//'a'
+         else
+            words = words//definition(i:i)
+            if (index(definition(i:), 'R/') == 1) words = words//'x'
+         end if
+      end do
+   end function of_point
 
    !> Label of a value whose unit is the quantity `unit` of `scaling`, or a pure number ('1', or if
    !> the SI scales are unknown: input by Moes' numbers).

@@ -120,7 +120,7 @@ contains
       call self%begin_end(case)
       call write_scaling(self%file, self%scaling)
       call write_solution(self%file, state, self%scaling, self%has_si)
-      call self%copy_steps(self%has_si)
+      call self%copy_steps(self%has_si, shape(state%x))
       if (allocated(self%reynolds)) then
          self%summary = self%quantities_at_end(self%reynolds, report)
          call copy_values(self%summary, summary_of(state))

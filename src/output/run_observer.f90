@@ -76,7 +76,7 @@ contains
       is_asked = is_interrupted()
       is_due = is_asked .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) is_due = is_due .or. begin - self%start > long_run
-      is_due = is_due .and. .not. (self%is_stopping .or. self%writer%is_row())
+      is_due = is_due .and. .not. (self%is_stopping .or. allocated(self%writer%file%row))
       call set_patience(is_due .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
       if (is_due) call self%keep(state, history, report)

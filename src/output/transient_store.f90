@@ -41,6 +41,8 @@ module transient_store
    !> Those of a contact with asperities, to be named like fields.
    character(len=name_length), parameter, public :: mixed_names(*) = &
       quantity_rows([asperity_share, oil_friction, boundary_friction])%name
+   !> Coordinates of fields.
+   character(len=1), parameter :: coordinates(2) = ['x', 'y']
    !> Times of the stored profiles, which the records do not repeat.
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Those of a contact with a duty, to be named like fields.
@@ -238,27 +240,33 @@ contains
       self%records = self%records + 1
    end subroutine append
 
-   !> Writes all series with their axes into `file`, which has /solution; with `has_si` those that
-   !> differ in SI also below /si. A failure: the records are not what was stored.
-   subroutine copy_into(self, file, scaling, has_si)
+   !> Writes all series with their axes into `file`, which has /solution, where fields have this
+   !> `shape`; with `has_si` those that differ in SI also below /si. A failure: the records are not
+   !> what was stored.
+   subroutine copy_into(self, file, scaling, has_si, shape)
       class(transient_store_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: has_si
+      integer, intent(in) :: shape(:)
       type(checksum_t) :: sums
       type(label_t) :: label
       character(:), allocatable :: name
       integer :: i
 
-      call link_object(file, '/solution/x', '/transient/x')
-      if (has_si) call link_object(file, '/si/solution/x', '/si/transient/x')
+      do i = 1, size(shape)
+         associate (axis => coordinates(i))
+            call link_object(file, '/solution/'//axis, '/transient/'//axis)
+            if (has_si) call link_object(file, '/si/solution/'//axis, '/si/transient/'//axis)
+         end associate
+      end do
       do i = 1, size(self%names)
          name = trim(self%names(i))
          call begin_activity('writing the result, '//name)
          label = row_label(name, scaling)
-         call copy_series(self, file, i, '/transient/', 1.0_wp, label)
+         call copy_series(self, file, i, '/transient/', 1.0_wp, label, shape)
          if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si/transient/', &
-            label%si_scale, label%in_si())
+            label%si_scale, label%in_si(), shape)
       end do
       sums = sums_of(self%file, place_of(self, self%records))
       if (sums%digits() /= self%sums%digits() .and. .not. allocated(self%file%failure)) call &
@@ -266,14 +274,15 @@ contains
          //' was changed by another program while the run went on')
    end subroutine copy_into
 
-   !> Series `i` times `factor` into a group, with its axes.
-   subroutine copy_series(store, file, i, group, factor, label)
+   !> Series `i` times `factor` into a group, with its axes; `shape`: of a field.
+   subroutine copy_series(store, file, i, group, factor, label, shape)
       class(transient_store_t), intent(inout) :: store
       class(hdf5_file_t), intent(inout) :: file
       integer, intent(in) :: i
       character(*), intent(in) :: group
       real(wp), intent(in) :: factor
       type(label_t), intent(in) :: label
+      integer, intent(in) :: shape(:)
       type(series_t) :: copy
       real(wp), allocatable :: values(:, :)
       character(:), allocatable :: path
@@ -283,11 +292,12 @@ contains
       every = merge(store%stride, 1, i >= store%first_profile)
       row = merge(store%nodes, 1, i > store%first_profile)
       associate (count => (store%records + every - 1)/every)
-         call create_series(copy, file, path, merge(row, 0, i > store%first_profile), count, label)
+         call create_series(copy, file, path, pack(shape, i > store%first_profile), count, label)
          if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
             call name_axes(file, path, '=')
          else if (i > store%first_profile) then
-            call name_axes(file, path, 'x '//profile_time_name)
+            call name_axes(file, path, trim(merge('x y', 'x  ', size(shape) > 1))//' ' &
+               //profile_time_name)
          else
             call name_axes(file, path, 'time')
          end if

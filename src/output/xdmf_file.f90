@@ -1,8 +1,9 @@
 !> NAME.xdmf of a result NAME.h5: its fields and axes, for ParaView and other readers of XDMF.
 !>
 !> XML that names datasets of the result and holds no numbers itself. Each group with fields is a
-!> grid of nodes: over x alone, over x and y (areas), x and time (passages), or zeta and x (layers
-!> of the film). It is made from the finished file, so that nothing is named that is not there.
+!> grid of nodes: over x alone, x and y (areas), x and time or x, y and time (passages), or zeta and
+!> x (layers of the film). It is made from the finished file, so that nothing is named that is not
+!> there.
 module xdmf_file
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: any_mark, place_fault, remove_file, rename_file, xdmf_mark, xdmf_words
@@ -16,18 +17,18 @@ module xdmf_file
 
    public :: write_xdmf, xdmf_path
 
-   !> A group of a result with the axes of its fields, the faster one first.
+   !> A group of a result with the axes that its fields may have, the fastest one first.
    type :: grid_row_t
       character(len=18) :: group
-      character(len=12) :: fast, slow
+      character(len=12) :: axes(3)
    end type grid_row_t
 
    type(grid_row_t), parameter :: grid_rows(*) = [ &
-      grid_row_t('solution', 'x', 'y'), &
-      grid_row_t('transient', 'x', 'profile_time'), &
-      grid_row_t('momentum', 'zeta', 'x'), &
-      grid_row_t('momentum/transient', 'x', 'profile_time'), &
-      grid_row_t('velocity', 'zeta', 'x')]
+      grid_row_t('solution', [character(len=12) :: 'x', 'y', '']), &
+      grid_row_t('transient', [character(len=12) :: 'x', 'y', 'profile_time']), &
+      grid_row_t('momentum', [character(len=12) :: 'zeta', 'x', '']), &
+      grid_row_t('momentum/transient', [character(len=12) :: 'x', 'profile_time', '']), &
+      grid_row_t('velocity', [character(len=12) :: 'zeta', 'x', ''])]
 
    !> Everything that can be a field.
    character(len=19), parameter :: names(*) = [character(len=19) :: field_names(2:), 'gap', &
@@ -86,43 +87,54 @@ contains
       character(*), intent(in) :: file
       character(:), allocatable, intent(inout) :: text
       character(:), allocatable :: fields, group
+      character(len=12) :: axes(3)
       type(hdf5_source_t) :: source
-      integer(int64) :: nodes(2)
-      logical :: is_flat
-      integer :: i
+      integer(int64) :: nodes(3)
+      integer :: i, rank
 
       group = '/'//trim(row%group)//'/'
-      if (.not. reader%has(group//trim(row%fast))) return
-      is_flat = reader%has(group//trim(row%slow))
-      nodes = 1
-      source = source_at(group//trim(row%fast))
-      nodes(1:1) = source%extents
-      if (is_flat) source = source_at(group//trim(row%slow))
-      if (is_flat) nodes(2:2) = source%extents
+      call find_axes()
       fields = ''
       do i = 1, size(names)
          if (.not. reader%has(group//trim(names(i)))) cycle
          source = source_at(group//trim(names(i)))
-         if (size(source%extents) /= merge(2, 1, is_flat)) cycle
-         if (any(source%extents /= nodes(:size(source%extents)))) cycle
+         if (size(source%extents) /= rank) cycle
+         if (any(source%extents /= nodes(:rank))) cycle
          ! ParaView reads as many numbers as the extents say for the dimensions that the grid has
          fields = fields//'<Attribute Name="'//trim(names(i)) &
-            //'" AttributeType="Scalar" Center="Node">'//nl//item(group//trim(names(i)), [nodes, &
-            1_int64])//'</Attribute>'//nl
+            //'" AttributeType="Scalar" Center="Node">'//nl//item(group//trim(names(i)), nodes) &
+            //'</Attribute>'//nl
       end do
       if (fields == '') return
       text = text//'<Grid Name="'//trim(row%group)//'" GridType="Uniform">'//nl// &
-         '<Topology TopologyType="3DRectMesh" Dimensions="'//'1 '//to_text(nodes(2))//' ' &
-         //to_text(nodes(1))//'"/>'//nl//'<Geometry GeometryType="VXVYVZ">'//nl &
-         //item(path_of(row%fast), nodes(1:1))
-      if (is_flat) then
-         text = text//item(path_of(row%slow), nodes(2:2))
-      else
-         text = text//zero
-      end if
-      text = text//zero//'</Geometry>'//nl//fields//'</Grid>'//nl
+         '<Topology TopologyType="3DRectMesh" Dimensions="'//to_text(nodes(3))//' ' &
+         //to_text(nodes(2))//' '//to_text(nodes(1))//'"/>'//nl &
+         //'<Geometry GeometryType="VXVYVZ">'//nl
+      do i = 1, size(nodes)
+         if (i > rank) then
+            text = text//zero
+         else
+            text = text//item(path_of(axes(i)), nodes(i:i))
+         end if
+      end do
+      text = text//'</Geometry>'//nl//fields//'</Grid>'//nl
 
    contains
+
+      !> The axes that the group has, and their nodes.
+      subroutine find_axes()
+
+         nodes = 1
+         rank = 0
+         do i = 1, size(row%axes)
+            if (row%axes(i) == '') cycle
+            if (.not. reader%has(group//trim(row%axes(i)))) cycle
+            rank = rank + 1
+            axes(rank) = row%axes(i)
+            source = source_at(group//trim(axes(rank)))
+            nodes(rank:rank) = source%extents
+         end do
+      end subroutine find_axes
 
       !> Where an axis is stored: in this group it may be a link, which ParaView does not follow.
       function path_of(axis) result(path)
@@ -130,8 +142,8 @@ contains
          character(:), allocatable :: path
 
          select case (axis)
-         case ('x')
-            path = '/solution/x'
+         case ('x', 'y')
+            path = '/solution/'//trim(axis)
          case ('profile_time')
             path = '/transient/profile_time'
          case default

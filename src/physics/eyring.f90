@@ -15,10 +15,7 @@ module eyring
    !> The law in the scales of a contact; tau_0 is `sigma_scale` and B `ln_b_scale`.
    type, extends(flow_law_t), public :: eyring_t
    contains
-      procedure :: evaluate_slip
-      procedure :: ln_slip
-      procedure :: evaluate_stress
-      procedure :: stress_rise
+      procedure :: evaluate_slip, evaluate_stress, ln_slip, stress_rise
       procedure :: flow_shapes => shapes_of_drive
    end type eyring_t
 

@@ -113,16 +113,22 @@ contains
       end do
    end function deflection_by_elements
 
-   !> A0 and A1 at `distance` from the middle of an element, not at its ends.
+   !> A0 and A1 at `distance` from the middle of an element, not at its ends: far from it by their
+   !> series.
    pure subroutine evaluate_moments(distance, half, a0, a1)
       real(wp), intent(in) :: distance, half
       real(wp), intent(out) :: a0, a1
+      real(wp) :: above, below, u
 
       if (abs(distance) > far*half) then
          call far_moments(distance, half, a0, a1)
-      else
-         call near_moments(distance/half, half, a0, a1)
+         return
       end if
+      u = distance/half
+      above = log(max(abs(1 + u), tiny(u)))
+      below = log(max(abs(1 - u), tiny(u)))
+      a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
+      a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
    end subroutine evaluate_moments
 
    !> A0 and A1 at `distance` > `far` half from the middle of an element by their series.
@@ -142,17 +148,5 @@ contains
       a0 = 2*log(abs(distance)) - a0
       a1 = -2*distance/half*a1
    end subroutine far_moments
-
-   !> A0 and A1 at `u`, not +-1, in closed form.
-   pure elemental subroutine near_moments(u, half, a0, a1)
-      real(wp), intent(in) :: u, half
-      real(wp), intent(out) :: a0, a1
-      real(wp) :: above, below
-
-      above = log(max(abs(1 + u), tiny(u)))
-      below = log(max(abs(1 - u), tiny(u)))
-      a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
-      a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
-   end subroutine near_moments
 
 end module half_space

@@ -18,7 +18,7 @@ module scaling
    implicit none (type, external)
    private
 
-   public :: inertia_number, new_heating, new_moes_scaling, new_point_moes_scaling, &
+   public :: new_heating, new_moes_scaling, new_point_moes_scaling, &
       new_point_scaling, new_scaling, scaled_fluid
 
    !> u1 + u2 over the mean speed: M falls with its power 3/4, L rises with its power 1/4.
@@ -194,15 +194,6 @@ contains
       if (lubricant%pressure_viscosity > 0.0_wp) scaling%hertz_pressure = scaling%alpha_bar &
          /lubricant%pressure_viscosity
    end subroutine new_point_moes_scaling
-
-   !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] over its pressure.
-   !> Dimensional scaling only.
-   pure real(wp) function inertia_number(scaling, density) result(number)
-      type(scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: density
-
-      number = density*scaling%speed_sum**2/scaling%hertz_pressure
-   end function inertia_number
 
    !> Data of a contact with these scales, bodies and thermal constants.
    pure function new_heating(scaling, bodies, effusivity, conductivity) result(heating)

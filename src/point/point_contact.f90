@@ -1,9 +1,9 @@
-!> The smooth lubricated point contact, dimensionless: X along entrainment, lengths in the half-axis
-!> a that belongs to Rx, pressure in p_h, film in a^2/Rx. The ellipse turns under the grid, not the
-!> grid under the oil.
+!> The lubricated point contact, dimensionless: X along entrainment, lengths in the half-axis a that
+!> belongs to Rx, pressure in p_h, film in a^2/Rx, time in 2 a/u_s. The ellipse turns under the
+!> grid, not the grid under the oil.
 !>
-!>     div( e grad P ) - d(rho H)/dX = 0 ,  e = rho H^3 S/(lambda mu) ,  P >= 0
-!>     H = H0 + q0 X^2/2 + q1 X Y + q2 Y^2/2 + C II P/R dA ,  II P dA = 2 pi kappa/3
+!>     div( e grad P ) - d(rho H)/dX - d(rho H)/dT = 0 ,  e = rho H^3 S/(lambda mu) ,  P >= 0
+!>     H = H0 + q0 X^2/2 + q1 X Y + q2 Y^2/2 - Psi_1 - Psi_2 + C II P/R dA ,  II P dA = 2 pi kappa/3
 !>
 !> With the flow of small pressure gradients on sliding along X, an Eyring oil has the viscosities
 !> mu/S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
@@ -13,6 +13,7 @@ module point_contact
       point_film_unit, point_lambda
    use expected_film, only: thinned_central_film
    use kinds, only: wp
+   use line_contact, only: rough_contact_t
    use lubricant, only: fluid_t
    implicit none (type, external)
    private
@@ -20,15 +21,8 @@ module point_contact
    public :: far_load, far_pressure, first_intervals, hertz_pressure_at, &
       intervals_for, new_point_contact, rows_for
 
-   !> Where the contact is solved [a].
-   type, public :: point_domain_t
-      real(wp) :: x_inlet = 0.0_wp, x_outlet = 0.0_wp, y_half_width = 0.0_wp
-      !> Intervals in x and y.
-      integer :: nx = 0, ny = 0
-   end type point_domain_t
-
    !> The contact.
-   type, public :: point_contact_t
+   type, public, extends(rough_contact_t) :: point_contact_t
       type(ellipse_t) :: ellipse
       type(fluid_t) :: fluid
       !> D = Rx/Ry, and the angle from the x axis of the ellipse to the entrainment [rad].
@@ -39,12 +33,9 @@ module point_contact
       real(wp) :: load = 0.0_wp
       !> q0, q1, q2, and half-widths of the turned ellipse along X and Y [-].
       real(wp) :: curvature(3) = 0.0_wp, half_widths(2) = 1.0_wp
-      !> Central film to be expected [a^2/Rx].
-      real(wp) :: expected_film = 0.0_wp
       !> The pressure around the domain is that of rigid bodies, not 0; its g of P = g.r/H^2.
       logical :: has_far_field = .true.
       real(wp) :: far(2) = 0.0_wp
-      type(point_domain_t) :: domain
    end type point_contact_t
 
    !> Cells are at most so many times as long in y as in x: longer ones cost iterations.
@@ -64,6 +55,8 @@ contains
       type(point_contact_t) :: contact
       real(wp) :: along, trace, width
 
+      contact%surface_1%speed = 1.0_wp
+      contact%surface_2%speed = 1.0_wp
       contact%radius_ratio = radius_ratio
       contact%moes_m = moes_m
       contact%angle = angle
@@ -75,6 +68,7 @@ contains
          contact%load = 2*pi*kappa/3
          q = [c**2 + d*s**2, (d - 1)*c*s, s**2 + d*c**2]
          b = [hypot(c, kappa*s), hypot(s, kappa*c)]
+         contact%half_length = b(1)
          along = q(1)
          contact%expected_film = central_point_film(moes_m*along**1.25_wp, moes_l*along**0.25_wp, &
             q(3)/along)/sqrt(along)/point_film_unit(contact%ellipse, moes_m)

@@ -85,6 +85,7 @@ contains
                   level%pressure = finer%pressure(::2, ::2)
                   level%film = finer%film(::2, ::2)
                   level%flowing = finer%flowing(::2, ::2)
+                  level%inverse_time_step = finer%inverse_time_step
                end associate
                call evaluate(level, contact, .true.)
             end if

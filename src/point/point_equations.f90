@@ -1,7 +1,7 @@
 !> Discrete Reynolds equation of the point contact: residual and exact Jacobian.
 !>
 !>     r(i, j) = ( Q(i+1/2, j) - Q(i-1/2, j) )/hx^2 + ( Q(i, j+1/2) - Q(i, j-1/2) )/hy^2
-!>             - ( 3 rH(i) - 4 rH(i-1) + rH(i-2) )/(2 hx)
+!>             - ( 3 rH(i) - 4 rH(i-1) + rH(i-2) )/(2 hx) - ( rH(i)/dT_eff - old )
 !>     Q(1|2) = (E1 + E2)/2 L(m1, m2) (P2 - P1) ,  E = rho H^3/lambda ,  m = S/mu
 !>
 !> of first order in the wedge at i = 1; P >= 0, r <= 0, P r = 0. The logarithmic mean L(a, b) =
@@ -173,16 +173,19 @@ contains
          r(1, j) = r(1, j) - (mass(1) - mass(0))
          r(2:nx - 1, j) = r(2:nx - 1, j) - (1.5_wp*mass(2:nx - 1) - 2*mass(1:nx - 2) &
             + 0.5_wp*mass(0:nx - 3))
+         if (allocated(level%old_squeeze)) r(1:nx - 1, j) = r(1:nx - 1, j) - (level%hx &
+            *level%inverse_time_step*mass(1:nx - 1) + level%old_squeeze(1:nx - 1, j))
       end associate
    end subroutine assemble_row
 
-   !> Change of the wedge of a node with its own pressure, by the deflection; density 1.
+   !> Change of wedge and squeeze of a node with its own pressure, by the deflection; density 1.
    pure real(wp) function wedge_diagonal(level) result(diagonal)
       type(point_level_t), intent(in) :: level
       real(wp) :: weights(-2:0)
 
       weights = wedge_weights(2)
-      diagonal = dot_product(weights(0:-2:-1), level%kernel(0:2, 0))/level%hx
+      diagonal = dot_product(weights(0:-2:-1), level%kernel(0:2, 0))/level%hx &
+         + level%inverse_time_step*level%kernel(0, 0)
    end function wedge_diagonal
 
    !> Bands of row `j`, and where its flow is strong.
@@ -207,6 +210,8 @@ contains
                p(3 + k, i, j) = p(3 + k, i, j) - w(k)*nodes(i + k, of_drho)*nodes(i + k, of_h)
                h(3 + k, i, j) = h(3 + k, i, j) - w(k)*nodes(i + k, of_rho)
             end do
+            p(3, i, j) = p(3, i, j) - level%inverse_time_step*nodes(i, of_drho)*nodes(i, of_h)
+            h(3, i, j) = h(3, i, j) - level%inverse_time_step*nodes(i, of_rho)
             if (i == 1) w = wedge_weights(2)/level%hx
             level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
                ix*along(i - 1, flow_2)) > strong)

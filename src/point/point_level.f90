@@ -6,6 +6,7 @@
 module point_level
    use constants, only: pi
    use errors, only: error_t
+   use features, only: surface_height
    use half_space_response, only: open_area_kernel
    use kinds, only: wp
    use point_contact, only: point_contact_t
@@ -13,7 +14,7 @@ module point_level
    implicit none (type, external)
    private
 
-   public :: deflect, load_on, new_level, set_point_film
+   public :: deflect, load_on, new_level, set_point_film, set_surfaces
 
    !> Distance, in nodes, up to which the deflection is kept.
    integer, parameter :: reach = 64
@@ -28,6 +29,10 @@ module point_level
       real(wp), allocatable :: x(:), y(:)
       !> Gap of the rigid bodies less the heights of the surfaces.
       real(wp), allocatable :: rigid(:, :)
+      !> Weight of rho H in the squeeze term, 0 in a steady contact, and what older times leave of
+      !> it; not allocated: 0.
+      real(wp) :: inverse_time_step = 0.0_wp
+      real(wp), allocatable :: old_squeeze(:, :)
       !> Deflection by a unit pressure at small distances (of small grids at all), and the product
       !> with all of it.
       real(wp), allocatable :: kernel(:, :)
@@ -65,7 +70,7 @@ contains
       level%nx = nx
       level%ny = ny
       allocate (level%x(0:nx), level%y(0:ny), level%rigid(0:nx, 0:ny))
-      associate (domain => contact%domain, q => contact%curvature)
+      associate (domain => contact%domain)
          level%hx = (domain%x_outlet - domain%x_inlet)/nx
          level%hy = 2*domain%y_half_width/ny
          do i = 0, nx
@@ -73,10 +78,9 @@ contains
          end do
          do j = 0, ny
             level%y(j) = (j - 0.5_wp*ny)*level%hy
-            level%rigid(:, j) = 0.5_wp*q(1)*level%x**2 + q(2)*level%x*level%y(j) &
-               + 0.5_wp*q(3)*level%y(j)**2
          end do
       end associate
+      call set_surfaces(level, contact, 0.0_wp)
       allocate (level%pressure, level%film, level%flowing, level%is_local, mold=level%rigid)
       allocate (level%residual, level%diagonal, level%flow, level%rise, mold=level%rigid)
       level%residual = 0.0_wp
@@ -92,6 +96,22 @@ contains
       level%kernel = kernel(:size(level%kernel, 1), :size(level%kernel, 2))
       call new_convolution(level%elastic, kernel, threads, error)   ! error: handed up
    end subroutine new_level
+
+   !> Sets the gap of the rigid bodies less the heights of both surfaces at a `time`.
+   pure subroutine set_surfaces(level, contact, time)
+      type(point_level_t), intent(inout) :: level
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: time
+      integer :: j
+
+      associate (q => contact%curvature, x => level%x)
+         do j = 0, level%ny
+            level%rigid(:, j) = 0.5_wp*q(1)*x**2 + q(2)*x*level%y(j) &
+               + 0.5_wp*q(3)*level%y(j)**2 - surface_height(contact%surface_1, x, time, &
+               level%y(j)) - surface_height(contact%surface_2, x, time, level%y(j))
+         end do
+      end associate
+   end subroutine set_surfaces
 
    !> Computes the deflection of the pressure `p`, both on all nodes.
    subroutine deflect(level, p, deflection)

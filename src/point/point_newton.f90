@@ -8,6 +8,7 @@
 module point_newton
    use errors, only: error_t
    use gmres, only: gmres_t, krylov_system_t, solve_gmres
+   use iteration_report, only: report_t
    use kinds, only: wp
    use listener, only: listener_t
    use mobility, only: bent_step, flowing_share
@@ -46,14 +47,9 @@ module point_newton
       real(wp), allocatable, private :: column(:), answer(:), inverse(:)
       real(wp), private :: load_of_answer = 1.0_wp, weight = 1.0_wp
       real(wp), allocatable, private :: change(:), product(:)
-      !> Whether the residual is below the tolerance; else why not.
-      logical :: is_converged = .false.
-      character(:), allocatable :: reason
-      !> Newton steps and iterations of GMRES, max |r| and load error.
+      !> Newton steps and iterations of GMRES; load error.
       integer :: steps = 0, iterations = 0
-      real(wp) :: residual = huge(1.0_wp), load_error = huge(1.0_wp)
-      !> Bound on both.
-      real(wp) :: bound = 0.0_wp
+      real(wp), private :: load_error = huge(1.0_wp)
    contains
       procedure :: multiply
       procedure :: precondition
@@ -62,20 +58,21 @@ module point_newton
 contains
 
    !> Solves the finest level from its present pressure and H0 to `tolerance` of residual and load,
-   !> unless `listener` asks to stop.
-   subroutine solve_point_newton(newton, contact, tolerance, max_steps, listener)
+   !> unless `listener` asks to stop; `report` says whether it has, and gains the steps.
+   subroutine solve_point_newton(newton, contact, tolerance, max_steps, listener, report)
       type(point_newton_t), intent(inout) :: newton
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
       class(listener_t), intent(inout) :: listener
+      type(report_t), intent(inout) :: report
       type(error_t), allocatable :: error
       real(wp), allocatable :: border(:, :), step(:, :)
-      real(wp) :: load, step_h0
+      real(wp) :: load, residual, step_h0
       logical :: is_evaluated, is_taken
 
-      newton%is_converged = .false.
-      newton%reason = 'the start has no film'
+      report%converged = .false.
+      report%reason = 'the start has no film'
       newton%steps = 0
       newton%iterations = 0
       newton%gmres%max_iterations = most_iterations
@@ -90,29 +87,32 @@ contains
             call set_border(contact, level, border)
             call find_cavity(level)
             newton%load_error = load_on(level, level%pressure) - load
-            newton%residual = max(maxval(abs(level%flowing*level%residual)), &
-               maxval(abs((1 - level%flowing)*(level%pressure - border))))
-            if (.not. newton%residual < huge(1.0_wp)) return
+            residual = max(maxval(abs(level%flowing*level%residual)), maxval(abs((1 &
+               - level%flowing)*(level%pressure - border))))
+            if (.not. residual < huge(1.0_wp)) return
+            if (newton%steps > 0) call report%add(residual, abs(newton%load_error))
+            report%residual = residual
+            report%load_error = abs(newton%load_error)
             call listener%on_stage(to_text(level%nx)//' x '//to_text(level%ny)//' step', &
-               newton%steps + 1, [newton%residual, newton%load_error])
-            newton%bound = max(tolerance, floors*level%floor)
-            newton%is_converged = max(newton%residual, abs(newton%load_error) &
-               /contact%ellipse%ratio) < newton%bound
-            newton%reason = 'converged'
-            if (newton%is_converged) return
-            newton%reason = 'stopped from outside'
+               newton%steps + 1, [residual, newton%load_error])
+            report%tolerance_effective = max(tolerance, floors*level%floor)
+            report%converged = max(residual, abs(newton%load_error)/contact%ellipse%ratio) &
+               < report%tolerance_effective
+            report%reason = 'converged'
+            if (report%converged) return
+            report%reason = 'stopped from outside'
             if (listener%wants_stop()) return
-            newton%reason = to_text(max_steps)//' Newton steps were not enough'
+            report%reason = to_text(max_steps)//' Newton steps were not enough'
             if (newton%steps >= max_steps) return
             call prepare_cycle(newton%hierarchy, contact, error)
             if (allocated(error)) then   ! an iterate that is lost
-               newton%reason = error%message
+               report%reason = error%message
                return
             end if
             call find_step(newton, border, merge(rough_tolerance, linear_tolerance, &
-               newton%residual > far_residual .and. is_evaluated), step, step_h0)
+               residual > far_residual .and. is_evaluated), step, step_h0)
             call take_step(newton, contact, load, step, step_h0, is_taken, is_evaluated)
-            newton%reason = 'the film closes'
+            report%reason = 'the film closes'
             if (.not. is_taken) return
             newton%steps = newton%steps + 1
          end do

@@ -13,30 +13,25 @@ module point_solver
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, summary_of_point
    use quantities, only: central_value, h_central, h_min
+   use solver_settings, only: solver_settings_t, steady_tolerance, time_settings_t
    use text, only: to_text
    use transfer, only: prolong_cubic
    implicit none (type, external)
    private
 
-   public :: measure_domain, point_run_t, solve_point_steady
+   public :: pairs_of, point_run_t, solve_point_steady, tolerance_of
 
    !> The start lies this many times the expected film above the dry contact.
    real(wp), parameter :: start_film = 1.5_wp
    !> Most Newton steps on a grid.
    integer, parameter, public :: most_steps = 60
-   !> The longer domain has an eighth more intervals on both sides together, on a grid with a
-   !> quarter of them.
-   integer, parameter :: coarsening = 4, extension = 8
 
    !> How to solve a contact, and its solution with the quantities on all grids.
    type :: point_run_t
-      real(wp) :: tolerance = 1.0e-8_wp
-      integer :: max_steps = most_steps
-      !> Relative error of h_central and h_min for which the grid is chosen, up to that of the
-      !> contact; 0: that of the contact.
-      real(wp) :: target = 0.0_wp
-      !> 2 (u2 - u1)/(u1 + u2); NaN: not known.
-      real(wp) :: slide_to_roll = 0.0_wp
+      !> `max_cycles` are Newton steps on a grid; `target`: relative error of h_central and h_min
+      !> for which the grid is chosen, up to that of the contact; 0: that of the contact.
+      type(solver_settings_t) :: settings = solver_settings_t(max_cycles=most_steps)
+      type(time_settings_t) :: time
       integer :: threads = 1
       type(point_newton_t) :: newton
       !> Quantities on each grid, the first one the coarsest; pressure and H0 of the last but two.
@@ -63,11 +58,11 @@ contains
 
       run%grids = [line_summary_t ::]
       run%work = reshape([integer ::], [2, 0])
-      most = contact%domain%nx
+      most = contact%domain%intervals
       nx = first_intervals(contact, most)
       report%method = 'newton_krylov'
       do
-         ny = contact%domain%ny/(most/nx)
+         ny = contact%domain%rows/(most/nx)
          call listener%on_stage(to_text(nx)//' x '//to_text(ny)//' intervals')
          call new_hierarchy(run%newton%hierarchy, contact, nx, ny, run%threads, error)
          if (allocated(error)) return
@@ -78,12 +73,14 @@ contains
             else
                call start_dry(contact, level)
             end if
-            call solve_point_newton(newton, contact, run%tolerance, run%max_steps, listener)
+            call solve_point_newton(newton, contact, tolerance_of(run, steady_tolerance), &
+               run%settings%max_cycles, listener, report)
             run%work = reshape([run%work, newton%steps, newton%iterations], [2, size(run%work, 2) &
                + 1])
-            call fill_report(newton, report)
-            if (.not. newton%is_converged) exit
-            run%grids = [run%grids, summary_of_point(level, contact, run%slide_to_roll)]
+            report%numbers%levels = size(newton%hierarchy%levels)
+            report%cost%fft_pairs = report%cost%fft_pairs + pairs_of(newton)
+            if (.not. report%converged) exit
+            run%grids = [run%grids, summary_of_point(level, contact)]
             if (nx == most .or. meets_target(run, contact)) exit
             if (allocated(coarse)) then
                run%older = coarse
@@ -95,8 +92,8 @@ contains
          end associate
       end do
       if (.not. report%converged) call blame(contact, nx, report)
-      contact%domain%nx = nx
-      contact%domain%ny = ny
+      contact%domain%intervals = nx
+      contact%domain%rows = ny
    end subroutine solve_point_steady
 
    !> Whether the errors of the films by the last grid are within the target.
@@ -107,35 +104,34 @@ contains
       integer :: n
 
       n = size(run%grids)
-      is_met = run%target > 0.0_wp .and. n > 2
+      is_met = run%settings%target > 0.0_wp .and. n > 2
       if (.not. is_met) return
       last = run%grids(n)
       call estimate_point_errors(last, contact, run%grids(n - 1:1:-1), 0.0_wp)
       associate (of => last%of([h_min, h_central]))
-         is_met = all(exceeds(run%target*of%value - of%error_grid, 0.0_wp))
+         is_met = all(exceeds(run%settings%target*of%value - of%error_grid, 0.0_wp))
       end associate
    end function meets_target
 
-   !> Takes over how the last grid went.
-   subroutine fill_report(newton, report)
+   !> Bound on residual and load error: the given one, or the `usual`.
+   pure real(wp) function tolerance_of(run, usual) result(tolerance)
+      type(point_run_t), intent(in) :: run
+      real(wp), intent(in) :: usual
+
+      tolerance = merge(run%settings%tolerance, usual, run%settings%tolerance > 0.0_wp)
+   end function tolerance_of
+
+   !> Pairs of transforms on all levels since they were made.
+   pure integer function pairs_of(newton) result(pairs)
       type(point_newton_t), intent(in) :: newton
-      type(report_t), intent(inout) :: report
       integer :: done(4), k
 
-      report%converged = newton%is_converged
-      report%reason = newton%reason
-      report%cycles = report%cycles + newton%steps
-      report%residual = newton%residual
-      report%load_error = abs(newton%load_error)
-      report%tolerance_effective = newton%bound
-      associate (levels => newton%hierarchy%levels)
-         report%numbers%levels = size(levels)
-         do k = 1, size(levels)
-            done = levels(k)%elastic%transforms()
-            report%cost%fft_pairs = report%cost%fft_pairs + done(3)
-         end do
-      end associate
-   end subroutine fill_report
+      pairs = 0
+      do k = 1, size(newton%hierarchy%levels)
+         done = newton%hierarchy%levels(k)%elastic%transforms()
+         pairs = pairs + done(3)
+      end do
+   end function pairs_of
 
    !> Says that the grid is too coarse for the film where the rule for first grids says so.
    subroutine blame(contact, nx, report)
@@ -148,48 +144,6 @@ contains
       if (nx < needed) report%reason = 'grid too coarse for the film, needs '//to_text(needed) &
          //' intervals in x (has '//to_text(nx)//'); '//report%reason
    end subroutine blame
-
-   !> Quantities on a quarter of the intervals, `near`, and with the same spacing on a domain about
-   !> 1.5 times as long, `far`. `is_known`: both have a solution. Error: as above.
-   subroutine measure_domain(run, contact, near, far, is_known, error)
-      type(point_run_t), intent(in) :: run
-      type(point_contact_t), intent(in) :: contact
-      type(line_summary_t), intent(out) :: near, far
-      logical, intent(out) :: is_known
-      type(error_t), allocatable, intent(out) :: error
-      type(point_newton_t) :: newton
-      type(point_contact_t) :: longer
-      type(listener_t) :: nobody
-      real(wp) :: spacing
-      integer :: behind, more, n(2)
-
-      is_known = size(run%grids) > 2
-      if (.not. is_known) return
-      near = run%grids(size(run%grids) - 2)
-      longer = contact
-      n = [contact%domain%nx, contact%domain%ny]/coarsening
-      associate (domain => longer%domain)
-         more = contact%domain%nx/extension
-         spacing = (domain%x_outlet - domain%x_inlet)/n(1)
-         behind = nint(more*domain%x_outlet/(domain%x_outlet - domain%x_inlet))
-         domain%x_inlet = domain%x_inlet - (more - behind)*spacing
-         domain%x_outlet = domain%x_outlet + behind*spacing
-         domain%y_half_width = domain%y_half_width*(1 + real(coarsening, wp)/extension)
-         domain%nx = n(1) + more
-         domain%ny = n(2) + contact%domain%ny/extension
-         call new_hierarchy(newton%hierarchy, longer, domain%nx, domain%ny, run%threads, error)
-         if (allocated(error)) return
-         associate (level => newton%hierarchy%levels(1), i => more - behind, &
-            j => (domain%ny - n(2))/2)
-            level%pressure = 0.0_wp
-            level%pressure(i:i + n(1), j:j + n(2)) = run%older
-            level%rigid_displacement = run%older_h0
-            call solve_point_newton(newton, longer, run%tolerance, run%max_steps, nobody)
-            is_known = newton%is_converged
-            if (is_known) far = summary_of_point(level, longer, run%slide_to_roll)
-         end associate
-      end associate
-   end subroutine measure_domain
 
    !> Starts from the pressure of the dry contact, with the load and a film in the middle.
    subroutine start_dry(contact, level)

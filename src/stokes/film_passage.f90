@@ -22,10 +22,7 @@ module film_passage
       !> Mean pressure and film of the profiles (nx, 0:steps/stride).
       real(wp), allocatable :: pressure(:, :), film(:, :)
    contains
-      !> Adds the end of a time step.
-      procedure :: add
-      !> Makes room for this many steps, if there is less.
-      procedure :: make_room
+      procedure :: add, make_room
    end type film_passage_t
 
 contains
@@ -40,7 +37,7 @@ contains
          passage%pressure(nx, 0:steps/stride), passage%film(nx, 0:steps/stride), source=0.0_wp)
    end function new_passage
 
-   !> Keeps the values added so far.
+   !> Makes room for this many steps, if there is less, and keeps the values added so far.
    pure subroutine make_room(self, steps)
       class(film_passage_t), intent(inout) :: self
       integer, intent(in) :: steps

@@ -44,13 +44,7 @@ module momentum_march
       type(film_flow_t), private :: flow
       type(momentum_newton_t), private :: newton
    contains
-      !> Begins with the smooth steady film, which the surfaces enter.
-      procedure :: begin
-      !> Advances by one part of a time step.
-      procedure :: advance
-      !> Returns its state, and resumes from one.
-      procedure :: kept, resume
-      !> Returns the fields of the present film.
+      procedure :: advance, begin, kept, resume
       procedure :: fields => present_fields
    end type momentum_march_t
 

@@ -1,8 +1,8 @@
-!> Surfaces with features that are given by formulas and move with the surface.
+!> Surfaces with features that are given by formulas and move with the surface in x.
 module features
    use constants, only: pi
    use kinds, only: wp
-   use profile, only: profile_height, profile_t, smooth_ramp
+   use profile, only: profile_height, profile_t, row_at, smooth_ramp
    use time_table, only: time_table_t
    implicit none (type, external)
    private
@@ -29,6 +29,8 @@ module features
       real(wp) :: position
       !> Whether `position` is known; else it is chosen when the surface is put into a contact.
       logical :: is_placed = .true.
+      !> Wavelength and centre across; 0: the same at all y.
+      real(wp) :: wavelength_y = 0.0_wp, position_y = 0.0_wp
    end type feature_t
 
    !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In a contact it
@@ -50,28 +52,38 @@ module features
 
 contains
 
-   !> Height psi of the surface at `x` (n) and `time`, positive out of the material: a ridge closes
-   !> the gap.
+   !> Height psi of the surface at `x` (n), `y` (0 if it is not present) and `time`, positive out of
+   !> the material: a ridge closes the gap.
    !>
    !> Enters the film thickness with a minus, H = ... - Psi_1 - Psi_2; (2.24) and (2.58) print a
    !> plus, against (2.72), (A.27) and the text of chapter 6.
-   pure function surface_height(surface, x, time) result(psi)
+   pure function surface_height(surface, x, time, y) result(psi)
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x(:), time
+      real(wp), intent(in), optional :: y
       real(wp) :: psi(size(x))
-      real(wp) :: way
+      real(wp) :: across, way
       integer :: i
 
       psi = 0.0_wp
       way = displacement(surface, time)
       if (allocated(surface%features)) then
          do i = 1, size(surface%features)
-            call add_feature(surface%features(i), &
-               x - (surface%features(i)%position + way), psi)
+            associate (feature => surface%features(i))
+               across = 0.0_wp
+               if (present(y) .and. feature%wavelength_y > 0.0_wp) across = (y &
+                  - feature%position_y)/feature%wavelength_y
+               call add_feature(feature, x - (feature%position + way), across, psi)
+            end associate
          end do
       end if
-      if (allocated(surface%profile)) psi = psi + profile_height(surface%profile, &
-         x - way)
+      if (allocated(surface%profile)) then
+         if (allocated(surface%profile%rows) .and. present(y)) then
+            psi = psi + profile_height(row_at(surface%profile, y), x - way)
+         else
+            psi = psi + profile_height(surface%profile, x - way)
+         end if
+      end if
       if (surface%entry_length > 0.0_wp) psi = psi*entered_share(surface, x, time)
    end function surface_height
 
@@ -101,36 +113,40 @@ contains
       end if
    end function entered_share
 
-   !> Adds the heights of one feature at the distances (n) from its present centre.
-   pure subroutine add_feature(feature, distance, psi)
+   !> Adds the heights of one feature at the distances (n) from its present centre, and so many
+   !> waves `across`.
+   pure subroutine add_feature(feature, distance, across, psi)
       type(feature_t), intent(in) :: feature
       real(wp), intent(in), contiguous :: distance(:)
+      real(wp), intent(in) :: across
       real(wp), intent(inout), contiguous :: psi(:)
       integer :: i
 
       select case (feature%kind)
       case (feature_ridge)
          do i = 1, size(psi)
-            psi(i) = psi(i) + ridge(feature%amplitude, distance(i)/feature%wavelength)
+            psi(i) = psi(i) + ridge(feature%amplitude, distance(i)/feature%wavelength, across)
          end do
       case (feature_sinusoid)
-         psi = psi + feature%amplitude*cos(2.0_wp*pi*distance/feature%wavelength)
+         psi = psi + feature%amplitude*cos(2.0_wp*pi*across)*cos(2.0_wp*pi*distance &
+            /feature%wavelength)
       case default
          error stop 'add_feature: a feature without its case'
       end select
    end subroutine add_feature
 
-   !> Ridge of (5.4), (A.9):  A 10^(-10 s^2) cos(2 pi s) at `waves` s = (x - xc)/Lambda from its
-   !> centre [-].
+   !> Ridge of (5.4), (A.9):  A 10^(-10 s^2) cos(2 pi s) at `waves` (x - xc)/Lambda and `across`
+   !> (y - yc)/Lambda_y from its centre [-], s^2 the sum of their squares.
    !>
    !> C. H. Venner and A. A. Lubrecht, J. Tribol. 116, 1994, 186. `amplitude` A > 0 ridge, < 0 dent.
    !> Without a branch, so that the loop is vectorised.
-   pure elemental function ridge(amplitude, waves) result(height)
-      real(wp), intent(in) :: amplitude, waves
+   pure elemental function ridge(amplitude, waves, across) result(height)
+      real(wp), intent(in) :: amplitude, waves, across
       real(wp) :: height, is_near, s
 
-      is_near = 0.5_wp + sign(0.5_wp, ridge_reach - waves**2)
-      s = is_near*waves
+      s = sqrt(waves**2 + across**2)
+      is_near = 0.5_wp + sign(0.5_wp, ridge_reach - s**2)
+      s = is_near*s
       height = is_near*amplitude*exp(-10.0_wp*log(10.0_wp)*s**2)*cos(2.0_wp*pi*s)
    end function ridge
 

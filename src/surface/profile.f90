@@ -10,7 +10,8 @@ module profile
    implicit none (type, external)
    private
 
-   public :: height_source_t, load_window, profile_height, profile_length, profile_t, smooth_ramp
+   public :: height_source_t, load_window, profile_height, profile_length, profile_t, row_at, &
+      smooth_ramp
 
    !> Source of the heights of a profile that is too long for memory, equally spaced, numbered 0 ...
    !> nodes - 1: any part of them, in any order.
@@ -57,6 +58,10 @@ module profile
       real(wp) :: end_length = 0.0_wp
       !> Wavelength of its finest waves.
       real(wp) :: finest_wave = 0.0_wp
+      !> Of an area: heights of all rows (n, rows), of which `heights` are the middle one, the
+      !> spacing of the rows, and y of the first.
+      real(wp), allocatable :: rows(:, :)
+      real(wp) :: row_spacing = 1.0_wp, first_row = 0.0_wp
       !> Whether `start` is known; else it is chosen when the surface is put into a contact.
       logical :: is_placed = .true.
    end type profile_t
@@ -92,6 +97,38 @@ contains
          z(i) = z(i)*smooth_ramp(s)
       end do
    end function profile_height
+
+   !> The profile of an area at `y`, between rows by the cubic of `profile_height`; an area that
+   !> does not repeat fades out at its sides as it does at its ends.
+   pure function row_at(area, y) result(row)
+      type(profile_t), intent(in) :: area
+      real(wp), intent(in) :: y
+      type(profile_t) :: row, across
+      real(wp) :: weights(1)
+      integer :: k(4), m, nearest, rows
+
+      rows = size(area%rows, 2)
+      row%spacing = area%spacing
+      row%start = area%start
+      row%is_periodic = area%is_periodic
+      row%end_length = area%end_length
+      allocate (row%heights(size(area%rows, 1)), source=0.0_wp)
+      across%spacing = area%row_spacing
+      across%start = area%first_row
+      across%is_periodic = area%is_periodic
+      across%end_length = area%end_length
+      allocate (across%heights(rows), source=0.0_wp)
+      nearest = floor((y - area%first_row)/area%row_spacing)
+      k = [(nearest + m, m=0, 3)]   ! the numbers, from 1, of the four rows around y
+      k = merge(modulo(k - 1, rows) + 1, min(max(k, 1), rows), area%is_periodic)
+      do m = 1, 4
+         if (any(k(:m - 1) == k(m))) cycle
+         across%heights(k(m)) = 1.0_wp
+         weights = profile_height(across, [y])
+         across%heights(k(m)) = 0.0_wp
+         row%heights = row%heights + weights(1)*area%rows(:, k(m))
+      end do
+   end function row_at
 
    !> Positions in the window of the heights before, at, behind and two behind height `k` of `n`.
    pure function neighbours(profile, k, n) result(place)

@@ -25,6 +25,7 @@ contains
       if (allocated(surface%features)) scaled%features = surface%features
       scaled%features%amplitude = scaled%features%amplitude/scaling%film
       scaled%features%wavelength = scaled%features%wavelength/scaling%half_width
+      scaled%features%wavelength_y = scaled%features%wavelength_y/scaling%half_width
       scaled%speed = 2.0_wp*surface%speed/scaling%speed_sum
       scaled%entry_length = surface%entry_length
       scaled%entry_position = surface%entry_position
@@ -32,6 +33,9 @@ contains
       scaled%profile = surface%profile
       if (allocated(surface%profile%heights)) scaled%profile%heights = surface%profile%heights &
          /scaling%film
+      if (allocated(surface%profile%rows)) scaled%profile%rows = surface%profile%rows/scaling%film
+      scaled%profile%row_spacing = surface%profile%row_spacing/scaling%half_width
+      scaled%profile%first_row = surface%profile%first_row/scaling%half_width
       scaled%profile%unit = scaling%film
       scaled%profile%spacing = surface%profile%spacing/scaling%half_width
       scaled%profile%finest_wave = surface%profile%finest_wave/scaling%half_width

@@ -63,7 +63,7 @@ module disk_file
 
    !> A lock on a file, held until `release` or the end of the process, however that comes.
    type :: lock_t
-      integer(c_int), private :: descriptor = -1_c_int
+      integer(c_int), private :: descriptor = -1_c_int, operation = set_lock
    contains
       procedure :: acquire, holds, release
    end type lock_t
@@ -146,64 +146,54 @@ contains
       status = c_close(descriptor)
    end function sync_file
 
-   !> Appends a `line` with its end to the table `path`, whose first line is `head`, by one write
-   !> under a lock, for which it waits: rows of several processes stay whole. What a killed process
-   !> has left of a line is cut off. `fault`: why it cannot; empty: it is done.
+   !> Appends a `line` with its end to the table `path`, whose first line is `head`, under a lock,
+   !> for which it waits: rows of several processes stay whole. What a killed process has left of a
+   !> line is cut off. `fault`: why it cannot; empty: it is done.
    function append_line(path, head, line) result(fault)
       character(*), intent(in) :: path, head, line
       character(:), allocatable :: fault, text
-      character(kind=c_char, len=max(len(head), tail_bytes)), target :: found
+      character(kind=c_char, len=tail_bytes), target :: found
       type(lock_t) :: lock
-      type(file_identity_t) :: there
       integer(c_int64_t) :: bytes, start
-      integer :: kept, length
+      integer :: length
+      logical :: is_done
 
-      fault = ''
-      there = file_at(path, follows=.true.)
-      if (there%kind /= kind_missing) fault = file_fault(path)
-      if (fault /= '') return
-      if (lock%acquire(path, wait_for_lock) .and. lock%descriptor < 0_c_int) fault = &
-         'it cannot be opened'
-      if (fault /= '') return
-      bytes = c_lseek(lock%descriptor, 0_c_int64_t, from_end)
+      lock%operation = wait_for_lock
+      is_done = lock%acquire(path)
+      fault = 'it cannot be opened'
+      if (lock%descriptor < 0_c_int) return
+      fault = 'its first line is not that of this table: another file or problem or version'
       length = int(c_pread(lock%descriptor, c_loc(found), len(head, c_size_t), 0_c_int64_t))
-      if (found(:length) /= head(:length)) then
-         fault = 'its first line is not that of this table: another file or problem '// &
-            'or version'
-      else
-         text = line
+      if (length >= 0 .and. found(:length) == head(:length)) then
+         fault = 'no space (the disk is full, or a quota or a limit on the size of files is '// &
+            'reached)'
          start = 0_c_int64_t
-         if (length < len(head)) then
-            text = head//line
-         else   ! behind the last line that ends
+         text = head//line
+         if (length == len(head)) then   ! behind the last line that ends
+            text = line
+            bytes = c_lseek(lock%descriptor, 0_c_int64_t, from_end)
             start = max(bytes - tail_bytes, 0_c_int64_t)
             length = int(c_pread(lock%descriptor, c_loc(found), int(tail_bytes, c_size_t), start))
             start = start + index(found(:length), new_line('a'), back=.true.)
+            if (length < 0) start = bytes
          end if
-         kept = 0
-         if (start < bytes) kept = c_ftruncate(lock%descriptor, start)
-         if (c_write(lock%descriptor, text, len(text, c_size_t)) /= len(text) .or. kept /= 0) then
-            fault = 'no space (the disk is full, or a quota or a limit on the size of files is '// &
-               'reached)'
-            kept = c_ftruncate(lock%descriptor, start)
-         end if
+         is_done = c_ftruncate(lock%descriptor, start) == 0_c_int
+         if (is_done) is_done = c_write(lock%descriptor, text, len(text, c_size_t)) == len(text)
+         if (is_done) fault = ''
+         if (.not. is_done) length = c_ftruncate(lock%descriptor, start)
       end if
       call lock%release()
    end function append_line
 
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
-   !> has it, unless the `operation` waits for it. A file system that knows no locks counts as
-   !> taken. If the file was renamed or removed between opening and locking, it is tried again.
-   logical function acquire(self, path, operation) result(is_taken)
+   !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
+   !> between opening and locking, the lock is tried again.
+   logical function acquire(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
-      integer(c_int), intent(in), optional :: operation
-      integer(c_int) :: lock
       integer :: status, unit
 
       is_taken = .true.
-      lock = set_lock
-      if (present(operation)) lock = operation
       do
          call self%release()
          open (newunit=unit, file=path, access='stream', form='unformatted', action='readwrite', &
@@ -212,7 +202,7 @@ contains
          if (status /= 0) return
          self%descriptor = c_open(path//c_null_char, read_and_append)
          if (self%descriptor < 0_c_int) cycle
-         if (c_fcntl(self%descriptor, lock, file_lock_t(lock_to_write)) /= 0_c_int) exit
+         if (c_fcntl(self%descriptor, self%operation, file_lock_t(lock_to_write)) /= 0_c_int) exit
          if (self%holds(path)) return
       end do
       ! releasing what one does not have always works

@@ -107,21 +107,14 @@ contains
       subroutine compare(most, name)
          real(wp), intent(in) :: most
          character(*), intent(in) :: name
+         real(wp), parameter :: megabyte = 1.0e6_wp
 
          if (fault == '' .and. need > most) fault = 'found '//what//' that needs up to ' &
-            //megabytes(need)//' of memory, expected at most '//megabytes(max(most, 0.0_wp)) &
-            //', '//name
+            //to_text(need/megabyte, 4)//' MB of memory, expected at most ' &
+            //to_text(max(most, 0.0_wp)/megabyte, 4)//' MB, '//name
       end subroutine compare
 
    end function memory_fault
-
-   !> Bytes in words.
-   function megabytes(bytes) result(words)
-      real(wp), intent(in) :: bytes
-      character(:), allocatable :: words
-
-      words = to_text(bytes/1.0e6_wp, 4)//' MB'
-   end function megabytes
 
    !> The value of a limit [bytes]; huge: none.
    real(wp) function limit_of(resource) result(bytes)

@@ -1,0 +1,177 @@
+!> Time steps of the point contact, those of a line contact (module ehl_line_transient): BDF2 or
+!> backward Euler from the smooth steady solution, whose film the surfaces enter at T = 0 without a
+!> new solve; later steps start from a prediction by the last solutions.
+module point_march
+   use errors, only: error_t
+   use film_state, only: film_state_t
+   use iteration_report, only: phase_steady, phase_transient, report_t
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use line_contact, only: smoothen_both
+   use listener, only: listener_t, relay_t
+   use lubricant, only: fluid_density
+   use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights
+   use point_contact, only: point_contact_t
+   use point_level, only: point_level_t, set_point_film, set_surfaces
+   use point_newton, only: solve_point_newton
+   use point_quantities, only: fill_point_state
+   use point_solver, only: pairs_of, point_run_t, solve_point_steady, tolerance_of
+   use solver_settings, only: step_tolerance
+   use text, only: to_text
+   use time_scheme, only: part_ends
+   use wall_clock, only: wall_seconds
+   implicit none (type, external)
+   private
+
+   public :: solve_point
+
+contains
+
+   !> Solves the steady contact, smooth if it is the start of a passage, and the passage; `state` is
+   !> that at the end. Not converging is in the report. Error (internal_error): LAPACK or FFTW.
+   subroutine solve_point(run, contact, listener, state, report, error)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(inout) :: contact
+      class(listener_t), intent(inout), target :: listener
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(point_contact_t) :: start
+      real(wp) :: begin
+
+      begin = wall_seconds()
+      start = contact
+      if (run%time%is_transient) call smoothen_both(start)
+      call solve_point_steady(run, start, listener, report, error)
+      if (allocated(error)) return
+      contact%domain = start%domain
+      associate (seconds => report%cost%phase_seconds)
+         seconds(phase_steady) = wall_seconds() - begin
+         call fill_point_state(run%newton%hierarchy%levels(1), contact, 0.0_wp, state)
+         if (.not. (report%converged .and. run%time%is_transient)) return
+         begin = wall_seconds()
+         if (allocated(run%time%resume_from)) report = run%time%resume_from%report
+         report%numbers%levels = size(run%newton%hierarchy%levels)
+         call march_point(run, contact, listener, state, report)
+         seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
+      end associate
+   end subroutine solve_point
+
+   !> Marches from the steady solution of `run`, or from where an earlier run stopped, to
+   !> its end time; the listener receives each step. Ends early, not converged, if a step has no
+   !> solution; `state` is then the last good one.
+   subroutine march_point(run, contact, listener, state, report)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(in) :: contact
+      class(listener_t), intent(inout), target :: listener
+      type(line_state_t), intent(inout) :: state
+      type(report_t), intent(inout) :: report
+      type(march_state_t) :: history
+      real(wp), allocatable :: ends(:)
+      integer :: part, steps
+
+      steps = nint(run%time%end_time/run%time%time_step)
+      if (allocated(run%time%resume_from)) history = run%time%resume_from
+      associate (level => run%newton%hierarchy%levels(1), time => run%time)
+         allocate (level%old_squeeze, mold=level%film)
+         if (history%size > 0) then
+            level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
+            level%rigid_displacement = history%rigid_displacement(1)
+         end if
+         call set_surfaces(level, contact, history%step*time%time_step)
+         call set_point_film(level)
+         report%converged = all(level%film > 0.0_wp)
+         if (.not. report%converged) then
+            report%reason = 'the film closes at T = 0: the surfaces at their start are higher '// &
+               'than the smooth film'
+            return
+         end if
+         call fill_point_state(level, contact, history%step*time%time_step, state)
+         if (history%size == 0) then
+            call remember(history, contact, level, 0.0_wp)
+            call listener%on_step(0, steps, state, history, report)
+         end if
+         do while (history%step < steps)
+            if (listener%wants_stop()) then
+               report%converged = .false.
+               report%reason = 'stopped from outside'
+               return
+            end if
+            ends = [0.0_wp, part_ends(time%scheme, history%step + 1, time%time_step)]
+            do part = 1, size(ends) - 1
+               call solve_part(run, contact, listener, ends(part:part + 1), &
+                  history, report)
+               if (.not. report%converged) return
+            end do
+            history%step = history%step + 1
+            report%steps = history%step
+            call fill_point_state(level, contact, history%step*time%time_step, state)
+            call listener%on_step(history%step, steps, state, history, report)
+         end do
+      end associate
+   end subroutine march_point
+
+   !> Solves the part of the next step between `ends`, shares of it: from the prediction, else from
+   !> the old pressure, with a film above 0.
+   subroutine solve_part(run, contact, listener, ends, history, report)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(in) :: contact
+      class(listener_t), intent(inout), target :: listener
+      real(wp), intent(in) :: ends(2)
+      type(march_state_t), intent(inout) :: history
+      type(report_t), intent(inout) :: report
+      type(film_state_t) :: start
+      type(relay_t) :: relay
+      real(wp) :: least, length, new_time, weights(3)
+      integer :: attempt, before
+
+      relay%parent => listener
+      associate (level => run%newton%hierarchy%levels(1), time => run%time)
+         length = ends(2)*time%time_step - ends(1)*time%time_step
+         new_time = (history%step + ends(2))*time%time_step
+         weights = step_weights(history, time%scheme, length)
+         least = minval(level%film)
+         level%inverse_time_step = weights(1)
+         level%old_squeeze = reshape(weights(2)*history%mass(:, 1) + weights(3) &
+            *history%mass(:, 2), shape(level%film))
+         call set_surfaces(level, contact, new_time)
+         do attempt = 1, 2
+            call extrapolate(history, merge(predictors(history), 1, attempt == 1), length, start)
+            level%pressure = reshape(start%pressure, shape(level%pressure))
+            level%rigid_displacement = start%rigid_displacement
+            if (attempt == 2) then
+               call set_point_film(level)
+               level%rigid_displacement = level%rigid_displacement + max(0.5_wp*least &
+                  - minval(level%film), 0.0_wp)
+            end if
+            before = pairs_of(run%newton)
+            call solve_point_newton(run%newton, contact, tolerance_of(run, step_tolerance), &
+               run%settings%max_cycles, relay, report)
+            report%cost%fft_pairs = report%cost%fft_pairs + pairs_of(run%newton) - before
+            if (report%converged) exit
+         end do
+         if (report%converged) then
+            call remember(history, contact, level, length)
+         else
+            report%reason = 'time step '//to_text(history%step + 1)//' of ' &
+               //to_text(nint(time%end_time/time%time_step))//' (T = '//to_text(new_time, 4)// &
+               '): '//report%reason//'; smallest film before it: H = '//to_text(least, 3)
+         end if
+      end associate
+   end subroutine solve_part
+
+   !> Adds the present solution, at the end of a step of `length`, to the history.
+   pure subroutine remember(history, contact, level, length)
+      type(march_state_t), intent(inout) :: history
+      type(point_contact_t), intent(in) :: contact
+      type(point_level_t), intent(in) :: level
+      real(wp), intent(in) :: length
+      real(wp), dimension(size(level%film)) :: density, pressure
+
+      pressure = reshape(level%pressure, shape(pressure))
+      call fluid_density(contact%fluid, pressure, density)
+      call keep_solution(history, length, pressure, level%rigid_displacement, density &
+         *reshape(level%film, shape(density)))
+   end subroutine remember
+
+end module point_march
