@@ -73,6 +73,8 @@ contains
       steps = nint(run%time%end_time/run%time%time_step)
       if (allocated(run%time%resume_from)) history = run%time%resume_from
       associate (level => run%newton%hierarchy%levels(1), time => run%time)
+         call listener%on_stage('time steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
+            //' intervals')
          allocate (level%old_squeeze, mold=level%film)
          if (history%size > 0) then
             level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
