@@ -12,7 +12,7 @@ module case_notes
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
    use quantity_text, only: duration_text, prefixed_text
-   use quantities, only: h_min, quantity_rows
+   use quantities, only: h_central, h_min, quantity_rows
    use run_observer, only: run_observer_t
    use text, only: add_sentence, to_text
    use wave_resolution, only: coarse_waves, intervals_at_least, long_steps
@@ -20,7 +20,7 @@ module case_notes
    private
 
    public :: add_note, note_coarse_waves, note_measured_error, note_missed_target, &
-      note_missed_error, note_unusual, time_text, unusual_text
+      note_missed_error, note_target, note_unusual, time_text, unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -187,6 +187,22 @@ contains
       if (found /= '') call add_note(case, listener, 'the target accuracy is not shown of '//found &
          //', '//to_text(case%solver%target, 2)//' is the target', report%note)
    end subroutine note_missed_error
+
+   !> Notes a target of a point contact that is not shown.
+   subroutine note_target(case, summary, report)
+      type(case_t), intent(in) :: case
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(inout) :: report
+
+      if (.not. (case%solver%target > 0.0_wp .and. report%converged)) return
+      associate (of => summary%of([h_min, h_central]))
+         if (all(of%error_estimate <= case%solver%target*of%value)) return
+         call add_sentence(report%note, 'the target accuracy is not shown: relative errors of '// &
+            'h_min and h_central of '//to_text(of(1)%error_estimate/of(1)%value, 2)//' and ' &
+            //to_text(of(2)%error_estimate/of(2)%value, 2)//' are estimated, ' &
+            //to_text(case%solver%target, 2)//' is the target')
+      end associate
+   end subroutine note_target
 
    !> Logs `words`, if there are any, and adds them to `note`.
    subroutine add_note(case, listener, words, note)

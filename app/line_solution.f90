@@ -3,12 +3,12 @@
 module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_target, note_unusual, &
       time_text
+   use case_effective, only: list_passage
    use case_record, only: case_t, set_effective
    use closing_table, only: breakdown_sentence
    use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
-   use features, only: rough_surface_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
    use grid_estimates, only: copy_coarser
@@ -17,7 +17,6 @@ module line_solution
    use line_state, only: all_finite, line_state_t
    use model_decision, only: model_choice_t, number_choice_t
    use passage_times, only: new_passage_times, passage_note, passage_times_t
-   use profile, only: profile_length
    use quantities, only: heated_rows
    use quantity_text, only: number_text
    use resolution_choice, only: choose_resolution, settle_tolerance
@@ -189,10 +188,7 @@ contains
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
          call set_effective(case, 'domain', 'intervals', integer=domain%intervals)
       end associate
-      if (case%time%is_transient) then
-         call set_effective(case, 'time', 'end_time', [times%end_time])
-         call set_effective(case, 'time', 'time_step', [case%time%time_step])
-      end if
+      call list_passage(case, case%contact, times)
       call set_effective(case, 'solver', 'space_scheme', text=trim(merge('kappa  ', 'upwind2', &
          case%solver%space_scheme == 'kappa')))
       associate (numbers => report%numbers)
@@ -205,10 +201,6 @@ contains
          call set_effective(case, 'solver', 'relaxation', [numbers%relaxation])
          call set_effective(case, 'solver', 'load_relaxation', [numbers%load_relaxation])
       end associate
-      if (case%time%is_transient) call set_effective(case, 'time', 'statistics_from', &
-         [times%counts_from])
-      call fill_positions(case, 'surface_1', case%surface_1, case%contact%surface_1)
-      call fill_positions(case, 'surface_2', case%surface_2, case%contact%surface_2)
    end subroutine fill_chosen
 
    !> Grid, domain, time step and method of a `case` with model = 'auto': its target chooses grid
@@ -240,18 +232,5 @@ contains
          number_choice_t('time_step', '', 'chosen', 'dT '//number_text(case%time%time_step, 4)), &
          choice%numbers(3)]
    end subroutine fill_numbers
-
-   !> The centres of the features of a `surface`, or of a profile `given` without its place.
-   subroutine fill_positions(case, group, given, surface)
-      type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group
-      type(rough_surface_t), intent(in) :: given, surface
-
-      if (size(surface%features) > 0) call set_effective(case, group, 'position', &
-         surface%features%position)
-      if (.not. (allocated(given%profile) .and. allocated(surface%profile))) return
-      if (.not. given%profile%is_placed) call set_effective(case, group, 'position', &
-         [surface%profile%start + 0.5_wp*profile_length(surface%profile)])
-   end subroutine fill_positions
 
 end module line_solution

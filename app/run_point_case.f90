@@ -1,6 +1,7 @@
 !> One lubricated point contact from its record to its result file and its exit status.
 module run_point_case
-   use case_notes, only: add_note, note_coarse_waves, note_unusual
+   use case_effective, only: list_passage
+   use case_notes, only: add_note, note_coarse_waves, note_target, note_unusual
    use case_outcome, only: case_outcome_t, outcome_of
    use case_record, only: case_t, set_effective
    use closing_table, only: close_case, closing_words_t
@@ -15,12 +16,10 @@ module run_point_case
    use point_result, only: write_point_result
    use point_solver, only: point_run_t
    use progress_log, only: progress_log_t
-   use quantities, only: h_central, h_min
    use result_end, only: suspend_result
    use result_start, only: start_result
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory, processors
-   use text, only: add_sentence, to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -83,6 +82,7 @@ contains
       call move_alloc(note, report%note)
       call note_target(case, summary, report)
       call list_chosen(case)
+      call list_passage(case, case%point, listener%writer%run%passage%times)
       associate (writer => listener%writer)
          call writer%begin_end(case)
          call write_point_result(writer, case, run, state, summary, missing)
@@ -93,22 +93,6 @@ contains
       end associate
       ending = outcome_of(report)
    end subroutine solve_point_case
-
-   !> Notes a target that is not shown.
-   subroutine note_target(case, summary, report)
-      type(case_t), intent(in) :: case
-      type(line_summary_t), intent(in) :: summary
-      type(report_t), intent(inout) :: report
-
-      if (.not. (case%solver%target > 0.0_wp .and. report%converged)) return
-      associate (of => summary%of([h_min, h_central]))
-         if (all(of%error_estimate <= case%solver%target*of%value)) return
-         call add_sentence(report%note, 'the target accuracy is not shown: relative errors of '// &
-            'h_min and h_central of '//to_text(of(1)%error_estimate/of(1)%value, 2)//' and ' &
-            //to_text(of(2)%error_estimate/of(2)%value, 2)//' are estimated, ' &
-            //to_text(case%solver%target, 2)//' is the target')
-      end associate
-   end subroutine note_target
 
    !> Lists what the program has chosen among the effective values.
    subroutine list_chosen(case)
@@ -121,6 +105,8 @@ contains
          call set_effective(case, 'domain', 'intervals_x', integer=domain%intervals)
          call set_effective(case, 'domain', 'intervals_y', integer=domain%rows)
       end associate
+      if (case%time%is_transient) call set_effective(case, 'output', 'profile_stride', &
+         integer=case%output_settings%profile_stride)
    end subroutine list_chosen
 
 end module run_point_case

@@ -281,7 +281,22 @@ def point_rows(runs: int) -> list[Row]:
         note = f"GMRES: at most {mean:.1f} iterations a Newton step in the mean of a grid; {done[0][0].memory:.0f} MB"
         rows.append(several(f"M {m}, {oil['viscosity_law']}, {n} x {n}", asked, [used.processor for used, _ in done], note=note))
     walls = [[process(text, options=("--threads", str(k)))[0].wall for k in (1, 2)] for _ in range(runs)]
-    return [*rows, several("the last one: two threads over one", 0.62, [two / one for one, two in walls], "")]
+    rows += [several("the last one: two threads over one", 0.62, [two / one for one, two in walls], "")]
+    dent = {"shape": "feature", "amplitude": -1e-7, "wavelength": 1e-4, "wavelength_y": 1e-4}
+    bodies = {"reduced_radius_x": 12.7e-3, "reduced_modulus": 226e9, "speed_1": 0.5, "speed_2": 0.7}
+    groups = {
+        "case": {"problem": "ehl_point"},
+        "bodies": bodies,
+        "load": {"load": 30.0},
+        "surface_2": dent,
+        "time": {"transient": True},
+    }
+    groups |= {"lubricant": {"viscosity": 0.04, "pressure_viscosity": 2e-8, "roelands_z": 0.6}, "domain": {"intervals_x": 128}}
+    names = ("steps", "cycles", "fft_pairs")
+    text = namelist(groups | {"accuracy": {"error_bars": False}})
+    used, (steps, cycles, pairs) = process(text, read=lambda file: [file[f"report/{name}"][()] for name in names])
+    note = f"{cycles / steps:.1f} Newton steps; {steps} steps take {show(used.processor, 's')}"
+    return [*rows, several("a dent, 128 x 128: transforms a time step", 25, [pairs / steps], "", note=note)]
 
 
 def map_row(cells: int) -> list[Row]:

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Draws a lubricated point contact: interferogram, map of the film, film and pressure along and across the flow.
 
+Of a passage also a strip: the film, and cuts along y = 0, where a feature enters, passes and leaves the contact.
+
 The interferogram is what a camera sees through a glass disc, by light of three wavelengths and without loss of contrast
 (R. Gohar and A. Cameron, Nature 200, 1963, 458). Dimensionless results (&moes) have a map of the pressure in its place.
 """
@@ -18,6 +20,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from result_file import Axis, Result, inputs_of, opened, read_result
+from transient import STRIP_CENTRES, strip_steps
 
 PROGRAM = "point.py"
 EXAMPLE = "python postproc/point.py results/ball.h5 --output results"
@@ -40,10 +43,11 @@ class Contact:
     ellipticity: float
     angle: float
 
-    def field(self, name: str, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Stored values at x (n) and y (m), linear between the nodes: (m, n)."""
+    def field(self, name: str, x: np.ndarray, y: np.ndarray, step: int | None = None) -> np.ndarray:
+        """Stored values at x (n) and y (m), linear between the nodes: (m, n); of the last time, or of a stored `step`."""
         nodes = self.result.solution
-        along = [np.interp(x, nodes["x"].values, row) for row in nodes[name].values]
+        values = nodes[name].values if step is None else self.result.transient[name].values[step]
+        along = [np.interp(x, nodes["x"].values, row) for row in values]
         return np.array([np.interp(y, nodes["y"].values, column) for column in np.transpose(along)]).T
 
     def squared_radius(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -68,7 +72,9 @@ class Contact:
 
 def read_contact(path: Path) -> Contact:
     """Reads a result; ResultError if it is not one of a lubricated point contact."""
-    result = read_result(path, problem="ehl_point")
+    with opened(path) as file:
+        has_fields = "transient/film_thickness" in file
+    result = read_result(path, with_transient=has_fields, problem="ehl_point")
     with opened(path) as file:
         angle = float(inputs_of(file, "bodies").get("entrainment_angle", 0.0))
         return Contact(result, float(file["scaling"].attrs["ellipticity"]), np.radians(angle))
@@ -122,10 +128,47 @@ def draw_cut(panel: Axes, contact: Contact, along: str) -> list:
     return lines
 
 
+def draw_passage(contact: Contact, options: argparse.Namespace) -> list[Path]:
+    """Films and cuts of a passage side by side; returns the names of the figure."""
+    result = contact.result
+    steps, _ = strip_steps(result, list(STRIP_CENTRES))
+    rows = {"nrows": 2, "gridspec_kw": {"height_ratios": (0.7, 1)}}
+    figure, panels = style.new_figure(style.TWO_COLUMNS, 80, ncols=len(steps), sharex=True, sharey="row", **rows)
+    x, y = contact.window()
+    axes = {name: contact.axis(name) for name in ("x", "y", "pressure", "film_thickness")}
+    px, py, films = x * axes["x"].factor, y * axes["y"].factor, [contact.field("film_thickness", x, y, step) for step in steps]
+    inside, factor = contact.squared_radius(x, y) < 1, axes["film_thickness"].factor
+    time = result.profile_time.axis(result.profile_time.has_si)
+    low, high = (edge(film[inside]) * factor for edge, film in ((np.min, np.array(films).min(0)), (np.max, np.array(films).max(0))))
+    for column, step in enumerate(steps):
+        upper, lower = panels[:, column]
+        image = upper.imshow(
+            films[column] * factor, cmap=style.COLOUR_MAP, vmin=low, vmax=high, origin="lower", aspect="auto",
+            extent=(px[0], px[-1], py[0], py[-1]),
+        )  # fmt: skip
+        upper.contour(px, py, contact.squared_radius(x, y), [1.0], **ELLIPSE)
+        upper.set_title(f"{result.profile_time.values[step] * time.factor:.3g} {time.unit}".strip())
+        cut = [contact.field(name, x, np.zeros(1), step).ravel() for name in ("pressure", "film_thickness")]
+        lines = lower.plot(px, cut[0] * axes["pressure"].factor, label="pressure", **style.PRESSURE)
+        twin = lower.twinx()
+        lines += twin.plot(px, cut[1] * factor, label="film", **style.FILM)
+        twin.set_ylim(0, 1.6 * high)
+        twin.tick_params(labelright=column == len(steps) - 1)
+        lower.set_xlabel(axes["x"].plain_label)
+    twin.set_ylabel(axes["film_thickness"].plain_label)
+    panels[0, 0].set_ylabel(axes["y"].plain_label)
+    panels[1, 0].set_ylabel(axes["pressure"].plain_label)
+    figure.colorbar(image, ax=panels[0, :].tolist(), label=axes["film_thickness"].plain_label)
+    style.legend_below(figure, lines, 2)
+    style.mark_not_converged(figure, [result])
+    return style.save_figure(figure, figure_command.targets(options, result.stem, "passage"))
+
+
 def draw(path: Path, options: argparse.Namespace) -> list[Path]:
-    """The figure of one result; returns its names."""
+    """The figures of one result; returns their names."""
     contact = read_contact(path)
     figure_command.warn_not_converged(PROGRAM, contact.result)
+    passage = draw_passage(contact, options) if "film_thickness" in contact.result.transient else []
     figure, panels = style.new_figure(style.TWO_COLUMNS, 140, nrows=2, ncols=2)
     axis, films = contact.axis("film_thickness"), contact.result.summary
     h_min, h_central = (f"{films[name] / (axis.unit_size or 1):.4g} {axis.unit}".rstrip() for name in ("h_min", "h_central"))
@@ -136,7 +179,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     draw_cut(panels[1, 0], contact, "x")
     style.legend_below(figure, draw_cut(panels[1, 1], contact, "y"), 3)
     style.mark_not_converged(figure, [contact.result])
-    return style.save_figure(figure, figure_command.targets(options, contact.result.stem, "point"))
+    return style.save_figure(figure, figure_command.targets(options, contact.result.stem, "point")) + passage
 
 
 def main(arguments: list[str] | None = None) -> int:

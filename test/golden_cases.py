@@ -68,7 +68,8 @@ TARGET = "&accuracy target = 0.02 /\n"
 NO_BARS = "&accuracy error_bars = .false. /\n"
 SAVING = "&output checkpoint_interval = 0.0 /\n"
 DENTED = (
-    CASE_1.replace("ehl_line", "ehl_point").replace("radius_1 = 0.01, radius_2 = 2.0", "radius_x_1 = 0.01, radius_x_2 = 0.02")
+    CASE_1.replace("ehl_line", "ehl_point")
+    .replace("radius_1 = 0.01, radius_2 = 2.0", "radius_x_1 = 0.01, radius_x_2 = 0.02")
     .replace("load_per_length = 1e5", "load = 20.0")
     + "&surface_1 shape = 'feature', amplitude = -6e-8, wavelength = 1e-4, wavelength_y = 2e-4, position_y = 0.2 /\n"
     + "&surface_2 shape = 'sinusoid', amplitude = 1e-8, wavelength = 2e-4, wavelength_y = 1e-4 /\n"

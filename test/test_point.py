@@ -108,7 +108,7 @@ def test_a_measured_area_is_what_it_holds(solved_cases, tmp_path):
 
 def test_a_synthetic_area_passes(solved_case):
     rough = "&surface_2 shape = 'synthetic', rms_height = 1e-8, wavelength_short = 1e-4, seed = 3 /\n"
-    passage = "&domain intervals_x = 64, intervals_y = 64 /\n&time transient = .true., end_time = 6.0, time_step = 0.2 /\n&output profile_stride = 1 /\n"
+    passage = "&domain intervals_x = 64, intervals_y = 64 /\n&time transient = .true., end_time = 6.0, time_step = 0.2 /\n"
     with solved_case(BALL + rough + passage) as file:
         assert file["transient/film_thickness"].shape == (31, 65, 65)
         assert [scale.keys()[0] for scale in file["transient/film_thickness"].dims] == ["profile_time", "y", "x"]

@@ -1,6 +1,7 @@
 !> The list of all values that a case uses, given, default or derived, for the result file.
 module case_effective
    use case_record, only: case_t, set_effective
+   use features, only: rough_surface_t
    use height_form, only: curvature_of, tilt_of, trend_t
    use input_keys, only: key_rows
    use input_values, only: input_values_t, value_t
@@ -8,14 +9,17 @@ module case_effective
       reals_kind, text_kind
    use key_rules, only: is_used
    use kinds, only: wp
+   use line_contact, only: rough_contact_t
    use lubricant, only: density_constant, viscosity_constant, viscosity_roelands
+   use passage_times, only: passage_times_t
+   use profile, only: profile_length
    use surface_keys, only: has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t
    use text, only: joined
    implicit none (type, external)
    private
 
-   public :: list_dry, list_effective, list_trend
+   public :: list_dry, list_effective, list_passage, list_trend
 
 contains
 
@@ -81,6 +85,34 @@ contains
          call set_effective(case, 'lubricant', 'roelands_z', [oil%roelands_z])
       end associate
    end subroutine list_derived
+
+   !> The times of a passage through a `contact`, line or point, and where its surfaces began.
+   subroutine list_passage(case, contact, times)
+      type(case_t), intent(inout) :: case
+      class(rough_contact_t), intent(in) :: contact
+      type(passage_times_t), intent(in) :: times
+
+      if (case%time%is_transient) then
+         call set_effective(case, 'time', 'end_time', [times%end_time])
+         call set_effective(case, 'time', 'time_step', [case%time%time_step])
+         call set_effective(case, 'time', 'statistics_from', [times%counts_from])
+      end if
+      call fill_positions(case, 'surface_1', case%surface_1, contact%surface_1)
+      call fill_positions(case, 'surface_2', case%surface_2, contact%surface_2)
+   end subroutine list_passage
+
+   !> The centres of the features of a `surface`, or of a profile `given` without its place.
+   subroutine fill_positions(case, group, given, surface)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group
+      type(rough_surface_t), intent(in) :: given, surface
+
+      if (size(surface%features) > 0) call set_effective(case, group, 'position', &
+         surface%features%position)
+      if (.not. (allocated(given%profile) .and. allocated(surface%profile))) return
+      if (.not. given%profile%is_placed) call set_effective(case, group, 'position', &
+         [surface%profile%start + 0.5_wp*profile_length(surface%profile)])
+   end subroutine fill_positions
 
    !> What follows from the given values of a dry case, or was chosen.
    subroutine list_dry(case)

@@ -74,7 +74,12 @@ contains
             'entrainment_angle'), scaled_fluid(scales, case%lubricant, case%bodies))
       end associate
       case%point%slide_to_roll = case%scaling%slide_to_roll
+      call list_effective(values, case)
       if (case%scaling%is_dimensional) then
+         call set_effective(case, 'bodies', 'reduced_radius_x', [case%bodies%reduced_radius])
+         call set_effective(case, 'bodies', 'reduced_radius_y', [case%bodies%reduced_radius/ratio])
+         call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
+         call set_effective(case, 'load', 'load', [case%scaling%load_per_length])
          call make_surface(values, 'surface_1', case)
          call make_surface(values, 'surface_2', case)
          case%point%surface_1 = scaled_surface(case%surface_1, case%scaling)
@@ -82,14 +87,6 @@ contains
       end if
       call fill_grid(values, case)
       if (values%findings%count == 0) call plan_passage(values, case)
-      if (values%findings%count > 0) return
-      call list_effective(values, case)
-      if (case%scaling%is_dimensional) then
-         call set_effective(case, 'bodies', 'reduced_radius_x', [case%bodies%reduced_radius])
-         call set_effective(case, 'bodies', 'reduced_radius_y', [case%bodies%reduced_radius/ratio])
-         call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
-         call set_effective(case, 'load', 'load', [case%scaling%load_per_length])
-      end if
    end subroutine fill_point_case
 
    !> The bodies, and D = Rx/Ry. Findings: bodies that do not touch in y; a ratio not solved.

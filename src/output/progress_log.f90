@@ -27,8 +27,9 @@ module progress_log
    integer, parameter :: name_columns = 20
    !> Time between two updates on a terminal [s].
    real(wp), parameter :: update_seconds = 0.1_wp
-   !> Longest silence in a log during cycles and time steps [s].
-   real(wp), parameter :: log_seconds = 4.0_wp
+   !> Longest silence in a log during cycles and time steps [s], less than that which is broken
+   !> (module signals).
+   real(wp), parameter :: log_seconds = 3.0_wp
 
    !> Progress of one case after another.
    type :: progress_log_t

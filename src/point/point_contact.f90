@@ -55,6 +55,7 @@ contains
       type(point_contact_t) :: contact
       real(wp) :: along, trace, width
 
+      allocate (contact%surface_1%features(0), contact%surface_2%features(0))
       contact%surface_1%speed = 1.0_wp
       contact%surface_2%speed = 1.0_wp
       contact%radius_ratio = radius_ratio

@@ -73,6 +73,8 @@ contains
       steps = nint(run%time%end_time/run%time%time_step)
       if (allocated(run%time%resume_from)) history = run%time%resume_from
       associate (level => run%newton%hierarchy%levels(1), time => run%time)
+         call listener%on_stage('time steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
+            //' intervals')
          allocate (level%old_squeeze, mold=level%film)
          if (history%size > 0) then
             level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
@@ -138,6 +140,8 @@ contains
          do attempt = 1, 2
             call extrapolate(history, merge(predictors(history), 1, attempt == 1), length, start)
             level%pressure = reshape(start%pressure, shape(level%pressure))
+            if (attempt == 1 .and. predictors(history) == 1 .and. history%size > 1) call &
+               add_carried(level, history, nint(length/level%hx))
             level%rigid_displacement = start%rigid_displacement
             if (attempt == 2) then
                call set_point_film(level)
@@ -159,6 +163,19 @@ contains
          end if
       end associate
    end subroutine solve_part
+
+   !> Adds the last change of the pressure, carried with the mean speed by `nodes`: what passes.
+   pure subroutine add_carried(level, history, nodes)
+      type(point_level_t), intent(inout) :: level
+      type(march_state_t), intent(in) :: history
+      integer, intent(in) :: nodes
+      real(wp), allocatable :: change(:, :)
+
+      if (nodes < 1) return
+      change = reshape(history%pressure(:, 1) - history%pressure(:, 2), shape(level%pressure))
+      level%pressure(nodes:, :) = max(level%pressure(nodes:, :) + change(:size(change, 1) &
+         - nodes, :), 0.0_wp)
+   end subroutine add_carried
 
    !> Adds the present solution, at the end of a step of `length`, to the history.
    pure subroutine remember(history, contact, level, length)

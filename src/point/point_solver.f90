@@ -121,16 +121,20 @@ contains
       tolerance = merge(run%settings%tolerance, usual, run%settings%tolerance > 0.0_wp)
    end function tolerance_of
 
-   !> Pairs of transforms on all levels since they were made.
+   !> Pairs of transforms since the levels were made, those of coarse ones by their share of nodes.
    pure integer function pairs_of(newton) result(pairs)
       type(point_newton_t), intent(in) :: newton
+      real(wp) :: sum
       integer :: done(4), k
 
-      pairs = 0
-      do k = 1, size(newton%hierarchy%levels)
-         done = newton%hierarchy%levels(k)%elastic%transforms()
-         pairs = pairs + done(3)
-      end do
+      sum = 0.0_wp
+      associate (levels => newton%hierarchy%levels)
+         do k = 1, size(levels)
+            done = levels(k)%elastic%transforms()
+            sum = sum + done(3)*real(size(levels(k)%film), wp)/size(levels(1)%film)
+         end do
+      end associate
+      pairs = nint(sum)
    end function pairs_of
 
    !> Says that the grid is too coarse for the film where the rule for first grids says so.
