@@ -193,6 +193,8 @@ contains
          if (case%time%is_transient) call place_features(contact)
          if (has_area(contact) .and. .not. case%time%time_step > 0.0_wp) case%time%time_step = &
             (domain%x_outlet - domain%x_inlet)/domain%intervals
+         if (case%time%is_transient .and. case%solver%target > 0.0_wp) call values%refuse( &
+            'accuracy', 'target', 'found with transient = .true., expected intervals_x in &domain')
          call plan_times(values, contact, case)
          associate (stride => case%output_settings%profile_stride, time => case%time)
             if (stride == 0 .and. time%is_transient) stride = max(1, nint(time%end_time &

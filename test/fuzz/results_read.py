@@ -78,7 +78,7 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     is_sealed = kind in ("foreign", "edited") and source.random() < 0.5
     if is_sealed:
         seal(path)
-    status, reason, _, values = outcome_of(folder, name, RowReader(), {})
+    status, reason, _, values = outcome_of(folder / name, RowReader(), {}, {})
     was_read = False
     try:
         result = asperity.read(path)
