@@ -52,14 +52,13 @@ contains
       if (allocated(error)) return
       call note_unusual(case, note)
       listener%writer%run%passage%times = new_passage_times(case%point, case%time)
-      if (case%time%is_transient) then
-         call note_coarse_waves(case, case%point, listener, note)
-         call add_note(case, listener, passage_note(case%point, &
-            listener%writer%run%passage%times), note)
-      end if
+      call note_coarse_waves(case, case%point, listener, note)
+      call add_note(case, listener, passage_note(case%point, &
+         listener%writer%run%passage%times), note)
       run%settings = case%solver
       run%time = case%time
       run%threads = min(threads, processors())
+      missing = 'no solution'
       call solve_point(run, case%point, listener, state, report, error)
       if (.not. (allocated(error) .or. listener%is_stopping)) then
          if (report%steps > 0) summary = listener%writer%run%passage%extremes(summary_of(state))

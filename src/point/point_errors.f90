@@ -93,61 +93,44 @@ contains
       end associate
    end subroutine doubt_friction
 
-   !> Extremes of the passage on half and a quarter of the intervals and steps, as far as there are
-   !> solutions. Error: as above.
+   !> Extremes of the passage on half and a quarter of the intervals, with as many times longer
+   !> steps, as far as these grids hold the film and there are solutions. Error: as above.
    subroutine measure_passages(run, contact, listener, coarser, error)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
-      class(listener_t), intent(inout) :: listener
-      type(line_summary_t), allocatable, intent(out) :: coarser(:)
-      type(error_t), allocatable, intent(out) :: error
-      type(line_summary_t), allocatable :: summary
-      integer :: k
-
-      allocate (coarser(0))
-      do k = 1, 2
-         call measure_coarser(run, contact, 2**k, listener, summary, error)
-         if (allocated(error) .or. .not. allocated(summary)) return
-         coarser = [coarser, summary]
-      end do
-   end subroutine measure_passages
-
-   !> Extremes on `factor` times fewer intervals, with as many times longer steps; not allocated:
-   !> the grid does not hold the film, or has no solution. Error (internal_error): FFTW or LAPACK.
-   subroutine measure_coarser(run, contact, factor, listener, summary, error)
-      type(point_run_t), intent(in) :: run
-      type(point_contact_t), intent(in) :: contact
-      integer, intent(in) :: factor
       class(listener_t), intent(inout), target :: listener
-      type(line_summary_t), allocatable, intent(out) :: summary
+      type(line_summary_t), allocatable, intent(out) :: coarser(:)
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_state_t) :: state
       type(point_contact_t) :: coarse
       type(point_run_t) :: other
       type(report_t) :: report
+      integer :: factor
 
+      allocate (coarser(0))
       coarse = contact
-      coarse%domain%intervals = contact%domain%intervals/factor
-      coarse%domain%rows = contact%domain%rows/factor
-      if (coarse%domain%intervals < first_intervals(contact, contact%domain%intervals)) return
       other%settings = run%settings
-      other%settings%target = 0.0_wp
       other%time = run%time
+      if (allocated(other%time%resume_from)) deallocate (other%time%resume_from)
       other%threads = run%threads
-      associate (time => other%time)
-         if (allocated(time%resume_from)) deallocate (time%resume_from)
-         time%time_step = time%end_time/nint(time%end_time/(factor*time%time_step))
-      end associate
       collector%parent => listener
-      collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
-      call solve_point(other, coarse, collector, state, report, error)
-      if (allocated(error)) return
-      if (report%converged) summary = collector%passage%extremes(summary_of(state))
-   end subroutine measure_coarser
+      do factor = 2, 4, 2
+         coarse%domain%intervals = contact%domain%intervals/factor
+         coarse%domain%rows = contact%domain%rows/factor
+         if (coarse%domain%intervals < first_intervals(contact, contact%domain%intervals)) return
+         other%time%time_step = run%time%end_time/nint(run%time%end_time/(factor &
+            *run%time%time_step))
+         collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
+         call solve_point(other, coarse, collector, state, report, error)
+         if (allocated(error) .or. .not. report%converged) return
+         coarser = [coarser, collector%passage%extremes(summary_of(state))]
+      end do
+   end subroutine measure_passages
 
-   !> Quantities on a quarter of the intervals, `near`, and with the same spacing on a domain about
-   !> 1.5 times as long, `far`. `is_known`: both have a solution. Error: as above.
+   !> Quantities on a quarter of the intervals, `near`, which `run` must have, and with the same
+   !> spacing on a domain about 1.5 times as long, `far`. `is_known`: it has a solution. Error: as
+   !> above.
    subroutine measure_domain(run, contact, near, far, is_known, error)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
@@ -161,8 +144,7 @@ contains
       real(wp) :: spacing
       integer :: behind, more, n(2)
 
-      is_known = size(run%grids) > 2
-      if (.not. is_known) return
+      is_known = .false.
       near = run%grids(size(run%grids) - 2)
       longer = contact
       if (run%time%is_transient) call smoothen_both(longer)

@@ -14,7 +14,7 @@ module point_march
    use point_contact, only: point_contact_t
    use point_level, only: point_level_t, set_point_film, set_surfaces
    use point_newton, only: solve_point_newton
-   use point_quantities, only: fill_point_state
+   use point_quantities, only: fill_heights, fill_point_state
    use point_solver, only: pairs_of, point_run_t, solve_point_steady, tolerance_of
    use solver_settings, only: step_tolerance
    use text, only: to_text
@@ -48,17 +48,19 @@ contains
       associate (seconds => report%cost%phase_seconds)
          seconds(phase_steady) = wall_seconds() - begin
          call fill_point_state(run%newton%hierarchy%levels(1), contact, 0.0_wp, state)
-         if (.not. (report%converged .and. run%time%is_transient)) return
-         begin = wall_seconds()
-         if (allocated(run%time%resume_from)) report = run%time%resume_from%report
-         report%numbers%levels = size(run%newton%hierarchy%levels)
-         call march_point(run, contact, listener, state, report)
-         seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
+         if (report%converged .and. run%time%is_transient) then
+            begin = wall_seconds()
+            if (allocated(run%time%resume_from)) report = run%time%resume_from%report
+            report%numbers%levels = size(run%newton%hierarchy%levels)
+            call march_point(run, contact, listener, state, report)
+            seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
+         end if
       end associate
+      call fill_heights(contact, state)
    end subroutine solve_point
 
-   !> Marches from the steady solution of `run`, or from where an earlier run stopped, to
-   !> its end time; the listener receives each step. Ends early, not converged, if a step has no
+   !> Marches from the steady solution of `run`, or from where an earlier run stopped, to its end
+   !> time; the listener receives each step. Ends early, not converged, if a step has no
    !> solution; `state` is then the last good one.
    subroutine march_point(run, contact, listener, state, report)
       type(point_run_t), intent(inout) :: run
@@ -101,8 +103,7 @@ contains
             end if
             ends = [0.0_wp, part_ends(time%scheme, history%step + 1, time%time_step)]
             do part = 1, size(ends) - 1
-               call solve_part(run, contact, listener, ends(part:part + 1), &
-                  history, report)
+               call solve_part(run, contact, listener, ends(part:part + 1), history, report)
                if (.not. report%converged) return
             end do
             history%step = history%step + 1
@@ -125,7 +126,7 @@ contains
       type(film_state_t) :: start
       type(relay_t) :: relay
       real(wp) :: least, length, new_time, weights(3)
-      integer :: attempt, before
+      integer :: attempt, before, count
 
       relay%parent => listener
       associate (level => run%newton%hierarchy%levels(1), time => run%time)
@@ -137,13 +138,16 @@ contains
          level%old_squeeze = reshape(weights(2)*history%mass(:, 1) + weights(3) &
             *history%mass(:, 2), shape(level%film))
          call set_surfaces(level, contact, new_time)
+         count = predictors(history)
          do attempt = 1, 2
-            call extrapolate(history, merge(predictors(history), 1, attempt == 1), length, start)
+            if (attempt == 2) count = 1
+            call extrapolate(history, count, length, start)
             level%pressure = reshape(start%pressure, shape(level%pressure))
-            if (attempt == 1 .and. predictors(history) == 1 .and. history%size > 1) call &
-               add_carried(level, history, nint(length/level%hx))
             level%rigid_displacement = start%rigid_displacement
-            if (attempt == 2) then
+            if (attempt == 1) then
+               if (count == 1 .and. history%size > 1) call add_carried(level, history, &
+                  nint(length/level%hx))
+            else
                call set_point_film(level)
                level%rigid_displacement = level%rigid_displacement + max(0.5_wp*least &
                   - minval(level%film), 0.0_wp)

@@ -21,18 +21,17 @@ module point_quantities
    implicit none (type, external)
    private
 
-   public :: estimate_point_errors, fill_point_state, summary_of_point
+   public :: estimate_point_errors, fill_heights, fill_point_state, summary_of_point
 
 contains
 
-   !> Fields of the level at a `time`, with the heights of its surfaces and its friction. Forces in
-   !> p_h a^3/Rx, powers in that times u_s; `load` such that coefficients are those of a line.
+   !> Fields of the level at a `time`, and their friction. Forces in p_h a^3/Rx, powers in that
+   !> times u_s; `load` such that coefficients are those of a line.
    pure subroutine fill_point_state(level, contact, time, state)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
-      integer :: j
 
       state%x = level%x(:)
       state%y = level%y(:)
@@ -42,12 +41,20 @@ contains
       state%time = time
       state%friction = forces_of(level, contact, 1, level%ny - 1)
       state%friction%load = 2/pi*load_on(level, level%pressure)
-      if (finest_wave(contact) >= huge(1.0_wp)) return   ! smooth
-      state%roughness_1 = [(surface_height(contact%surface_1, level%x, time, level%y(j)), j=0, &
-         level%ny)]
-      state%roughness_2 = [(surface_height(contact%surface_2, level%x, time, level%y(j)), j=0, &
-         level%ny)]
    end subroutine fill_point_state
+
+   !> Adds the heights of the surfaces at the time of a `state`, unless they are smooth.
+   pure subroutine fill_heights(contact, state)
+      type(point_contact_t), intent(in) :: contact
+      type(line_state_t), intent(inout) :: state
+      integer :: j
+
+      if (finest_wave(contact) >= huge(1.0_wp)) return
+      associate (x => state%x, y => state%y, time => state%time)
+         state%roughness_1 = [(surface_height(contact%surface_1, x, time, y(j)), j=1, size(y))]
+         state%roughness_2 = [(surface_height(contact%surface_2, x, time, y(j)), j=1, size(y))]
+      end associate
+   end subroutine fill_heights
 
    !> Quantities of the level.
    pure function summary_of_point(level, contact) result(summary)

@@ -24,7 +24,7 @@ module point_solver
    !> The start lies this many times the expected film above the dry contact.
    real(wp), parameter :: start_film = 1.5_wp
    !> Most Newton steps on a grid.
-   integer, parameter, public :: most_steps = 60
+   integer, parameter :: most_steps = 60
 
    !> How to solve a contact, and its solution with the quantities on all grids.
    type :: point_run_t
