@@ -253,6 +253,7 @@ contains
       real(wp), intent(in) :: value
 
       if (allocated(file%row)) call file%row%put(path, name, units, numbers=value)
+      if (allocated(file%row)) return
       call attach_reals(file, path, name, value)
       call attach_string(file, path, name//'_units', units)
    end subroutine attach_quantity

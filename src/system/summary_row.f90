@@ -59,7 +59,7 @@ contains
       real(wp), pointer :: number
       character(:), allocatable :: name
       character(kind=c_char, len=32), target :: buffer
-      integer :: length, slash
+      integer :: k, length, slash
 
       if (present(numbers)) then
          if (size(numbers) /= 1) return
@@ -78,8 +78,8 @@ contains
          name = 'validity_'//name
       case ('/adequacy/validity/exceeded')
          if (.not. number > 0.0_wp) return
-         call self%find(passed)
-         associate (column => self%columns(self%last))
+         k = self%find(passed)
+         associate (column => self%columns(k))
             if (allocated(column%text)) name = column%text//' '//name
             column%text = name
          end associate
@@ -109,35 +109,36 @@ contains
    subroutine set(self, name, unit, text)
       class(summary_row_t), intent(inout) :: self
       character(*), intent(in) :: name, unit, text
+      integer :: k
 
-      call self%find(name)
+      k = self%find(name)
       if (.not. allocated(self%place%path)) then
          if (unit /= '=') self%unit = unit
-         if (self%last > 0) return
+         if (k > 0) return
          self%columns = [self%columns, column_t(name)]
          self%first_line = self%first_line//','//name
          if (self%unit /= '') self%first_line = self%first_line//' ['//self%unit//']'
-      else if (self%last > 0) then
-         if (.not. allocated(self%columns(self%last)%text)) self%columns(self%last)%text = text
+      else if (k > 0) then
+         if (.not. allocated(self%columns(k)%text)) self%columns(k)%text = text
       else if (index(name, '.') == 0) then
          self%homeless = name
       end if
    end subroutine set
 
-   !> Finds the column `name`; 0: there is none.
-   subroutine find(self, name)
+   !> Number of the column `name`, from the one behind the last that was found on; 0: there is none.
+   integer function find(self, name) result(k)
       class(summary_row_t), intent(inout) :: self
       character(*), intent(in) :: name
-      integer :: first, i, k
+      integer :: i
 
-      first = self%last
       do i = 1, size(self%columns)
-         k = modulo(first + i - 1, size(self%columns)) + 1
+         k = modulo(self%last + i - 1, size(self%columns)) + 1
+         if (self%columns(k)%name /= name) cycle
          self%last = k
-         if (self%columns(k)%name == name) return
+         return
       end do
-      self%last = 0
-   end subroutine find
+      k = 0
+   end function find
 
    !> Appends the row to its table. Error: it cannot be written, or the table is another one.
    subroutine append(self, error)
