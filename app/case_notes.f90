@@ -117,7 +117,8 @@ contains
       character(:), allocatable :: words
       real(wp) :: predicted
 
-      if (.not. (case%solver%target > 0.0_wp .and. case%time%is_transient)) return
+      if (.not. (case%solver%target > 0.0_wp .and. case%time%is_transient) &
+         .or. allocated(case%duty)) return   ! with a duty its own error bars tell
       words = 'no error of h_min is predicted: trial runs on coarser grids found no solution'
       associate (forecast => listener%writer%bars%forecast)
          if (forecast%is_known) then
@@ -143,7 +144,8 @@ contains
       type(line_summary_t) :: summary
       real(wp) :: measured
 
-      if (.not. (listener%writer%bars%apart%is_known .and. report%converged)) return
+      if (.not. report%converged .or. .not. (listener%writer%bars%apart%is_known .or. &
+         (allocated(case%duty) .and. case%solver%target > 0.0_wp))) return
       summary = listener%writer%quantities_at_end(state, report)
       associate (film => summary%of(h_min))
          measured = film%error_estimate

@@ -81,14 +81,15 @@ contains
       real(wp) :: start
 
       call note_missed_error(case, listener, state, report)
-      if (.not. (case%solver%wants_coarse_runs .and. listener%writer%bars%forecast%is_known &
-         .and. report%converged)) return
-      start = wall_seconds()
-      call run_apart(listener%writer%bars, new_experiment(case%contact, case%solver, case%time), &
-         listener, error)
-      if (allocated(error)) return
-      seconds = seconds + wall_seconds() - start
-      report%converged = .not. listener%is_stopping
+      if (.not. (case%solver%wants_coarse_runs .and. report%converged)) return
+      if (listener%writer%bars%forecast%is_known) then
+         start = wall_seconds()
+         call run_apart(listener%writer%bars, new_experiment(case%contact, case%solver, &
+            case%time), listener, error)
+         if (allocated(error)) return
+         seconds = seconds + wall_seconds() - start
+         report%converged = .not. listener%is_stopping
+      end if
       call note_measured_error(case, listener, state, report)
    end subroutine check_forecast
 

@@ -38,12 +38,14 @@ contains
          call choose_model(experiment_t(case%contact, case%solver, case%time), &
             case%solver%target, allocated(case%time%resume_from) &
             .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
-         if (allocated(error) .or. .not. choice%is_steady) return
+         if (allocated(error) .or. .not. (choice%is_steady .or. choice%is_quasi_steady)) return
          call apply_model(choice, case%contact, case%time)
+         call listener%log%say(case%file//': solves '//solved_text(choice))
+         if (choice%is_quasi_steady) call set_effective(case, 'time', 'scheme', text='quasi_steady')
+         if (choice%is_quasi_steady) return
          case%contact%domain%has_tail = .false.
          case%contact%domain%grid = merge('even  ', 'graded', case%domain%grid == 'even')
          call choose_anew(case%contact, case%solver%target)
-         call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate
       call set_effective(case, 'time', 'transient', text='.false.')
    end subroutine choose_lean_model

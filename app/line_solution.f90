@@ -44,8 +44,8 @@ contains
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
-      listener%has_coarse_runs = case%solver%wants_coarse_runs .and. .not. &
-         (case%time%is_transient .and. case%solver%target > 0.0_wp)
+      listener%has_coarse_runs = case%solver%wants_coarse_runs .and. (allocated(case%duty) &
+         .or. .not. (case%time%is_transient .and. case%solver%target > 0.0_wp))
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then

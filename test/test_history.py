@@ -99,18 +99,17 @@ OTHERS = {
     "empty": ("file = 'h.csv'", "", "file: missing, expected a quoted text"),
     "steady": ("transient = .true.", "", "file: not used with transient = .false.: remove it"),
     "stokes": ("'ehl_line'", "'ehl_line', equations = 'stokes'", "file: found with equations = 'stokes', expected 'reynolds'"),
-    "model": ("'ehl_line'", "'ehl_line', model = 'auto'", "model: found 'auto' with &history, expected 'full'"),
+    "model": (
+        "'ehl_line'",
+        "'ehl_line', model = 'auto'",
+        "model: found 'auto' without &accuracy target, expected 'full', or a target",
+    ),
     "layers": ("adequacy = .false.", "velocity_layers = 4", "velocity_layers: found with &history, expected 0"),
     "hertz": ("load_per_length", "hertz_pressure", f"found {LOAD} together with &load hertz_pressure, expected one of the two"),
     "ridge": (
         "&load",
         "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&load",
         "position: missing, expected real numbers >= -1e6, <= 1e6 [half-widths] with &history",
-    ),
-    "target": (
-        ", intervals = 128 /\n&time transient = .true. /\n&accuracy error_bars = .false.",
-        " /\n&time transient = .true. /\n&accuracy target = 1e-2",
-        "target: found with &history, expected intervals and time_step, or none of them",
     ),
 }
 
@@ -278,3 +277,45 @@ def test_a_trapped_film_costs_no_more_on_a_fine_grid(solved_cases, tmp_path):
     files = solved_cases(**{f"n{n}": case.replace("128", str(n)) for n in (1024, 4096)})
     few, many = (file["report/cycles"][()] for file in files)
     assert many < 4 / 3 * few
+
+
+def test_extremes_between_steps_count(solved_cases, tmp_path):
+    """The smallest film of a quick reversal lasts shorter than a step of the table: many given steps find the same one."""
+    table(tmp_path, np.array([0, 0.5, 0.503, 1]) / 2, u1=[1, 1, -1, -1], u2=[1, 1, -1, -1])
+    case = CASE.replace("intervals = 128", "intervals = 64")
+    (divided, fine) = solved_cases(divided=case, fine=case.replace("transient = .true.", "transient = .true., time_step = 0.2"))
+    film, at_steps = (divided[name] for name in ("summary/h_min", "transient/h_min"))
+    assert film[()] < 0.97 * at_steps[()].min() * at_steps.attrs["si_scale"]
+    assert film[()] == pytest.approx(fine["summary/h_min"][()], rel=0.01)
+
+
+AUTO = CASE.replace("'ehl_line'", "'ehl_line', model = 'auto'").replace("x_inlet = -3.0, x_outlet = 3.0, intervals = 128", "")
+AUTO = AUTO.replace("&accuracy error_bars = .false. /\n&output adequacy = .false. /\n", "&accuracy target = 0.03 /\n")
+
+
+@pytest.mark.path
+def test_squeeze_is_left_out_of_a_slow_history_alone(solved_cases, tmp_path):
+    """model = 'auto': what that changes is in the bar; each bar is within the target, and the truth within the bar."""
+    full = AUTO.replace("'auto'", "'full'")
+    for name, end, scheme in (("slow", 1.0, b"quasi_steady"), ("fast", 2e-4, b"bdf2")):
+        table(tmp_path, [0, end], load=[5e4, 1e5], u1=[0.5, 1], u2=[0.6, 1])
+        cases = {name: AUTO, name + "_full": full, name + "_fine": full.replace("0.03", "0.003")}
+        lean, whole, fine = solved_cases(**cases)
+        assert dict(lean["input/effective/time"].attrs)["scheme"].strip(b"'") == scheme
+        assert lean["adequacy/decision/squeeze"].attrs["decision"] == (b"left out" if name == "slow" else b"kept")
+        film, bar = lean["summary/h_min"], lean["summary/h_min"].attrs["error_estimate"]
+        assert (film.attrs["error_model"] > 0) == (name == "slow")
+        assert (film[()] == whole["summary/h_min"][()]) == (name == "fast")
+        assert abs(film[()] - fine["summary/h_min"][()]) < bar < 0.03 * film[()]
+        assert fine["summary/h_min"].attrs["error_estimate"] < 0.003 * film[()]
+        assert len(fine["solution/x"]) > len(whole["solution/x"])
+
+
+def test_bars_of_a_quasi_steady_history_are_its_own(solved_cases, tmp_path):
+    """Coarse runs leave the squeeze term out too, which here changes the films much."""
+    table(tmp_path, [0, 1e-5, 2e-5], load=[1e5, 2e5, 1e5], u1=1, u2=1)
+    case = CASE.replace("transient = .true.", "transient = .true., scheme = 'quasi_steady'").replace("error_bars = .false.", "")
+    files = solved_cases(**{f"n{n}": case.replace("intervals = 128", f"intervals = {n}") for n in (256, 1024)})
+    for name in ("h_min", "h_central"):
+        (few, bar), (many, _) = ((file[f"summary/{name}"][()], file[f"summary/{name}"].attrs["error_grid"]) for file in files)
+        assert abs(few - many) < bar < 0.02 * few

@@ -62,8 +62,8 @@ contains
       call copy_coarser(bars, [half%summary, quarter%summary])
    end subroutine make_coarse_runs
 
-   !> Prepares runs of a transient on n/2 and n/4 intervals with the second-order scheme; for a
-   !> first-order scheme also on n, first.
+   !> Prepares runs of a transient on n/2 and n/4 intervals, of a first-order scheme with the
+   !> second-order one and also on n, first.
    pure function new_side_runs(experiment) result(side_runs)
       type(experiment_t), intent(in) :: experiment
       type(side_runs_t) :: side_runs
@@ -80,12 +80,12 @@ contains
    subroutine make_side_runs(side_runs, listener)
       type(side_runs_t), intent(inout) :: side_runs
       class(listener_t), intent(inout), target :: listener
-      type(experiment_t) :: second_order
+      type(experiment_t) :: accurate
       logical :: are_off
       integer :: i
 
-      second_order = side_runs%experiment
-      second_order%time%scheme = 'bdf2'
+      accurate = side_runs%experiment
+      if (accurate%time%scheme == 'backward_euler') accurate%time%scheme = 'bdf2'
       do
          !$omp atomic capture
          side_runs%begun = side_runs%begun + 1
@@ -95,7 +95,7 @@ contains
          are_off = side_runs%are_off
          if (are_off .or. i > size(side_runs%runs)) return
          associate (run => side_runs%runs(i))
-            call run_experiment(coarser(second_order, run%factor), listener, run%outcome, run%error)
+            call run_experiment(coarser(accurate, run%factor), listener, run%outcome, run%error)
             if (run%outcome%is_known .or. .not. (run%is_needed .or. allocated(run%error))) cycle
          end associate
          !$omp atomic write

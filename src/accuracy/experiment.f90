@@ -49,6 +49,7 @@ module experiment
       real(wp), allocatable :: films(:)
    contains
       procedure :: on_step => collect_step
+      procedure :: on_part => collect_part
       procedure :: on_stage => forward_coarse_run
    end type collector_t
 
@@ -151,5 +152,13 @@ contains
       if (step > ubound(self%films, 1)) return   ! the run has become longer
       if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
    end subroutine collect_step
+
+   !> Adds the quantities inside a time step.
+   subroutine collect_part(self, state)
+      class(collector_t), intent(inout) :: self
+      type(line_state_t), intent(in) :: state
+
+      call self%passage%add(summary_of(state), state%time, is_last=.false.)
+   end subroutine collect_part
 
 end module experiment

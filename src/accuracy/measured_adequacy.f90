@@ -127,25 +127,16 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: pair
-      type(experiment_t) :: steady
-      type(outcome_t) :: outcome
-      real(wp) :: changes(quantity_count, 2)
-      integer :: g
+      logical :: is_known
 
       pair = pair_of(solved, 2)
+      pair%counts_spikes = .false.
       adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
       adequacy%rows%unknown = merge(no_grids, no_film_at_rest, &
          solved%experiment%contact%duty%always_moves())
       if (adequacy%rows(1)%unknown == no_film_at_rest .or. .not. pair%is_known) return
-      do g = 1, 2
-         steady = pair%runs(g)
-         steady%time%scheme = 'quasi_steady'
-         steady%time%tolerance = 0.0_wp
-         call run_experiment(steady, listener, outcome, error)
-         if (allocated(error) .or. .not. outcome%is_known) return
-         changes(:, g) = change_between(outcome%summary, pair%full(g))
-      end do
-      call set_change(adequacy%rows(1), changes, 0*changes, pair%widths)
+      call measure_change(pair, ingredient_t(squeeze, 'squeeze', ''), adequacy%rows(1), is_known, &
+         listener, error)   ! error: the caller looks
    end subroutine measure_history
 
    !> Largest cost of a full measurement of a transient, over that of the transient.

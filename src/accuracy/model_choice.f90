@@ -5,7 +5,8 @@
 !> time steps cost as much with a leaner law (docs/decisions.md). What saves is a steady solution in
 !> place of a transient. If nothing rough moves, d/dT is 0 once the start is forgotten, and no
 !> measurement is needed. If low roughness moves, its influence is measured by transients with and
-!> without it on two coarse grids.
+!> without it on two coarse grids; so is that of the squeeze term where load, radius or speeds
+!> change, without which each moment is a steady contact.
 module model_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
@@ -18,8 +19,8 @@ module model_choice
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
    use model_decision, only: at_rest, changes_little, cheap_in_motion, cheap_passage, &
-      cheap_steady, goes_along, may_matter, model_choice_t, not_measured, start_counts, too_high, &
-      wanted
+      cheap_steady, goes_along, may_matter, model_choice_t, never_steady, not_measured, &
+      start_counts, too_high, wanted
    use listener, only: listener_t
    use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all
@@ -75,13 +76,16 @@ contains
       allocate (choice%why(size(list)), source=cheap_steady)
       if (.not. experiment%time%is_transient) return
       choice%why = wanted
-      if (needs_passage) return
+      if (needs_passage .and. .not. allocated(experiment%contact%duty)) return
       choice%why = cheap_passage
       whole = experiment
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return
       call listener%on_stage('measuring what the model needs')
-      if (moves(experiment%contact%surface_1) .or. moves(experiment%contact%surface_2)) then
+      if (allocated(experiment%contact%duty)) then
+         call measure_squeeze(whole, list, target, choice, listener, &
+            error)   ! error: the caller looks
+      else if (moves(experiment%contact%surface_1) .or. moves(experiment%contact%surface_2)) then
          where (list%kind == squeeze) choice%why = cheap_in_motion
          call measure_roughness(whole, list, target, choice, listener, &
             error)   ! error: the caller looks
@@ -106,6 +110,24 @@ contains
       end associate
    end function counts_late
 
+   !> Leaves out the squeeze term of a contact with a duty, if that always moves and surely changes
+   !> little without.
+   subroutine measure_squeeze(experiment, list, target, choice, listener, error)
+      type(experiment_t), intent(in) :: experiment
+      type(ingredient_t), intent(in) :: list(:)
+      real(wp), intent(in) :: target
+      type(model_choice_t), intent(inout) :: choice
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+
+      where (list%kind == squeeze) choice%why = never_steady
+      if (.not. experiment%contact%duty%always_moves()) return
+      call measure_kind(squeeze, experiment, list, target, choice, listener, error)
+      if (allocated(error)) return
+      choice%is_quasi_steady = any(list%kind == squeeze .and. choice%why == changes_little)
+      choice%is_left_out = list%kind == squeeze .and. choice%is_quasi_steady
+   end subroutine measure_squeeze
+
    !> Leaves out roughness and its motion if it is low and surely changes little.
    subroutine measure_roughness(experiment, list, target, choice, listener, error)
       type(experiment_t), intent(in) :: experiment
@@ -120,6 +142,27 @@ contains
       choice%why(i) = too_high
       if (height_on(experiment%contact%surface_1) + height_on(experiment%contact%surface_2) &
          > highest*target*film_estimate(experiment%contact)) return
+      call measure_kind(roughness, experiment, list, target, choice, listener, error)
+      if (allocated(error) .or. choice%why(i) /= changes_little) return
+      choice%is_steady = .true.
+      choice%is_smooth = .true.
+      choice%is_left_out = list%kind >= squeeze
+      where (choice%is_left_out) choice%why = goes_along
+      choice%why(i) = changes_little
+   end subroutine measure_roughness
+
+   !> Measures the ingredient of a kind; the reason is `changes_little` if that surely is so.
+   subroutine measure_kind(kind, experiment, list, target, choice, listener, error)
+      integer, intent(in) :: kind
+      type(experiment_t), intent(in) :: experiment
+      type(ingredient_t), intent(in) :: list(:)
+      real(wp), intent(in) :: target
+      type(model_choice_t), intent(inout) :: choice
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      i = findloc(list%kind, kind, 1)
       call measure(experiment, list(i), choice%rows(i), choice%grids, listener, error)
       if (allocated(error)) return
       choice%why(i) = not_measured
@@ -130,12 +173,8 @@ contains
             .and. compared) > leave_share*target)) return
          choice%influence = abs(row%change) + row%error
       end associate
-      choice%is_steady = .true.
-      choice%is_smooth = .true.
-      choice%is_left_out = list%kind >= squeeze
-      where (choice%is_left_out) choice%why = goes_along
       choice%why(i) = changes_little
-   end subroutine measure_roughness
+   end subroutine measure_kind
 
    !> Changes of all quantities without roughness, on the two finest grids within the budget, by the
    !> first scheme that finds all solutions. What a spike may add to both pressures alike is not

@@ -19,7 +19,7 @@ module model_decision
 
    integer, parameter, public :: cheap_steady = 1, cheap_passage = 2, cheap_in_motion = 3, &
       too_high = 4, not_measured = 5, may_matter = 6, changes_little = 7, goes_along = 8, &
-      wanted = 9, at_rest = 10, start_counts = 11
+      wanted = 9, at_rest = 10, start_counts = 11, never_steady = 12
    type(reason_t), parameter, public :: reasons(*) = [ &
       reason_t('cheap at rest', 'a steady contact is solved faster than measured'), &
       reason_t('no cheaper without', 'a time step without it costs as much'), &
@@ -31,7 +31,8 @@ module model_decision
       reason_t('with roughness', 'it belongs to the roughness, which is left out'), &
       reason_t('passage is wanted', 'film_thresholds and checkpoints need the passage'), &
       reason_t('at rest', 'nothing that is rough moves, and the start is forgotten'), &
-      reason_t('the start counts', 'the quantities count from before the start is forgotten')]
+      reason_t('the start counts', 'the quantities count from before the start is forgotten'), &
+      reason_t('stops or reverses', 'the contact stops or reverses: no steady film there')]
 
    !> A number of the solution that was chosen or given.
    type :: number_choice_t
@@ -50,8 +51,9 @@ module model_decision
       logical, allocatable :: is_left_out(:)
       !> Rows of `reasons`.
       integer, allocatable :: why(:)
-      !> Whether the transient is solved as a steady contact, and that with smooth surfaces.
-      logical :: is_steady = .false., is_smooth = .false.
+      !> Whether the transient is solved as a steady contact, and that with smooth surfaces; as a
+      !> steady contact at each moment.
+      logical :: is_steady = .false., is_smooth = .false., is_quasi_steady = .false.
       !> Bound on the relative change of each quantity by what is left out; NaN: not known.
       real(wp) :: influence(quantity_count) = 0.0_wp
       !> Intervals of the grids on which it was measured; 0: it was not.
@@ -68,6 +70,10 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(time_settings_t), intent(inout) :: time
 
+      if (choice%is_quasi_steady) then
+         time%scheme = 'quasi_steady'
+         time%tolerance = 0.0_wp
+      end if
       if (.not. choice%is_steady) return
       time = time_settings_t()
       ! nothing enters any more

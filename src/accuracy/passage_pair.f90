@@ -165,8 +165,11 @@ contains
       lean%contact = contact_without(lean%contact, ingredient, 0.0_wp)
       is_known = lean%contact%domain%intervals >= coarsest_for_film(lean%contact, min_intervals)
       if (.not. is_known) return
-      select case (ingredient%kind)
-      case (roughness, squeeze)
+      if (allocated(lean%contact%duty)) then   ! of squeeze: the steady contact of each moment
+         lean%time%scheme = 'quasi_steady'
+         lean%time%tolerance = 0.0_wp
+         call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
+      else if (any(ingredient%kind == [roughness, squeeze])) then
          associate (smooth => pair%smooth(g))
             if (.not. allocated(smooth%pressure)) then
                call solve_smooth(lean, listener, outcome, state, error)
@@ -180,9 +183,9 @@ contains
             if (ingredient%kind == roughness) lean%time%time_step = lean%time%end_time
             call follow_waves(lean, smooth, outcome, listener, error)   ! error: the caller looks
          end associate
-      case default   ! all others
+      else
          call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
-      end select
+      end if
       pair%work = pair%work + outcome%work
       is_known = outcome%is_known
       summary = outcome%summary

@@ -11,6 +11,9 @@
 !> prediction of the kappa scheme is trusted only after the last trial run has been repeated with
 !> upwind2.
 !>
+!> Where load, radius or speeds change, an error estimate divides the steps: grid and steps are
+!> refined together, and the error bars come from coarser runs of the result.
+!>
 !> `make accuracy-time` measures how often the target is met and at what cost; docs/decisions.md
 !> lists the alternatives tried.
 module resolution_choice
@@ -18,14 +21,15 @@ module resolution_choice
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
    use inlet_errors, only: domain_error
-   use experiment, only: experiment_t, new_experiment, outcome_t, run_experiment
+   use experiment, only: coarser, experiment_t, new_experiment, outcome_t, run_experiment
+   use grid_errors, only: error_in_time
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use missing_value, only: not_known
+   use missing_value, only: exceeds, not_known
    use listener, only: listener_t
    use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t
-   use quantities, only: quantity_count
+   use quantities, only: h_min, quantity_count
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: predicted_values
    use text, only: to_text
@@ -39,6 +43,8 @@ module resolution_choice
       tolerance_fraction = 0.1_wp, looser = 10.0_wp
    !> Largest nodes times steps of a trial run, over those of the first.
    real(wp), parameter :: max_work = 2.0_wp**14
+   !> An error of grid and steps falls at least by this factor when both are halved.
+   real(wp), parameter :: least_fall = 2.0_wp
 
    !> State of the search.
    type :: search_t
@@ -86,6 +92,12 @@ contains
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
       call settle_tolerance(settings)
+      if (allocated(contact%duty)) then
+         call choose_intervals(new_experiment(contact, settings, time), target &
+            - settings%tolerance, max_chosen(settings), contact%domain%intervals, listener, &
+            error)   ! error: the caller looks
+         return
+      end if
       associate (first => search%trials%last%intervals, most => search%trials%max_intervals)
          if (first > most) call fail(error, input_error, '&domain intervals: found a contact '// &
             'whose coarsest trial run has '//to_text(first)//', expected at most '// &
@@ -127,6 +139,40 @@ contains
       bars%waves%time_step = time%time_step
       if (has_forecast(search%trials)) bars%forecast = forecast_at(search%trials, chosen)
    end subroutine choose_resolution
+
+   !> Chooses the `intervals` of a contact with a duty, at most `most`: the first of trial runs on
+   !> 1/8, 1/4, 1/2, 1 ... of the usual ones whose error of h_min is below `target`, or that twice
+   !> as fine if its error surely is; the usual ones if a trial run has no solution.
+   subroutine choose_intervals(usual, target, most, intervals, listener, error)
+      type(experiment_t), intent(in) :: usual
+      real(wp), intent(in) :: target
+      integer, intent(in) :: most
+      integer, intent(inout) :: intervals
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(experiment_t) :: next
+      type(outcome_t) :: outcome
+      real(wp) :: films(3), found
+      integer :: factor
+
+      films = not_known()
+      next = usual
+      factor = 8
+      do
+         call run_experiment(coarser(next, factor), listener, outcome, error)
+         if (allocated(error) .or. .not. outcome%is_known) return
+         films = [outcome%summary%of(h_min)%between, films(:2)]
+         factor = factor/2
+         if (factor > 1) cycle
+         factor = 2
+         found = error_in_time(films)/films(1)
+         if (exceeds(least_fall*target, found) .or. 2*next%contact%domain%intervals > most) exit
+         next%contact%domain%intervals = 2*next%contact%domain%intervals
+         next%time%time_step = 0.5_wp*next%time%time_step
+         next%time%tolerance = next%time%tolerance/8
+      end do
+      intervals = next%contact%domain%intervals/merge(2, 1, found <= target)
+   end subroutine choose_intervals
 
    !> Prepares the first trial run of a contact on a complete domain: kappa if no scheme is given,
    !> with a looser tolerance than the actual run.

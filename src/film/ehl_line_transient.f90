@@ -130,7 +130,7 @@ contains
             end if
             plan%step = history%step + 1
             call divide_step(contact, plan)
-            call march_step(hierarchy, contact, plan, history, report)
+            call march_step(hierarchy, contact, plan, listener, history, report)
             if (report%converged) call advance_follower(listener, plan, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(plan%step)//' of '//to_text(steps)// &
@@ -262,17 +262,18 @@ contains
 
    !> Makes one step, in its parts; the history then begins with its end. A step of the start whose
    !> parts have no solution (a smoother on a fine grid) is made in one piece, and counted.
-   subroutine march_step(hierarchy, contact, plan, history, report)
+   subroutine march_step(hierarchy, contact, plan, listener, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(step_plan_t), intent(inout) :: plan
+      class(listener_t), intent(inout) :: listener
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
       type(march_state_t) :: start
       type(film_state_t) :: state
 
       if (plan%tolerance > 0.0_wp) then
-         call march_by_error(hierarchy, contact, plan, history, report)
+         call march_by_error(hierarchy, contact, plan, listener, history, report)
          return
       end if
       if (size(plan%ends) == 1) then
@@ -315,16 +316,19 @@ contains
       end associate
    end subroutine divide_step
 
-   !> Makes one step, dividing its parts until their error is within the tolerance of the plan.
-   subroutine march_by_error(hierarchy, contact, plan, history, report)
+   !> Makes one step, dividing its parts until their error is within the tolerance of the plan. The
+   !> listener receives the state between parts: an extreme may last shorter than a step.
+   subroutine march_by_error(hierarchy, contact, plan, listener, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(step_plan_t), intent(in) :: plan
+      class(listener_t), intent(inout) :: listener
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
       type(march_state_t) :: start
       type(step_plan_t) :: part
       type(film_state_t) :: state
+      type(line_state_t) :: between
       real(wp) :: error, length, share
       integer :: i
 
@@ -352,6 +356,9 @@ contains
                   part%first = part%ends(1)
                   history%next_length = max(share*length, &
                      merge(history%next_length, 0.0_wp, share >= 1.0_wp))
+                  if (part%first >= 1.0_wp) exit parts
+                  call fill_state(contact, level, (plan%step - 1 + part%first)*plan%length, between)
+                  call listener%on_part(between)
                   cycle parts
                end if
                if (length < shortest_part) return

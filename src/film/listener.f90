@@ -89,6 +89,8 @@ module listener
       procedure, non_overridable :: wants_stresses
       !> Called after each time step, and once at T = 0 with step = 0.
       procedure :: on_step => ignore_step
+      !> Called after each part of a time step that an error estimate has divided, but the last.
+      procedure :: on_part => ignore_part
       !> Called when a new stage begins, and after each cycle of a steady solution.
       procedure :: on_stage => ignore_stage
       !> Whether to end the solver: called after each cycle of a steady solution, between the parts
@@ -153,6 +155,15 @@ contains
          unused_state => state, unused_history => history, unused_report => report)
       end associate
    end subroutine ignore_step
+
+   !> Ignores the `state` inside a time step.
+   subroutine ignore_part(self, state)
+      class(listener_t), intent(inout) :: self
+      type(line_state_t), intent(in) :: state
+
+      associate (unused_self => self, unused_state => state)
+      end associate
+   end subroutine ignore_part
 
    !> Ignores a stage, described by `words`; for a cycle its number, from 1, and the residual and
    !> the load error after it [-].

@@ -154,10 +154,6 @@ contains
 
       if (values%word_value('case', 'equations') == 'stokes') call values%refuse('history', &
          'file', "found with equations = 'stokes', expected 'reynolds'")
-      if (values%word_value('case', 'model') == 'auto') call values%refuse('case', 'model', &
-         "found 'auto' with &history, expected 'full'")
-      if (values%is_given('accuracy', 'target')) call values%refuse('accuracy', 'target', &
-         'found with &history, expected intervals and time_step, or none of them')
       if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
          'velocity_layers', 'found with &history, expected 0')
    end subroutine check_history
@@ -324,8 +320,7 @@ contains
       type(input_values_t), intent(inout) :: values
 
       if (values%word_value('case', 'model') == 'auto') then
-         if (.not. (values%is_given('accuracy', 'target') .or. values%has_value('history', &
-            'file'))) call values%refuse('case', 'model', &
+         if (.not. values%is_given('accuracy', 'target')) call values%refuse('case', 'model', &
             "found 'auto' without &accuracy target, expected 'full', or a target")
          if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
             'model', "found 'auto' with equations = 'stokes', expected 'full'")

@@ -244,6 +244,8 @@ contains
          text = 'the steady contact with smooth surfaces, in place of the passage'
       else if (choice%is_steady) then
          text = 'the steady contact with its roughness, in place of the passage'
+      else if (choice%is_quasi_steady) then
+         text = 'the steady contact of each moment, without squeeze'
       end if
    end function solved_text
 

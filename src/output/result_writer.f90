@@ -54,7 +54,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      procedure :: store_step, quantities_at_end, finish
+      procedure :: store_step, quantities_of, quantities_at_end, finish
    end type result_writer_t
 
 contains
@@ -66,23 +66,31 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
-      type(heating_t) :: heating
 
       if (allocated(self%run%statistics%thresholds)) then
          if (step == 0) call add_start(self%run%statistics, state)
          if (step > 0 .and. state%time >= self%run%passage%times%statistics_from()) call &
             add_time(self%run%statistics, state)
       end if
-      summary = summary_of(state)
-      if (self%heating%is_known .and. allocated(state%shear_stress_mean)) then
-         heating = self%heating
-         if (has_duty(self)) heating%speeds = state%moment%speeds*self%scaling%speed_sum
-         summary%limits%film_heating = largest_rise(heating, state%x, &
-            state%shear_stress_mean, state%film_thickness)
-      end if
+      summary = self%quantities_of(state)
       call self%run%passage%add(summary, state%time, step == steps)
       call self%append_step(state, summary, report)
    end subroutine store_step
+
+   !> Quantities of one time.
+   pure function quantities_of(self, state) result(summary)
+      class(result_writer_t), intent(in) :: self
+      type(line_state_t), intent(in) :: state
+      type(line_summary_t) :: summary
+      type(heating_t) :: heating
+
+      summary = summary_of(state)
+      if (.not. (self%heating%is_known .and. allocated(state%shear_stress_mean))) return
+      heating = self%heating
+      if (has_duty(self)) heating%speeds = state%moment%speeds*self%scaling%speed_sum
+      summary%limits%film_heating = largest_rise(heating, state%x, state%shear_stress_mean, &
+         state%film_thickness)
+   end function quantities_of
 
    !> Whether load, radius and speeds change in time.
    pure logical function has_duty(self)

@@ -43,7 +43,7 @@ module run_observer
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step, on_stage, wants_stop
+      procedure :: on_step, on_part, on_stage, wants_stop
       procedure, private :: keep
    end type run_observer_t
 
@@ -83,6 +83,17 @@ contains
       self%is_marching = step < steps
       self%is_stopping = self%is_stopping .or. (is_asked .and. self%is_marching)
    end subroutine on_step
+
+   !> Adds the state inside a time step to the extremes.
+   subroutine on_part(self, state)
+      class(run_observer_t), intent(inout) :: self
+      type(line_state_t), intent(in) :: state
+      real(wp) :: begin
+
+      begin = wall_seconds()
+      call self%writer%run%passage%add(self%writer%quantities_of(state), state%time, .false.)
+      self%output_seconds = self%output_seconds + wall_seconds() - begin
+   end subroutine on_part
 
    !> Passes a cycle to the log; any other stage is printed after a few seconds.
    subroutine on_stage(self, words, cycle, residuals)
