@@ -91,6 +91,8 @@ contains
          end if
          report%reason = ''
          hierarchy%goal = choice%tolerance
+         hierarchy%newton%active = count(level%state%pressure > 0.0_wp)
+         hierarchy%newton%creeping = 0   ! a resumed run starts so too
          do cycle = 1, choice%max_cycles
             before = level%state
             call advance(hierarchy)
