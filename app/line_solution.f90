@@ -57,7 +57,8 @@ contains
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
       if (allocated(case%contact%heating)) listener%writer%bars%left_out(heated_rows) = max( &
-         listener%writer%bars%left_out(heated_rows), friction_doubt)
+         listener%writer%bars%left_out(heated_rows), friction_doubt(merge(2, 1, &
+         case%contact%heating%has_flow)))
       note = time_text(case, hour)
       if (note /= '') call listener%log%say(case%file//': '//note)
       call note_unusual(case, note)

@@ -166,6 +166,50 @@ def test_what_is_left_out_is_measured(solved_case):
         assert error < 0.5 * abs(change), name
 
 
+ROLLERS = CASE.replace("1e5", "2e5").replace("0.14", "0.04").replace("3.3e6", "5e6")
+
+
+def test_heat_of_the_inlet_thins_the_film(solved_case):
+    """The full energy equation has 640 nm; adequacy tells the change; oil that does not thin has the film of one that stays cold."""
+    found = {}
+    for key in (".false.", ".true."):
+        for text in (ROLLERS, ROLLERS.replace("0.04, ", "0.04, thermal_viscosity = 0.0, ")):
+            with solved_case(text.format(slow=4.0, fast=6.0) + f"&thermal temperature = 40, inlet_heating = {key} /\n") as file:
+                found[key, text] = file["solution/film_thickness"][()], file["summary/h_min"][()], file["summary/h_central"][()]
+                if (key, text) == (".true.", ROLLERS):
+                    row = file["adequacy/inlet_heating/h_central"]
+                    change, error = row[()], row.attrs["error_estimate"]
+                    missing = file["adequacy/validity"].attrs["not_evaluated"].decode()
+                    friction = file["summary/friction_coefficient"]
+                    assert friction.attrs["error_model"] == pytest.approx(0.13 * friction[()], rel=1e-9)
+        cold = found[key, text][0]
+    assert "inlet_heating: the model has it, the formula leaves 0.812 of the film" in missing
+    assert found[".false.", ROLLERS][1] > 1.04 * 640e-9
+    assert found[".true.", ROLLERS][1] == pytest.approx(640e-9, rel=0.025)
+    assert found[".false.", ROLLERS][2] / found[".true.", ROLLERS][2] - 1 == pytest.approx(change, abs=error)
+    assert error < 0.5 * change
+    np.testing.assert_allclose(found[".false.", text][0], cold, rtol=1e-9)
+
+
+# beta mu_0 u^2/k: film over that of cold oil, Grubin's inlet with all temperatures across it.
+GRUBIN = {0.1: 0.9817, 0.2857: 0.9505, 1.0: 0.8553}
+
+
+@pytest.mark.parametrize("loading", GRUBIN)
+def test_rolling_heats_the_inlet(solved_case, loading):
+    """Barus' law, surfaces that stay cold; Grubin's inlet ends at X = -1. What a supply limits, heat does not thin."""
+    text = ROLLERS.replace("rheology = 'eyring', eyring_stress = 5e6", f"thermal_conductivity = {0.04 / loading}").format(slow=5.0, fast=5.0)
+    text = text.replace("'roelands', roelands_z = 0.6, roelands_p0 = 1.98e8", "'barus', pressure_viscosity = 1.5e-8")
+    text = text.replace("speed_1", "thermal_effusivity = 1e6, speed_1").replace("dowson_higginson", "constant") + LEAN
+    text = text.replace("x_inlet = -4.0, x_outlet = 1.5, intervals = 256", "intervals = 1024").replace("space_scheme = 'upwind2', ", "")
+    for supply, loss in ("", 1 - GRUBIN[loading]), ("&supply film = 2e-7 /\n", 0):
+        films = []
+        for key in (".false.", ".true."):
+            with solved_case(text + supply + f"&thermal temperature = 40, inlet_heating = {key} /\n") as file:
+                films.append(file["summary/h_central"][()])
+        assert 1 - films[1] / films[0] == pytest.approx(loss, rel=0.2, abs=1e-3), supply
+
+
 def test_a_dry_sweep_is_a_law(run_case, asperity, tmp_path):
     """What the dry contact of a profile bears, at its mean gap: the same rows as a table in CSV."""
     loads = [2e6, 1e7, 5e7, 2e8]

@@ -17,7 +17,8 @@ module ablations
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
       roelands_law = 4, piezoviscosity = 5, squeeze = 9, roughness = 10, one_surface = 11, &
       one_feature = 12
-   integer, parameter :: contact_of_asperities = 6, starvation = 7, heat = 8
+   integer, parameter :: contact_of_asperities = 6, starvation = 7, heat = 8, &
+      heat_of_inlet = 13
 
    !> What can be left out.
    type :: ingredient_t
@@ -51,8 +52,11 @@ contains
             'asperities', 'a film without asperities')]
          if (contact%supply < huge(1.0_wp)) list = [list, ingredient_t(starvation, 'supply', &
             'a flooded inlet')]
-         if (allocated(contact%heating)) list = [list, ingredient_t(heat, 'heat', &
-            'oil as warm as in the inlet')]
+         if (allocated(contact%heating)) then
+            list = [list, ingredient_t(heat, 'heat', 'oil as warm as in the inlet')]
+            if (contact%heating%has_flow) list = [list, ingredient_t(heat_of_inlet, &
+               'inlet_heating', 'oil that sliding alone warms')]
+         end if
          if (thins(fluid)) list = [list, ingredient_t(shear_thinning, 'shear_thinning', &
             'Newtonian oil', can_reduce=.true.)]
          if (fluid%density_law /= density_constant) list = [list, ingredient_t(compressibility, &
@@ -140,6 +144,8 @@ contains
             lean%supply = huge(1.0_wp)
          case (heat)
             if (allocated(lean%heating)) deallocate (lean%heating)
+         case (heat_of_inlet)
+            if (allocated(lean%heating)) lean%heating%has_flow = .false.
          case (roughness)
             lean = without_surfaces(contact)
          case (one_surface)

@@ -178,6 +178,13 @@ contains
             limit%value = inlet_heating_loss(given%thermal_viscosity*oil%viscosity &
                *mean_speed**2/given%conductivity, abs(of%bodies%speed_2 - of%bodies%speed_1) &
                /mean_speed, scaling%hertz_pressure/scaling%reduced_modulus)
+            if (allocated(of%contact%heating)) then
+               if (of%contact%heating%has_flow) then
+                  limit%missing = 'the model has it, the formula leaves '// &
+                     number_text(1 - limit%value, 3)//' of the film'
+                  limit%value = not_known()
+               end if
+            end if
          case (side_flow)
             ! where pressure builds up: the Hertzian contact, or the wedge of rigid bodies
             length = 2.0_wp*max(scaling%half_width, sqrt(2.0_wp*scaling%reduced_radius &

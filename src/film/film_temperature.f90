@@ -61,7 +61,8 @@ contains
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: change
       type(friction_t) :: friction
-      real(wp), dimension(0:level%n) :: stress, drive, boundary, fall, difference
+      real(wp), dimension(0:level%n) :: stress, drive, fall, difference
+      real(wp) :: sources(0:level%n, 3), driven(0:level%n + 1)
       real(wp), allocatable :: before(:)
       integer :: first, last
 
@@ -83,10 +84,21 @@ contains
          else where
             fall = 0.0_wp
          end where
-         boundary = 0.0_wp
-         if (allocated(level%rough)) boundary = level%rough%friction*level%state%asperity_pressure
+         sources = 0.0_wp
+         sources(:, 1) = abs(stress)
+         if (allocated(level%rough)) sources(:, 2) = level%rough%friction &
+            *level%state%asperity_pressure
+         sources = sources*(heat%law%shear_stress*abs(heat%law%speeds(2) - heat%law%speeds(1)))
+         if (heat%law%has_flow) then
+            driven = 0.0_wp   ! e (P(i) - P(i-1))^2 of the faces
+            driven(1:level%n) = oil%face_mobility*(p(1:) - p(:level%n - 1))**2
+            sources(:, 3) = (driven(:level%n) + driven(1:))/(oil%density*4*level%lambda &
+               *level%dx**2)*heat%law%shear_stress*sum(heat%law%speeds)
+            fall = (fall*sources(:, 1) + thermal_fall(heat%law, level%fluid, heat%rise(:, 1), &
+               oil%ln_mu)*sources(:, 3))/max(sources(:, 1) + sources(:, 3), tiny(1.0_wp))
+         end if
          before = heat%rise(:, 1)
-         heat%rise = film_warmth(heat%law, level%dx, stress, boundary, h, before, fall)
+         heat%rise = film_warmth(heat%law, level%dx, sources, h, before, fall)
          difference = heat%rise(:, 1) - before - heat%change
          heat%change = heat%change + difference
          change = heat%law%thermal_viscosity*maxval(abs(heat%change))

@@ -321,7 +321,10 @@ module input_keys
          'the inlet holds', range='>= 1e-12, <= 1', typical=typical_film, example='! 5e-7'), &
       key_row_t('thermal', 'temperature', real_kind, 'degC', is_required, &
          'of the oil in the inlet, at which it has its viscosity and thermal_viscosity', &
-         range='>= -70, <= 370', typical='5 to 200', example='! 60.0')]
+         range='>= -70, <= 370', typical='5 to 200', example='! 60.0'), &
+      key_row_t('thermal', 'inlet_heating', logical_kind, '', '.false.', &
+         'the flow by pressure, mostly in the inlet, warms the oil too, which thins the film', &
+         used='temperature', example='!')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &

@@ -102,6 +102,7 @@ contains
          case%materials%conductivity)
       case%contact%heating%thermal_viscosity = case%materials%thermal_viscosity
       case%contact%heating%excess = values%real_value('thermal', 'temperature') + houpert_excess
+      case%contact%heating%has_flow = values%logical_value('thermal', 'inlet_heating')
    end subroutine read_heat
 
    !> Finds ridges without a position on a surface whose speed changes: none is the usual one.

@@ -7,7 +7,11 @@
 !>
 !> The heat Q = q_1 + q_2 of the oil arises evenly across the film, so that q_1 = Q/2 + (k/h)(T_2 -
 !> T_1), and the mean film is (T_1 + T_2)/2 + tau |u2 - u1| h/(12 k) warm. Not in it: heat that the
-!> oil carries along, heat of the flow in the inlet, viscosity that varies across the film.
+!> oil carries along, viscosity that varies across the film.
+!>
+!> If asked for, the flow that the pressure drives warms the film too, mostly in the inlet, by F =
+!> h^3 (dp/dx)^2/(12 mu), which arises as z^2 from the middle: the oil is warm by F h/(16 k) (1 - (2
+!> z/h)^4). It flows by Int z^2/mu dz, so that the mean weighted by z^2 counts, F h/(28 k).
 module film_heating
    use constants, only: pi
    use kinds, only: wp
@@ -26,8 +30,9 @@ module film_heating
    integer, parameter :: newton_steps = 6
 
    !> Friction with these temperatures over that of the full energy equation across the film, less
-   !> 1, where both were compared: rollers at 0.85 GPa, 5 m/s and a slide-to-roll ratio of 0.4.
-   real(wp), parameter, public :: friction_doubt = 0.11_wp
+   !> 1, where both were compared: rollers at 0.85 GPa, 5 m/s and a slide-to-roll ratio of 0.4,
+   !> without and with the heat of the flow.
+   real(wp), parameter, public :: friction_doubt(2) = [0.11_wp, 0.13_wp]
 
    !> Data of a contact.
    type :: heating_t
@@ -41,33 +46,35 @@ module film_heating
       real(wp) :: effusivity = 0.0_wp, conductivity = 0.0_wp
       !> -d ln mu/dT of the oil that arrives [1/K], and its temperature above 138 K [K].
       real(wp) :: thermal_viscosity = 0.0_wp, excess = 0.0_wp
+      !> Whether the flow that the pressure drives warms the film.
+      logical :: has_flow = .false.
    end type heating_t
 
 contains
 
    !> Temperature rises [K] of the mean film and of surfaces 1 and 2 (0:n, 3) on nodes at the
-   !> distance `dx` [b], the flow to the right, by the mean shear stress of the `oil` and that of
-   !> asperities, `boundary`, [p_h b/R], in the `film` [b^2/R], each (0:n); both speeds positive.
-   !> The stress of the oil is given for the rise `at` of the film and falls with the rise as
-   !> exp(-`fall` rise), both (0:n). Heat is even from the middle of an interval to the next. O(n):
-   !> the sums over the heat upstream are those of exponentials.
-   pure function film_warmth(heating, dx, oil, boundary, film, at, fall) result(rise)
+   !> distance `dx` [b], the flow to the right, by the `heat` [W/m^2] of sliding oil, of asperities
+   !> and of the flow by pressure, (0:n, 3), in the `film` [b^2/R] (0:n); both speeds positive. The
+   !> heat of the oil is given for the rise `at` of the film and falls with the rise as exp(-`fall`
+   !> rise), both (0:n). Heat is even from the middle of an interval to the next. O(n): the sums
+   !> over the heat upstream are those of exponentials.
+   pure function film_warmth(heating, dx, heat, film, at, fall) result(rise)
       type(heating_t), intent(in) :: heating
-      real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous, dimension(0:) :: oil, boundary, film, at, fall
-      real(wp) :: rise(0:size(oil) - 1, 3)
+      real(wp), intent(in) :: dx, heat(0:, :)
+      real(wp), intent(in), contiguous, dimension(0:) :: film, at, fall
+      real(wp) :: rise(0:size(film) - 1, 3)
       real(wp), allocatable :: decay(:), weight(:), memory(:, :)
-      real(wp) :: scale(2), own(2), before(2), flux(2), heat, across, slide, part, by_heat, cold
+      real(wp) :: scale(2), own(2), before(2), flux(2), all_heat, across, part, by_heat, cold, &
+         warmer
       integer :: i, j
 
-      associate (slowest => log(rest/sqrt(real(size(oil), wp))))
+      associate (slowest => log(rest/sqrt(real(size(film), wp))))
          allocate (weight(ceiling((fastest - slowest)/spacing)))
       end associate
       decay = [(exp(2*(fastest - j*spacing)), j=1, size(weight))]
       weight = spacing*2/sqrt(pi)*sqrt(decay)*2*sinh(0.5_wp*decay)/decay
       decay = exp(-decay)
       allocate (memory(size(weight), 2), source=0.0_wp)
-      slide = heating%shear_stress*abs(heating%speeds(2) - heating%speeds(1))
       scale = sqrt(dx*heating%half_width/(pi*heating%speeds))/heating%effusivity
       own = 2*sqrt(0.5_wp)*scale
       flux = 0.0_wp
@@ -80,12 +87,13 @@ contains
          part = (0.5_wp + across*own(2))/(1 + across*sum(own))   ! of the heat, to surface 1
          flux(1) = across*(before(2) - before(1))/(1 + across*sum(own))
          by_heat = 0.5_wp*(own(1)*part + own(2)*(1 - part))
-         cold = 0.5_wp*(sum(before) + (own(1) - own(2))*flux(1)) + by_heat*slide*abs(boundary(i))
-         heat = slide*abs(oil(i))
-         heat = heat*stress_share(heat*(by_heat + 1/(12*across)), fall(i), at(i) - cold)
-         rise(i, 1) = cold + heat*(by_heat + 1/(12*across))
-         heat = heat + slide*abs(boundary(i))
-         flux = [flux(1) + part*heat, (1 - part)*heat - flux(1)]
+         cold = 0.5_wp*(sum(before) + (own(1) - own(2))*flux(1)) + by_heat*heat(i, 2)
+         warmer = heat(i, 1)*(by_heat + 1/(12*across)) + heat(i, 3)*(by_heat + 1/(28*across))
+         associate (share => stress_share(warmer, fall(i), at(i) - cold))
+            rise(i, 1) = cold + share*warmer
+            all_heat = share*(heat(i, 1) + heat(i, 3)) + heat(i, 2)
+         end associate
+         flux = [flux(1) + part*all_heat, (1 - part)*all_heat - flux(1)]
          rise(i, 2:) = before + own*flux
       end do
    end function film_warmth
