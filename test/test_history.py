@@ -148,20 +148,22 @@ def course(times):
 
 
 @pytest.mark.path
-def test_an_interrupted_history_goes_on_to_the_same_bits(program, asperity, tmp_path):
-    """Motion to and fro, ended by SIGTERM in a cycle that was added; a table that has changed since is another case."""
-    clock = np.linspace(0, CYCLE, 41)
-    table(tmp_path, clock, **course(clock))
-    reference, _ = undisturbed(program, tmp_path, PERIODIC)
-    write(tmp_path, "case.nml", PERIODIC.replace("adequacy", "checkpoint_interval = 0.0, adequacy"))
+@pytest.mark.parametrize(("heat", "times"), [("", 1800), ("&thermal temperature = 40 /\n", 300)])
+def test_an_interrupted_history_goes_on_to_the_same_bits(program, asperity, tmp_path, heat, times):
+    """Motion to and fro, ended by SIGTERM in a cycle that was added, or warm; a table that has changed since is another case."""
+    clock, case = np.linspace(0, CYCLE, 41), PERIODIC + heat
+    motion = course(clock) | ({"u1": 0.1, "u2": 1.1} if heat else {})
+    table(tmp_path, clock, **motion)
+    reference, _ = undisturbed(program, tmp_path, case)
+    write(tmp_path, "case.nml", case.replace("adequacy", "checkpoint_interval = 0.0, adequacy"))
     with start(program, tmp_path) as running:
-        wait_for(tmp_path / "case.h5.part", running, times=1800)
+        wait_for(tmp_path / "case.h5.part", running, times=times)
         running.send_signal(signal.SIGTERM)
         message = running.stderr.read()
     assert running.returncode == 4, message
-    table(tmp_path, clock, **(course(clock) | {"u1": 0.1 * np.cos(2 * np.pi * clock / CYCLE) ** 3}))
+    table(tmp_path, clock, **(motion | {"u1": motion["u1"] * (1 + np.cos(2 * np.pi * clock / CYCLE) ** 2) / 2}))
     assert "another case: it has &history table_checksum = " in ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
-    table(tmp_path, clock, **course(clock))
+    table(tmp_path, clock, **motion)
     ended(asperity("case.nml", "--resume", "--quiet"))
     assert different(reference, tmp_path / "case.h5") == []
 
@@ -319,3 +321,21 @@ def test_bars_of_a_quasi_steady_history_are_its_own(solved_cases, tmp_path):
     for name in ("h_min", "h_central"):
         (few, bar), (many, _) = ((file[f"summary/{name}"][()], file[f"summary/{name}"].attrs["error_grid"]) for file in files)
         assert abs(few - many) < bar < 0.02 * few
+
+
+def test_heat_over_time_is_that_of_each_moment(solved_cases, run_case, tmp_path):
+    """At the end of a slow rise of the load that of the steady contact; refused where a surface rests, or carries something along."""
+    warm = CASE.replace("viscosity = 0.14", "viscosity = 0.04").replace(
+        "speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 2.0, speed_2 = 3.0"
+    )
+    warm += "&thermal temperature = 40 /\n"
+    steady = warm.replace("&history file = 'h.csv' /\n", "").replace("transient = .true.", "transient = .false.")
+    table(tmp_path, [0, 0.2, 0.3], load=[5e4, 1e5, 1e5])
+    in_time, at_rest = solved_cases(in_time=warm, at_rest=steady)
+    for name in ("temperature_rise", "temperature_rise_1", "temperature_rise_2", "film_thickness"):
+        expected = at_rest[f"solution/{name}"][()]
+        np.testing.assert_allclose(in_time[f"solution/{name}"][()], expected, rtol=2e-4, atol=2e-4 * expected.max())
+    assert expected.min() > 0 and at_rest["solution/temperature_rise"][()].max() > 5
+    table(tmp_path, [0, 1e-3], u1=[1.0, 0.0], u2=1.0)
+    done = run_case(warm, "--check", status=1)
+    assert "history file: found with &thermal a surface that rests or moves against the other, expected speed_1 and" in done.stderr

@@ -25,7 +25,7 @@ module ehl_line_transient
    use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, &
       roughness_at, set_moment
-   use line_level, only: line_level_t, turn
+   use line_level, only: line_level_t, thin_oil, turn
    use line_state, only: line_state_t
    use listener, only: listener_t
    use lubricant, only: fluid_density
@@ -198,6 +198,10 @@ contains
       products = level%elastic%products
       if (allocated(level%rough)) call share_pressure(level)
       level%elastic%products = products   ! counted where it was solved
+      if (allocated(level%heat)) then
+         level%heat%rise(:, :) = history%rise
+         call thin_oil(level)
+      end if
       call evaluate_coefficients(level)
       if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
          /(level%oil%density*level%state%film)
@@ -403,6 +407,8 @@ contains
             level%rhs_reynolds = level%lambda*(weights(2)*history%mass(:, 1) &
                + weights(3)*history%mass(:, 2))
             level%rhs_film = level%gap - roughness_at(contact, level, new_time)
+            if (allocated(level%heat)) level%heat%share = 0.0_wp   ! as in a resumed run
+            if (allocated(level%heat)) level%heat%change = 0.0_wp
             call solve_step(hierarchy, plan%attempts, length, history, report)
             if (.not. report%converged) return
             call remember(history, level, length)
@@ -504,6 +510,7 @@ contains
          level%oil%density*level%state%film)
       if (allocated(level%oil%saturation)) history%mass(:, 1) = history%mass(:, 1) &
          *level%oil%saturation
+      if (allocated(level%heat)) history%rise = level%heat%rise
       history%direction = level%direction
    end subroutine remember
 

@@ -1,11 +1,12 @@
-!> Temperature of the film of a steady contact, repeated until it is that of its own heat.
+!> Temperature of the film, repeated until it is that of its own heat. Where load, radius and speeds
+!> change in time it is that of the moment, as if it had lasted: heat passes the contact with it.
 module film_temperature
-   use film_heating, only: film_warmth, thermal_fall, thinning
+   use film_heating, only: film_warmth, thermal_fall
    use film_shear, only: evaluate_friction
    use flow_law, only: block_size => slip_block
    use friction_sums, only: friction_t
    use kinds, only: wp
-   use line_level, only: line_level_t
+   use line_level, only: line_level_t, thin_oil
    use listener, only: listener_t
    use newton_line, only: solve_newton, step_tolerance
    use newton_work, only: newton_t
@@ -14,7 +15,7 @@ module film_temperature
    implicit none (type, external)
    private
 
-   public :: solve_warm, thin_oil, warm_film
+   public :: solve_warm, warm_film
 
    !> Change of ln mu over which the fall of the stress is taken.
    real(wp), parameter :: small = 0.01_wp
@@ -113,13 +114,5 @@ contains
       end associate
       call thin_oil(level)
    end subroutine warm_film
-
-   !> Sets what the temperature of the film does to the viscosity.
-   pure subroutine thin_oil(level)
-      type(line_level_t), intent(inout) :: level
-
-      call thinning(level%heat%law, level%fluid, level%heat%rise(:, 1), level%oil%factor, &
-         level%oil%shift)
-   end subroutine thin_oil
 
 end module film_temperature

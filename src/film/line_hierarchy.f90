@@ -248,6 +248,8 @@ contains
                level%rhs_load = level%load
                level%gap(:) = 0.5_wp*level%x**2/now%radius
                call set_sliding(level%fluid, contact%lambda, now)
+               if (allocated(level%heat)) level%heat%law%speeds = now%speeds &
+                  *sum(contact%heating%speeds)
             end associate
          end associate
       end do

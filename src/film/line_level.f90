@@ -5,7 +5,7 @@ module line_level
    use constants, only: pi
    use duty, only: moment_t
    use errors, only: error_t
-   use film_heating, only: heating_t
+   use film_heating, only: heating_t, thinning
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
    use kinds, only: wp
@@ -15,7 +15,7 @@ module line_level
    implicit none (type, external)
    private
 
-   public :: has_close_exit, line_level_t, new_level, set_plain_problem, turn
+   public :: has_close_exit, line_level_t, new_level, set_plain_problem, thin_oil, turn
 
    !> Smallest film after a sweep [b^2/R]: a film that is halved a thousand times must not reach 0,
    !> by which the slip factor divides; the cube of this is still above 0.
@@ -184,6 +184,14 @@ contains
       level%posed%exit_node = 0
       level%posed%exit_conductance = 0.0_wp
    end subroutine set_plain_problem
+
+   !> Sets what the temperature of the film does to the viscosity.
+   pure subroutine thin_oil(level)
+      type(line_level_t), intent(inout) :: level
+
+      call thinning(level%heat%law, level%fluid, level%heat%rise(:, 1), level%oil%factor, &
+         level%oil%shift)
+   end subroutine thin_oil
 
    !> Turns X and the state of a level.
    pure subroutine turn(level)

@@ -35,6 +35,8 @@ module march_state
       real(wp) :: direction = 1.0_wp
       !> rho H of the last four times (0:n, 4), for the squeeze term and its error.
       real(wp), allocatable :: mass(:, :)
+      !> Temperature rises [K] of the newest solution (0:n, 3); not allocated: it stays cold.
+      real(wp), allocatable :: rise(:, :)
       !> Number of the relaxation that found it; the next step begins with it if all are relaxations
       !> of one method.
       integer :: way = 1

@@ -7,7 +7,7 @@ module nested_start
    use film_equation, only: carried_load, elastic_film, evaluate_deflection, set_film, &
       share_pressure
    use film_state, only: film_state_t
-   use film_temperature, only: solve_warm, thin_oil
+   use film_temperature, only: solve_warm
    use graded_nodes, only: monotone_cubic
    use graded_solver, only: graded_solution_t, solve_graded
    use hertz, only: line_pressure
@@ -16,7 +16,7 @@ module nested_start
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
-   use line_level, only: contact_load, line_level_t
+   use line_level, only: contact_load, line_level_t, thin_oil
    use quantities, only: exit_between_nodes
    use newton_line, only: step_tolerance
    use listener, only: is_stopped, listener_t, relay_t

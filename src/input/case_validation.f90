@@ -228,8 +228,10 @@ contains
       type(input_values_t), intent(inout) :: values
       real(wp) :: inlet
 
-      if (values%logical_value('time', 'transient')) call values%refuse('time', 'transient', &
-         'found .true. with &thermal, expected .false.: temperatures are those of a steady contact')
+      if (values%logical_value('time', 'transient') .and. (.not. values%has_group('history') .or. &
+         values%is_given('surface_1', 'shape') .or. values%is_given('surface_2', 'shape'))) call &
+         values%refuse('time', 'transient', 'found .true. with &thermal, expected .false., or '// &
+         'smooth surfaces with &history: of what passes with a surface the heat is not known')
       if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
          'velocity_layers', 'found with &thermal, expected 0')
       if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2')) then

@@ -33,7 +33,7 @@ module input_keys
          yields_to_moes=.true.), &
       group_row_t('supply', 'oil that arrives, where it does not fill the inlet', &
          yields_to_moes=.true.), &
-      group_row_t('thermal', 'film and surfaces that sliding warms, of a steady contact', &
+      group_row_t('thermal', 'film and surfaces that sliding warms, steady or with &history', &
          yields_to_moes=.true.), &
       group_row_t('surface_1', &
          'roughness of surface 1, moving at speed_1; heights count positive out of the material', &

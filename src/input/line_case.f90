@@ -53,6 +53,11 @@ contains
          values%is_given('time', 'duration'), &
          case%time%statistics_from < 0.0_wp, finest_wave(case%contact) >= huge(1.0_wp), &
          size(case%output_settings%film_thresholds) == 0])
+      if (allocated(case%duty) .and. allocated(case%contact%heating)) then
+         if (.not. case%contact%duty%rolls()) call values%refuse('history', 'file', 'found with '// &
+            '&thermal a surface that rests or moves against the other, expected speed_1 and '// &
+            'speed_2 above 0')
+      end if
       call check_places(values, 'surface_1', case%contact%surface_1)
       call check_places(values, 'surface_2', case%contact%surface_2)
       if (allocated(case%duty) .and. case%time%scheme == 'quasi_steady') then

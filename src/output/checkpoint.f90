@@ -266,6 +266,10 @@ contains
          file%visit_vector('/march/cycle_film', march%cycle_film)
       call file%visit('/march/pressure', march%pressure)
       call file%visit('/march/mass', march%mass)
+      if (file%has('/march/rise', allocated(march%rise))) then
+         if (file%is_read) allocate (march%rise(0:n, 3))
+         call file%visit('/march/rise', march%rise)
+      end if
       call visit_report(file, march%report)
       march%report%steps = march%step
    end subroutine visit_march

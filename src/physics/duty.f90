@@ -33,7 +33,7 @@ module duty
    type :: duty_t
       type(time_table_t) :: load, radius, speeds(2)
    contains
-      procedure :: at, always_moves, kinks, samples
+      procedure :: at, always_moves, kinks, rolls, samples
    end type duty_t
 
 contains
@@ -81,6 +81,13 @@ contains
          always_moves = all(sum*sign(1.0_wp, sum(1)) > 0.0_wp)
       end associate
    end function always_moves
+
+   !> Whether both surfaces move to +x in all rows.
+   pure logical function rolls(self)
+      class(duty_t), intent(in) :: self
+
+      rolls = all(min(self%speeds(1)%values, self%speeds(2)%values) > 0.0_wp)
+   end function rolls
 
    !> Time from its first to its last row.
    pure real(wp) function span_of(duty) result(span)
