@@ -135,7 +135,7 @@ contains
       pair = pair_of(solved, 2)
       adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
       adequacy%rows%unknown = merge(no_grids, no_film_at_rest, &
-         solved%experiment%contact%duty%always_moves())
+         solved%experiment%contact%duty%always_moves(0.0_wp))
       if (adequacy%rows(1)%unknown == no_film_at_rest .or. .not. pair%is_known) return
       do g = 1, 2
          steady = pair%runs(g)
