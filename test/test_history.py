@@ -339,3 +339,16 @@ def test_heat_over_time_is_that_of_each_moment(solved_cases, run_case, tmp_path)
     table(tmp_path, [0, 1e-3], u1=[1.0, 0.0], u2=1.0)
     done = run_case(warm, "--check", status=1)
     assert "history file: found with &thermal a surface that rests or moves against the other, expected speed_1 and" in done.stderr
+
+
+def test_a_stop_ends_on_any_grid(run_case, solved_cases, tmp_path):
+    """The oil at rest leaves through constrictions narrower than two intervals; upwind2 closes them, in bounded time."""
+    table(tmp_path, [0, 0.05, 0.5], u1=[0.5, 0, 0], u2=[0.5, 0, 0])
+    case = CASE.replace("load_per_length = 1e5", "hertz_pressure = 0.8e9").replace("x_inlet = -3.0, x_outlet = 3.0, ", "")
+    case = case.replace("viscosity = 0.14", "viscosity = 0.05").replace("intervals = 128", "intervals = 256")
+    fine, coarse = solved_cases(fine=case.replace("= 256", "= 1024"), coarse=case)
+    assert coarse["report/cycles"][()] < 1000
+    assert coarse["transient/h_min"][-1] == pytest.approx(fine["transient/h_min"][-1], rel=0.4)
+    assert coarse["transient/h_central"][-1] == pytest.approx(fine["transient/h_central"][-1], rel=0.02)
+    done = run_case(case + "&solver space_scheme = 'upwind2' /\n", "--quiet", status=2)
+    assert "it closes between two nodes: it takes more &domain intervals" in " ".join(done.stderr.split())

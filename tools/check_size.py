@@ -4,7 +4,8 @@ and rise for a capability alone (the graded grid: sources by 1400, tests by 450;
 loads, radii and speeds over time: 1510 and 920; how sure 60;
 point contacts: 2600, 604, 23 and 1,250 words; mixed, starved and warm films: 1624, 883, bench 42; fine grids of histories: 6, 12;
 starved rough contacts, asperities beyond an end: 60, 34, how sure 1; point contacts in time: 680, 190, 310 words, how sure 18,
-bench 15; tables of cases: 449, 219, 214 words; heat of the inlet: 38, 49, 190 words, how sure 13)."""
+bench 15; tables of cases: 449, 219, 214 words; heat of the inlet: 38, 49, 190 words, how sure 13;
+histories that stop: 22, 11, 78 words)."""
 
 import pathlib
 import re

@@ -133,7 +133,7 @@ contains
       pair%counts_spikes = .false.
       adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
       adequacy%rows%unknown = merge(no_grids, no_film_at_rest, &
-         solved%experiment%contact%duty%always_moves())
+         solved%experiment%contact%duty%always_moves(0.0_wp))
       if (adequacy%rows(1)%unknown == no_film_at_rest .or. .not. pair%is_known) return
       call measure_change(pair, ingredient_t(squeeze, 'squeeze', ''), adequacy%rows(1), is_known, &
          listener, error)   ! error: the caller looks

@@ -121,7 +121,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       where (list%kind == squeeze) choice%why = never_steady
-      if (.not. experiment%contact%duty%always_moves()) return
+      if (.not. experiment%contact%duty%always_moves(0.0_wp)) return
       call measure_kind(squeeze, experiment, list, target, choice, listener, error)
       if (allocated(error)) return
       choice%is_quasi_steady = any(list%kind == squeeze .and. choice%why == changes_little)

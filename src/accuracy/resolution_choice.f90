@@ -30,7 +30,7 @@ module resolution_choice
    use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t
    use quantities, only: h_min, quantity_count
-   use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
+   use solver_settings, only: leaves_scheme, max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: predicted_values
    use text, only: to_text
    implicit none (type, external)
@@ -184,9 +184,7 @@ contains
       type(solver_settings_t) :: settled
 
       search%trial = new_experiment(contact, settings, time)
-      ! methods that do not solve the kappa scheme do not try it
-      search%may_change_scheme = settings%space_scheme == 'auto' .and. settings%smoother == 'auto' &
-         .and. index(settings%method, 'block_jacobi') == 0
+      search%may_change_scheme = leaves_scheme(settings)
       if (search%may_change_scheme) search%trial%settings%space_scheme = 'kappa'
       settled = settings
       call settle_tolerance(settled)

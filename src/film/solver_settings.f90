@@ -9,7 +9,8 @@ module solver_settings
    implicit none (type, external)
    private
 
-   public :: domain_t, max_chosen, max_intervals_of, solver_settings_t, time_settings_t
+   public :: domain_t, leaves_scheme, max_chosen, max_intervals_of, solver_settings_t, &
+      time_settings_t
 
    !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and
    !> with 'block_jacobi', which converges on no more than some hundred and reports failure only
@@ -80,7 +81,7 @@ module solver_settings
       character(len=word_length) :: smoother = 'auto'
       !> Space discretisation (module reynolds_line): 'upwind2', that of the thesis, or 'kappa',
       !> which needs a Newton method; 'auto': upwind2, but kappa if coarse runs choose the
-      !> resolution of a transient.
+      !> resolution of a transient, or where surfaces come to rest.
       character(len=word_length) :: space_scheme = 'auto'
       !> Relative error of h_min, on a graded grid of all quantities, for which the grid of a steady
       !> contact is chosen; zero: the domain's grid.
@@ -102,6 +103,14 @@ module solver_settings
    end type solver_settings_t
 
 contains
+
+   !> Whether the program chooses the space scheme, and the method solves both.
+   pure logical function leaves_scheme(settings)
+      type(solver_settings_t), intent(in) :: settings
+
+      leaves_scheme = settings%space_scheme == 'auto' .and. settings%smoother == 'auto' &
+         .and. index(settings%method, 'block_jacobi') == 0
+   end function leaves_scheme
 
    !> Most intervals of a method, whether the user or the program chooses them; huge: no limit.
    pure integer function max_intervals_of(method) result(most)

@@ -531,7 +531,8 @@ module input_keys
          words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid, is_expert=.true.), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", &
          'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a ' &
-         //'target kappa', words='auto upwind2 kappa', is_expert=.true.), &
+         //'target, and a history with rest or reversal, kappa', &
+         words='auto upwind2 kappa', is_expert=.true.), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", &
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &
          words='fmg hertz', is_expert=.true.), &

@@ -7,6 +7,7 @@ module line_case
    use asperities_input, only: read_asperities
    use case_record, only: case_t, path_from_namelist
    use case_validation, only: check_times
+   use contact_moment, only: least_speed
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
    use input_values, only: input_values_t
@@ -17,7 +18,8 @@ module line_case
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
    use scaling, only: new_heating, scaled_fluid
-   use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
+   use solver_settings, only: leaves_scheme, max_intervals_of, max_refined_intervals, &
+      time_settings_t
    use surface_scaling, only: scaled_duty, scaled_surface
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
@@ -54,16 +56,20 @@ contains
          case%time%statistics_from < 0.0_wp, finest_wave(case%contact) >= huge(1.0_wp), &
          size(case%output_settings%film_thresholds) == 0])
       if (allocated(case%duty) .and. allocated(case%contact%heating)) then
-         if (.not. case%contact%duty%rolls()) call values%refuse('history', 'file', 'found with '// &
-            '&thermal a surface that rests or moves against the other, expected speed_1 and '// &
-            'speed_2 above 0')
+         if (.not. case%contact%duty%rolls()) call values%refuse('history', 'file', &
+            'found with &thermal a surface that rests or moves against the other, expected '// &
+            'speed_1 and speed_2 above 0')
       end if
       call check_places(values, 'surface_1', case%contact%surface_1)
       call check_places(values, 'surface_2', case%contact%surface_2)
       if (allocated(case%duty) .and. case%time%scheme == 'quasi_steady') then
-         if (.not. case%contact%duty%always_moves()) call values%refuse('time', 'scheme', &
+         if (.not. case%contact%duty%always_moves(0.0_wp)) call values%refuse('time', 'scheme', &
             "found 'quasi_steady' with a history that stops or reverses, expected 'bdf2': at "// &
             'rest there is no steady film')
+      end if
+      if (allocated(case%duty) .and. leaves_scheme(case%solver) .and. .not. &
+         case%contact%conserves_oil) then   ! a film that is squeezed closes with upwind2
+         if (.not. case%contact%duty%always_moves(least_speed)) case%solver%space_scheme = 'kappa'
       end if
       given = case%time
       call plan_times(values, case%contact, case)

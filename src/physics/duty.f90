@@ -73,12 +73,13 @@ contains
       end do
    end function kinks
 
-   !> Whether u1 + u2 has the same sign in all rows.
-   pure logical function always_moves(self)
+   !> Whether u1 + u2 has the same sign in all rows, and there more than a `share` of its reference.
+   pure logical function always_moves(self, share)
       class(duty_t), intent(in) :: self
+      real(wp), intent(in) :: share
 
       associate (sum => self%speeds(1)%values + self%speeds(2)%values)
-         always_moves = all(sum*sign(1.0_wp, sum(1)) > 0.0_wp)
+         always_moves = all(sum*sign(1.0_wp, sum(1)) > share)
       end associate
    end function always_moves
 
