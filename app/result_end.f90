@@ -102,7 +102,11 @@ contains
       end if
       associate (writer => listener%writer)
          if (listener%log%is_verbose) then
-            words%spike = spike_lines(writer%summary, spike_advice(case))
+            words%spike = ". &domain grid = 'graded', without intervals, follows it"
+            if (case%contact%domain%grid == 'graded') words%spike = ''
+            if (case%time%is_transient .or. case%layers > 0) words%spike = &
+               '. More &domain intervals show more of it'
+            words%spike = spike_lines(writer%summary, advice=words%spike)
             words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
             if (allocated(writer%adequacy%rows)) words%model = &
                model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
@@ -118,20 +122,6 @@ contains
       end associate
       outcome = outcome_of(report)
    end subroutine finish_result
-
-   !> What shows more of a pressure spike than the grid of the `case`; empty: nothing.
-   pure function spike_advice(case) result(advice)
-      type(case_t), intent(in) :: case
-      character(:), allocatable :: advice
-
-      if (case%time%is_transient .or. case%layers > 0) then
-         advice = '. More &domain intervals show more of it'
-      else if (case%contact%domain%grid == 'graded') then
-         advice = ''
-      else
-         advice = ". &domain grid = 'graded', without intervals, follows it"
-      end if
-   end function spike_advice
 
    !> The end of an interrupted run: the files needed to go on are kept and named.
    subroutine suspend_result(listener, outcome)

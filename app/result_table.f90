@@ -262,7 +262,15 @@ contains
       character(:), allocatable :: line, name
       integer :: i, k
 
-      columns = csv_columns(rows)
+      allocate (columns(0))   ! of each quantity all units that the rows have
+      do k = 1, size(names)
+         of_rows: do i = 1, size(rows)
+            associate (unit => rows(i)%units(k))
+               if (any(columns%number == k .and. columns%units == unit)) cycle of_rows
+               if (unit /= '') columns = [columns, column_t(k, unit)]
+            end associate
+         end do of_rows
+      end do
       line = 'file,problem,converged,outcome,reason'
       do k = 1, size(columns)
          name = trim(names(columns(k)%number))
@@ -290,23 +298,6 @@ contains
          call write_text(line//nl, error)   ! error: the loop looks
       end do
    end subroutine write_csv
-
-   !> The columns of CSV: of each quantity all units that the rows have.
-   pure function csv_columns(rows) result(columns)
-      type(result_row_t), intent(in) :: rows(:)
-      type(column_t), allocatable :: columns(:)
-      integer :: i, k
-
-      allocate (columns(0))
-      do k = 1, size(names)
-         of_rows: do i = 1, size(rows)
-            associate (unit => rows(i)%units(k))
-               if (any(columns%number == k .and. columns%units == unit)) cycle of_rows
-               if (unit /= '') columns = [columns, column_t(k, unit)]
-            end associate
-         end do of_rows
-      end do
-   end function csv_columns
 
    !> One result as a JSON object.
    pure function json_line(row) result(line)

@@ -283,7 +283,7 @@ def test_a_trapped_film_costs_no_more_on_a_fine_grid(solved_cases, tmp_path):
 
 def test_extremes_between_steps_count(solved_cases, tmp_path):
     """The smallest film of a quick reversal lasts shorter than a step of the table: many given steps find the same one."""
-    table(tmp_path, np.array([0, 0.5, 0.503, 1]) / 2, u1=[1, 1, -1, -1], u2=[1, 1, -1, -1])
+    table(tmp_path, [0, 0.5, 0.502, 1], u1=[1, 1, -1, -1], u2=[1, 1, -1, -1])
     case = CASE.replace("intervals = 128", "intervals = 64")
     (divided, fine) = solved_cases(divided=case, fine=case.replace("transient = .true.", "transient = .true., time_step = 0.2"))
     film, at_steps = (divided[name] for name in ("summary/h_min", "transient/h_min"))

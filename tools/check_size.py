@@ -5,7 +5,7 @@ loads, radii and speeds over time: 1510 and 920; how sure 60;
 point contacts: 2600, 604, 23 and 1,250 words; mixed, starved and warm films: 1624, 883, bench 42; fine grids of histories: 6, 12;
 starved rough contacts, asperities beyond an end: 60, 34, how sure 1; point contacts in time: 680, 190, 310 words, how sure 18,
 bench 15; tables of cases: 449, 219, 214 words; heat of the inlet: 38, 49, 190 words, how sure 13;
-histories that stop: 22, 11, 78 words)."""
+histories that stop: 22, 11, 78 words; models, targets, heat of histories: 165, 83, how sure 90, 144 words)."""
 
 import pathlib
 import re
@@ -21,11 +21,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 49_786,
-    "how sure": 6_643,
-    "tests": 37_171,
+    "sources": 49_829,
+    "how sure": 6_733,
+    "tests": 37_254,
     "bench": 5_680,
-    "words of pages": 46_965,
+    "words of pages": 47_109,
     "imports of a file": 22,
     "components of a type": 16,
     "procedures of more than 7 arguments": 1,

@@ -280,7 +280,17 @@ contains
       self%contact = contact
       call pose(self, contact, intervals, 0.0_wp, error)
       if (allocated(error)) return
-      call take_pressure(self%level, start)
+      associate (state => self%level%state)
+         state%pressure = start%pressure
+         if (allocated(self%level%rough) .and. allocated(start%separation)) then
+            state%asperity_pressure = start%asperity_pressure
+            call place_film(self%level, minval(start%separation))
+         else   ! oil bears what asperities did
+            if (allocated(start%separation)) state%pressure = start%pressure &
+               + start%asperity_pressure
+            call place_film(self%level, minval(start%film))
+         end if
+      end associate
       call solve_level_of(self, work, listener)
       if (self%is_solved) self%summary = summary_with_doubt(self%level)
    end subroutine solve_from
@@ -318,22 +328,6 @@ contains
          call set_plain_problem(level, roughness_at(contact, level, time))
       end associate
    end subroutine pose
-
-   !> Takes the pressure of another contact on the same grid, with its smallest film.
-   subroutine take_pressure(level, start)
-      type(line_level_t), intent(inout) :: level
-      type(film_state_t), intent(in) :: start
-
-      level%state%pressure = start%pressure
-      if (allocated(level%rough) .and. allocated(start%separation)) then
-         level%state%asperity_pressure = start%asperity_pressure
-         call place_film(level, minval(start%separation))
-      else   ! oil bears what asperities did
-         if (allocated(start%separation)) level%state%pressure = start%pressure &
-            + start%asperity_pressure
-         call place_film(level, minval(start%film))
-      end if
-   end subroutine take_pressure
 
    !> Sets H0 so that the film, or the separation of rough surfaces, of the present pressure has the
    !> minimum `smallest`.

@@ -22,7 +22,7 @@ module dry_errors
       factor_count, load, mean_separation, p_max, plastic_area, plasticity_index, separation, &
       yields
    use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes
-   use dry_settings, only: max_nodes_to_refine
+   use dry_solution, only: max_nodes_to_refine
    use errors, only: error_t
    use even_grids, only: even_nodes
    use kinds, only: wp

@@ -10,8 +10,7 @@ module dry_sweep
    use dry_quantities, only: dp_max, dry_fields_t, dry_outcome_t, dry_row_t, fill_row, load, &
       mean_pressure
    use dry_scaling, only: dry_scaling_t
-   use dry_settings, only: dry_loads_t, dry_settings_t
-   use dry_solution, only: dry_solution_t
+   use dry_solution, only: dry_loads_t, dry_settings_t, dry_solution_t
    use errors, only: error_t
    use hertz, only: line_half_width, point_radius
    use kinds, only: wp

@@ -3,7 +3,7 @@
 !> The floor is not part of the equations and changes no film or pressure; it is checked after every
 !> solution.
 module film_breakdown
-   use iteration_report, only: breakdown_t, report_t
+   use iteration_report, only: report_t
    use kinds, only: wp
    use quantities, only: parabola_minimum
    use solver_settings, only: solver_settings_t
@@ -42,26 +42,16 @@ contains
          end if
          if (settings%on_film_breakdown == 'continue' .and. all(film > 0.0_wp)) return
          report%converged = .false.
-         report%reason = breakdown_reason(breakdown, settings%film_floor)
+         report%reason = 'film breakdown at X = '//to_text(breakdown%position, 2)
+         if (breakdown%step > 0) report%reason = report%reason//' (T = ' &
+            //to_text(breakdown%time, 4)//')'
+         if (breakdown%film <= 0.0_wp) then
+            report%reason = report%reason//': the film would close'
+         else
+            report%reason = report%reason//': the film would be H = '//to_text(breakdown%film, 3) &
+               //', below the floor H = '//to_text(settings%film_floor, 3)
+         end if
       end associate
    end subroutine check_breakdown
-
-   !> Where and when the film first broke down, dimensionless: 'film breakdown at X = -0.3
-   !> (T = 0.5): H = 0.01 ...'.
-   pure function breakdown_reason(breakdown, floor) result(reason)
-      type(breakdown_t), intent(in) :: breakdown
-      real(wp), intent(in) :: floor
-      character(:), allocatable :: reason
-
-      reason = 'film breakdown at X = '//to_text(breakdown%position, 2)
-      if (breakdown%step > 0) reason = reason//' (T = '//to_text(breakdown%time, 4)//')'
-      reason = reason//': '
-      if (breakdown%film <= 0.0_wp) then
-         reason = reason//'the film would close'
-      else
-         reason = reason//'the film would be H = '//to_text(breakdown%film, 3) &
-            //', below the floor H = '//to_text(floor, 3)
-      end if
-   end function breakdown_reason
 
 end module film_breakdown

@@ -130,6 +130,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: levels
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: start
       integer :: first, coarsest, n
 
       n = contact%domain%intervals
@@ -142,8 +143,14 @@ contains
       first = min(first, coarsest)
       call make_room(hierarchy, 1 + doublings(first, n))
       do while (hierarchy%top < size(hierarchy%levels))
-         call new_grid(hierarchy, contact, first, error)
+         start = wall_seconds()
+         hierarchy%top = hierarchy%top + 1
+         hierarchy%finest = hierarchy%top
+         hierarchy%coarsest = hierarchy%top
+         call new_level_of(contact, first*2**(hierarchy%top - 1), hierarchy%levels(hierarchy%top), &
+            error)
          if (allocated(error)) return
+         hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
       end do
       hierarchy%fas_coarsest = 1 + doublings(first, coarsest)
       hierarchy%coarsest = hierarchy%fas_coarsest
@@ -160,24 +167,6 @@ contains
       hierarchy%top = 0
       hierarchy%fas_coarsest = 1
    end subroutine make_room
-
-   !> Adds a level on the domain of the contact, which becomes the finest: the first of `first`
-   !> intervals, the others of twice those of the level before.
-   subroutine new_grid(hierarchy, contact, first, error)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: first
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: start
-
-      start = wall_seconds()
-      hierarchy%top = hierarchy%top + 1
-      hierarchy%finest = hierarchy%top
-      hierarchy%coarsest = hierarchy%top
-      call new_level_of(contact, first*2**(hierarchy%top - 1), hierarchy%levels(hierarchy%top), &
-         error)   ! error: the caller looks
-      hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
-   end subroutine new_grid
 
    !> Allocates a level of `n` intervals on the domain of a contact, with what lies in front of it.
    subroutine new_level_of(contact, n, level, error)

@@ -23,26 +23,23 @@ module listener
       type(momentum_history_t), allocatable :: earlier
    contains
       !> Begins at T = 0 from the smooth steady pressure of a contact whose film the surfaces have
-      !> entered; `reason`: why it cannot.
-      procedure(begin_interface), deferred :: begin
-      !> Begins, or resumes from `earlier`.
-      procedure, non_overridable :: start
+      !> entered, or resumes from `earlier`; `reason`: why it cannot.
+      procedure(start_interface), deferred :: start
       !> Advances by one part of a step; `reason`: why it cannot.
       procedure(advance_interface), deferred :: advance
-      !> Returns its state after a step, and resumes from one; `reason`: why it cannot.
+      !> Returns its state after a step, to resume from.
       procedure(kept_interface), deferred :: kept
-      procedure(resume_interface), deferred :: resume
    end type follower_t
 
    abstract interface
-      subroutine begin_interface(self, contact, state, reason)
+      subroutine start_interface(self, contact, state, reason)
          import :: follower_t, line_contact_t, line_state_t
          implicit none (type, external)
          class(follower_t), intent(inout) :: self
          type(line_contact_t), intent(in) :: contact
          type(line_state_t), intent(in) :: state
          character(:), allocatable, intent(out) :: reason
-      end subroutine begin_interface
+      end subroutine start_interface
 
       subroutine advance_interface(self, part, reason)
          import :: follower_t, time_part_t
@@ -58,16 +55,6 @@ module listener
          class(follower_t), intent(in) :: self
          type(momentum_history_t) :: history
       end function kept_interface
-
-      subroutine resume_interface(self, contact, state, history, reason)
-         import :: follower_t, line_contact_t, line_state_t, momentum_history_t
-         implicit none (type, external)
-         class(follower_t), intent(inout) :: self
-         type(line_contact_t), intent(in) :: contact
-         type(line_state_t), intent(in) :: state
-         type(momentum_history_t), intent(in) :: history
-         character(:), allocatable, intent(out) :: reason
-      end subroutine resume_interface
    end interface
 
    !> Listens to a solver. This type ignores everything: extend it to receive something.
@@ -108,22 +95,6 @@ module listener
    end type relay_t
 
 contains
-
-   !> Begins, or resumes from `earlier`; `reason`: why it cannot.
-   subroutine start(self, contact, state, reason)
-      class(follower_t), intent(inout) :: self
-      type(line_contact_t), intent(in) :: contact
-      type(line_state_t), intent(in) :: state
-      character(:), allocatable, intent(out) :: reason
-      type(momentum_history_t), allocatable :: earlier
-
-      call move_alloc(self%earlier, earlier)
-      if (allocated(earlier)) then
-         call self%resume(contact, state, earlier, reason)
-      else
-         call self%begin(contact, state, reason)
-      end if
-   end subroutine start
 
    !> Whether the listener, if any, asks to stop.
    logical function is_stopped(listener)

@@ -156,30 +156,26 @@ contains
       integer, intent(in) :: kind, status
       character(*), intent(in) :: what, doing
       character(:), allocatable :: reason
+      character(len=*), parameter :: marker = "error message = '"
+      character(len=max_length), target :: description
+      integer(c_int) :: walked
+      integer :: start, length
 
       if (status >= 0 .or. allocated(failure)) return
-      reason = last_hdf5_reason()
+      ! the system's words ('No space left on device') where passed on, else the library's, or ''
+      description = ''
+      walked = h5ewalk2(default_stack, walk_upward, c_funloc(keep_first), c_loc(description))
+      reason = ''
+      if (walked >= 0) reason = trim(description)
+      start = index(reason, marker)
+      if (start > 0) then
+         reason = reason(start + len(marker):)
+         length = index(reason, "'") - 1
+         if (length > 0) reason = reason(:length)
+      end if
       if (len(reason) > 0) reason = ': ' // reason
       call fail(failure, kind, what // ' (' // doing // ')' // reason)
    end subroutine keep_hdf5_failure
-
-   !> The system's words ('No space left on device') where passed on, else the library's, or ''.
-   function last_hdf5_reason() result(reason)
-      character(:), allocatable :: reason
-      character(len=*), parameter :: marker = "error message = '"
-      character(len=max_length), target :: description
-      integer :: start, length
-
-      description = ''
-      reason = ''
-      if (h5ewalk2(default_stack, walk_upward, c_funloc(keep_first), c_loc(description)) < 0) return
-      reason = trim(description)
-      start = index(reason, marker)
-      if (start == 0) return
-      reason = reason(start + len(marker):)
-      length = index(reason, "'") - 1
-      if (length > 0) reason = reason(:length)
-   end function last_hdf5_reason
 
    !> Keeps the description of stack entry 0, the most specific one; returns 0 = go on.
    function keep_first(number, entry, client) bind(c) result(status)

@@ -7,7 +7,7 @@ module dry_input
    use dry_sweep, only: recommended_room
    use dry_case, only: dry_case_t
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
-   use dry_settings, only: method_conjugate_gradient, method_steepest_descent
+   use dry_solution, only: method_conjugate_gradient, method_steepest_descent
    use dry_surfaces, only: make_heights, prepare_files, same_length
    use even_grids, only: even_nodes
    use file_heights, only: read_surface

@@ -530,8 +530,8 @@ module input_keys
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", 'smoother of the multigrid cycle', &
          words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid, is_expert=.true.), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", &
-         'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a ' &
-         //'target, and a history with rest or reversal, kappa', &
+         'upwind2 (thesis), or kappa (Newton methods); auto: kappa with a target in time and ' &
+         //'where a history rests or reverses', &
          words='auto upwind2 kappa', is_expert=.true.), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", &
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &

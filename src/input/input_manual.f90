@@ -50,7 +50,7 @@ contains
 
    !> Every group and key: type, unit, default, range or words, meaning; at most 100 columns.
    pure function keys_text() result(text)
-      character(:), allocatable :: text
+      character(:), allocatable :: head, text
       integer, allocatable :: rows(:)
       integer :: group, i, kind
 
@@ -68,7 +68,18 @@ contains
             rows = rows_of(group, kind == 2)
             if (kind == 2 .and. size(rows) > 0) text = text // '  ' // for_experts // ':' // nl
             do i = 1, size(rows)
-               text = text // terminal_entry(key_rows(rows(i)))
+               associate (row => key_rows(rows(i)))
+                  head = '  ' // row%key // ' ' // trim(kind_names(row%kind))
+                  if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) &
+                     // ']'
+                  head = head // ', default ' // trim(row%default)
+                  if (row%range /= '') head = head // ', ' // trim(row%range)
+                  text = text // wrapped(head // typical_text(row), page_width, 8) // nl
+                  if (row%words /= '') text = text // wrapped(repeat(' ', indent) &
+                     // word_list(row%words), page_width, 8) // nl
+                  text = text // wrapped(repeat(' ', indent) // trim(row%meaning) &
+                     // conditions_text(row), page_width, 8) // nl
+               end associate
             end do
          end do
       end do
@@ -85,23 +96,6 @@ contains
       rows = pack([(i, i=1, size(key_rows))], key_rows%group == group_rows(group)%group &
          .and. (key_rows%is_expert .eqv. is_expert) .and. key_rows%group /= 'surface_2')
    end function rows_of
-
-   !> The lines of one key.
-   pure function terminal_entry(row) result(text)
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text, head
-
-      head = '  ' // row%key // ' ' // trim(kind_names(row%kind))
-      if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) // ']'
-      head = head // ', default ' // trim(row%default)
-      if (row%range /= '') head = head // ', ' // trim(row%range)
-      head = head // typical_text(row)
-      text = wrapped(head, page_width, 8) // nl
-      if (row%words /= '') text = text // wrapped(repeat(' ', indent) // word_list(row%words), &
-         page_width, 8) // nl
-      text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // conditions_text(row), &
-         page_width, 8) // nl
-   end function terminal_entry
 
    !> What is typical of a key, ", typical 1e-4 to 5"; empty: nothing in particular.
    pure function typical_text(row) result(text)

@@ -49,7 +49,13 @@ contains
       if (values%findings%count > 0) return
       call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
-      call read_heat(values, case)
+      if (values%has_group('thermal')) then
+         case%contact%heating = new_heating(case%scaling, case%bodies, case%materials%effusivity, &
+            case%materials%conductivity)
+         case%contact%heating%thermal_viscosity = case%materials%thermal_viscosity
+         case%contact%heating%excess = values%real_value('thermal', 'temperature') + houpert_excess
+         case%contact%heating%has_flow = values%logical_value('thermal', 'inlet_heating')
+      end if
       call build_contact(case)
       case%time%may_lengthen = all([case%time%may_lengthen, case%time%end_time <= 0.0_wp, .not. &
          values%is_given('time', 'duration'), &
@@ -102,19 +108,6 @@ contains
       call check_wave(values, 'surface_1', contact%surface_1, contact, case)
       call check_wave(values, 'surface_2', contact%surface_2, contact, case)
    end subroutine plan_times
-
-   !> Reads &thermal, if any.
-   subroutine read_heat(values, case)
-      type(input_values_t), intent(in) :: values
-      type(case_t), intent(inout) :: case
-
-      if (.not. values%has_group('thermal')) return
-      case%contact%heating = new_heating(case%scaling, case%bodies, case%materials%effusivity, &
-         case%materials%conductivity)
-      case%contact%heating%thermal_viscosity = case%materials%thermal_viscosity
-      case%contact%heating%excess = values%real_value('thermal', 'temperature') + houpert_excess
-      case%contact%heating%has_flow = values%logical_value('thermal', 'inlet_heating')
-   end subroutine read_heat
 
    !> Finds ridges without a position on a surface whose speed changes: none is the usual one.
    subroutine check_places(values, group, surface)

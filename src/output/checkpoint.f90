@@ -165,8 +165,20 @@ contains
    subroutine visit_checkpoint(file, checkpoint)
       type(checkpoint_file_t), intent(inout) :: file
       type(checkpoint_t), intent(inout) :: checkpoint
+      character(:), allocatable :: scheme
 
-      call visit_run(file, checkpoint%run_record_t)
+      scheme = trim(checkpoint%space_scheme)
+      call file%visit_text('/case', checkpoint%case)
+      call file%visit('/intervals', checkpoint%intervals)
+      call file%visit('/time_step', checkpoint%time_step)
+      call file%visit_text('/space_scheme', scheme)
+      checkpoint%space_scheme = scheme
+      associate (passage => checkpoint%passage)
+         call visit_summary(file, '/counted', passage%has_counted, passage%counted)
+         call visit_summary(file, '/earlier', passage%has_earlier, passage%earlier)
+      end associate
+      if (file%has('/statistics', allocated(checkpoint%statistics%thresholds))) call &
+         visit_statistics(file, checkpoint%statistics)
       associate (forecast => checkpoint%forecast)
          forecast%is_known = file%has('/forecast', forecast%is_known)
          if (forecast%is_known) then
@@ -185,24 +197,6 @@ contains
       end if
       call file%visit_text('/part_digits', checkpoint%part_digits)
    end subroutine visit_checkpoint
-
-   !> What a run has gathered and chosen, but the passage of its momentum equations.
-   subroutine visit_run(file, run)
-      type(checkpoint_file_t), intent(inout) :: file
-      type(run_record_t), intent(inout) :: run
-      character(:), allocatable :: scheme
-
-      scheme = trim(run%space_scheme)
-      call file%visit_text('/case', run%case)
-      call file%visit('/intervals', run%intervals)
-      call file%visit('/time_step', run%time_step)
-      call file%visit_text('/space_scheme', scheme)
-      run%space_scheme = scheme
-      call visit_summary(file, '/counted', run%passage%has_counted, run%passage%counted)
-      call visit_summary(file, '/earlier', run%passage%has_earlier, run%passage%earlier)
-      if (file%has('/statistics', allocated(run%statistics%thresholds))) call &
-         visit_statistics(file, run%statistics)
-   end subroutine visit_run
 
    !> Extremes over several times, if there are any: types of reals alone.
    subroutine visit_summary(file, path, is_known, summary)

@@ -259,22 +259,15 @@ contains
          else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
             row(bar:) = '+- not known'
          end if
-         if (is_transient .and. ieee_is_finite(quantity%time)) row(bar + 13:) = 'at ' &
-            //moment_text(quantity%time, log)
+         if (is_transient .and. ieee_is_finite(quantity%time)) then
+            row(bar + 13:) = 'at T '//number_text(quantity%time, 4)
+            if (log%in_seconds) row(bar + 13:) = 'at '//prefixed_text(quantity%time &
+               *log%scaling%time, 's')
+         end if
       end associate
       if (i == p_max .and. .not. log%is_verbose) row(merge(bar + 25, bar + 13, is_transient):) = &
          spike_remark(summary, is_transient)
    end function row_of_table
-
-   !> A time T, of a contact with a duty in seconds.
-   pure function moment_text(time, log) result(words)
-      real(wp), intent(in) :: time
-      type(progress_log_t), intent(in) :: log
-      character(:), allocatable :: words
-
-      words = 'T '//number_text(time, 4)
-      if (log%in_seconds) words = prefixed_text(time*log%scaling%time, 's')
-   end function moment_text
 
    !> How a run has ended, and what it took unless it failed and `is_short`.
    function outcome_text(report, is_short) result(outcome)

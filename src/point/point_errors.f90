@@ -55,7 +55,12 @@ contains
          return
       end if
       if (run%time%is_transient) then
-         call doubt_friction(run%grids(size(run%grids)), summary)
+         ! what a spike may add to friction, as a share that of the smooth steady contact
+         associate (smooth => run%grids(size(run%grids))%of(sliding_rows), &
+            of => summary%of(sliding_rows))
+            summary%of(sliding_rows)%error_grid = smooth%error_grid*abs(of%value) &
+               /max(abs(smooth%value), tiny(1.0_wp))
+         end associate
       else
          summary = run%grids(size(run%grids))
       end if
@@ -80,18 +85,6 @@ contains
       missing = 'a pressure spike that this grid does not resolve'
       if (size(coarser) == 0) missing = 'the passage has no solution on half the intervals'
    end subroutine find_quantities
-
-   !> Sets the error of friction that a spike may add to the extremes of a passage, as a share that
-   !> of the `smooth` steady contact.
-   pure subroutine doubt_friction(smooth, extremes)
-      type(line_summary_t), intent(in) :: smooth
-      type(line_summary_t), intent(inout) :: extremes
-
-      associate (one => smooth%of(sliding_rows), of => extremes%of(sliding_rows))
-         extremes%of(sliding_rows)%error_grid = one%error_grid*abs(of%value)/max(abs(one%value), &
-            tiny(1.0_wp))
-      end associate
-   end subroutine doubt_friction
 
    !> Extremes of the passage on half and a quarter of the intervals, with as many times longer
    !> steps, as far as these grids hold the film and there are solutions. Error: as above.

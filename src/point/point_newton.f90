@@ -85,7 +85,12 @@ contains
          do
             if (.not. is_evaluated) call evaluate(level, contact, .true.)
             call set_border(contact, level, border)
-            call find_cavity(level)
+            ! where oil flows under pressure: P + r/D > 0 inside
+            level%flowing = 0.0_wp
+            associate (m => level%nx - 1, n => level%ny - 1)
+               level%flowing(1:m, 1:n) = merge(1.0_wp, 0.0_wp, level%pressure(1:m, 1:n) &
+                  + level%residual(1:m, 1:n)/level%diagonal(1:m, 1:n) > 0.0_wp)
+            end associate
             newton%load_error = load_on(level, level%pressure) - load
             residual = max(maxval(abs(level%flowing*level%residual)), maxval(abs((1 &
                - level%flowing)*(level%pressure - border))))
@@ -133,17 +138,6 @@ contains
          border(:, ny) = far_pressure(contact, level%x, level%y(ny), h(:, ny))
       end associate
    end subroutine set_border
-
-   !> Finds where oil flows under pressure: P + r/D > 0 inside.
-   pure subroutine find_cavity(level)
-      type(point_level_t), intent(inout) :: level
-
-      associate (nx => level%nx, ny => level%ny)
-         level%flowing = 0.0_wp
-         level%flowing(1:nx - 1, 1:ny - 1) = merge(1.0_wp, 0.0_wp, level%pressure(1:nx - 1, 1:ny &
-            - 1) + level%residual(1:nx - 1, 1:ny - 1)/level%diagonal(1:nx - 1, 1:ny - 1) > 0.0_wp)
-      end associate
-   end subroutine find_cavity
 
    !> Computes the plain step of the pressure and of H0, to a `tolerance` of its right side.
    subroutine find_step(newton, border, tolerance, step, step_h0)

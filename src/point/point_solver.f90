@@ -54,7 +54,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: coarse(:, :)
       real(wp) :: h0
-      integer :: most, nx, ny
+      integer :: most, needed, nx, ny
 
       run%grids = [line_summary_t ::]
       run%work = reshape([integer ::], [2, 0])
@@ -91,7 +91,9 @@ contains
             nx = 2*nx
          end associate
       end do
-      if (.not. report%converged) call blame(contact, nx, report)
+      needed = first_intervals(contact, 2**20)
+      if (.not. report%converged .and. nx < needed) report%reason = 'grid too coarse for the '// &
+         'film, needs '//to_text(needed)//' intervals in x (has '//to_text(nx)//'); '//report%reason
       contact%domain%intervals = nx
       contact%domain%rows = ny
    end subroutine solve_point_steady
@@ -136,18 +138,6 @@ contains
       end associate
       pairs = nint(sum)
    end function pairs_of
-
-   !> Says that the grid is too coarse for the film where the rule for first grids says so.
-   subroutine blame(contact, nx, report)
-      type(point_contact_t), intent(in) :: contact
-      integer, intent(in) :: nx
-      type(report_t), intent(inout) :: report
-      integer :: needed
-
-      needed = first_intervals(contact, 2**20)
-      if (nx < needed) report%reason = 'grid too coarse for the film, needs '//to_text(needed) &
-         //' intervals in x (has '//to_text(nx)//'); '//report%reason
-   end subroutine blame
 
    !> Starts from the pressure of the dry contact, with the load and a film in the middle.
    subroutine start_dry(contact, level)

@@ -44,14 +44,15 @@ module momentum_march
       type(film_flow_t), private :: flow
       type(momentum_newton_t), private :: newton
    contains
-      procedure :: advance, begin, kept, resume
+      procedure :: advance, kept, start
       procedure :: fields => present_fields
    end type momentum_march_t
 
 contains
 
-   !> Begins from `state`, that of the Reynolds equation at T = 0. Error: no memory, or no solution.
-   subroutine begin(self, contact, state, reason)
+   !> Begins from `state`, that of the Reynolds equation at T = 0, or resumes from `earlier`, with
+   !> `state` that of its time. Error: no memory, or no solution.
+   subroutine start(self, contact, state, reason)
       class(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
@@ -60,6 +61,11 @@ contains
 
       call pose(self, contact, state, reason)
       if (allocated(reason)) return
+      if (allocated(self%earlier)) then
+         call resume(self)
+         deallocate (self%earlier)
+         return
+      end if
       call solve(self, start_tolerance, reason)
       self%history%steps = self%newton%steps
       if (allocated(reason)) return
@@ -69,7 +75,7 @@ contains
       self%flow%u = self%flow%u - self%newton%terms%reynolds%u
       call move_walls(self, heights)
       call remember(self)
-   end subroutine begin
+   end subroutine start
 
    !> Poses the smooth contact; first approximation is the pressure of `state`. Error: no memory.
    subroutine pose(self, contact, state, reason)
@@ -115,22 +121,17 @@ contains
       history%made_of_old = self%problem%old
    end function kept
 
-   !> Resumes from `history`, `state` that of the Reynolds equation at that time. Error: no memory.
-   subroutine resume(self, contact, state, history, reason)
+   !> Goes on from `earlier`.
+   subroutine resume(self)
       class(momentum_march_t), intent(inout) :: self
-      type(line_contact_t), intent(in) :: contact
-      type(line_state_t), intent(in) :: state
-      type(momentum_history_t), intent(in) :: history
-      character(:), allocatable, intent(out) :: reason
       type(momentum_rows_t) :: rows
 
-      call pose(self, contact, state, reason)
-      if (allocated(reason)) return
-      self%history = history
-      self%newton%factorisations = history%factorisations
-      self%newton%linear_iterations = history%linear_iterations
+      self%history = self%earlier
       self%newton%largest_rest = step_tolerance
-      associate (problem => self%problem, level => self%level, flow => self%flow)
+      associate (problem => self%problem, level => self%level, flow => self%flow, &
+         history => self%earlier)
+         self%newton%factorisations = history%factorisations
+         self%newton%linear_iterations = history%linear_iterations
          problem%half_rate = history%half_rate
          problem%old = history%made_of_old
          call set_walls(problem, self%walls, level, history%heights)

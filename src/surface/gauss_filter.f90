@@ -76,6 +76,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       complex(wp), allocatable :: spectrum(:, :)
       real(wp), allocatable :: padded(:)
+      real(wp), parameter :: largest_ratio = 30.0_wp
+      real(wp) :: ratio, share
       integer :: k, n
 
       n = size(line)
@@ -85,20 +87,14 @@ contains
       call transform_field([n, 1], padded, spectrum, error)
       if (allocated(error)) return
       do k = 0, n/2
-         spectrum(k, 0) = spectrum(k, 0)*(transmission(cutoff*k/n)/n)
+         ratio = cutoff*k/n
+         share = 0.0_wp   ! of the wave that passes
+         if (ratio < largest_ratio) share = exp(-log(2.0_wp)*ratio**2)
+         spectrum(k, 0) = spectrum(k, 0)*(share/n)
       end do
       call transform_back([n, 1], spectrum, padded, error)
       if (allocated(error)) return
       line = padded(:size(line))
    end subroutine convolve
-
-   !> Transmission of a wave; `ratio` is the cut-off over its length.
-   pure elemental real(wp) function transmission(ratio) result(share)
-      real(wp), intent(in) :: ratio
-      real(wp), parameter :: largest_ratio = 30.0_wp
-
-      share = 0.0_wp
-      if (ratio < largest_ratio) share = exp(-log(2.0_wp)*ratio**2)
-   end function transmission
 
 end module gauss_filter
