@@ -324,7 +324,7 @@ def test_bars_of_a_quasi_steady_history_are_its_own(solved_cases, tmp_path):
 
 
 def test_heat_over_time_is_that_of_each_moment(solved_cases, run_case, tmp_path):
-    """At the end of a slow rise of the load that of the steady contact; refused where a surface rests, or carries something along."""
+    """At the end of a slow rise of the load that of the steady contact; refused where a surface comes to rest."""
     warm = CASE.replace("viscosity = 0.14", "viscosity = 0.04").replace(
         "speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 2.0, speed_2 = 3.0"
     )
