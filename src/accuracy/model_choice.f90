@@ -79,6 +79,7 @@ contains
       if (needs_passage .and. .not. allocated(experiment%contact%duty)) return
       choice%why = cheap_passage
       whole = experiment
+      if (allocated(whole%time%resume_from)) deallocate (whole%time%resume_from)
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return
       call listener%on_stage('measuring what the model needs')

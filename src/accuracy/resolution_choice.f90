@@ -45,6 +45,8 @@ module resolution_choice
    real(wp), parameter :: max_work = 2.0_wp**14
    !> An error of grid and steps falls at least by this factor when both are halved.
    real(wp), parameter :: least_fall = 2.0_wp
+   !> Most intervals over the usual ones of a contact with a duty.
+   integer, parameter :: most_finer = 16
 
    !> State of the search.
    type :: search_t
@@ -166,7 +168,8 @@ contains
          if (factor > 1) cycle
          factor = 2
          found = error_in_time(films)/films(1)
-         if (exceeds(least_fall*target, found) .or. 2*next%contact%domain%intervals > most) exit
+         if (exceeds(least_fall*target, found) .or. 2*next%contact%domain%intervals > min(most, &
+            most_finer*usual%contact%domain%intervals)) exit
          next%contact%domain%intervals = 2*next%contact%domain%intervals
          next%time%time_step = 0.5_wp*next%time%time_step
          next%time%tolerance = next%time%tolerance/8
