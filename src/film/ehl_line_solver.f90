@@ -146,6 +146,7 @@ contains
       type(report_t), intent(inout) :: report
       character(:), allocatable :: cut
       type(line_contact_t) :: posed
+      type(solver_settings_t) :: plain
       real(wp) :: rise
 
       posed = contact
@@ -155,17 +156,25 @@ contains
       hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, posed, settings, listener, report)
-      if (settings%explains_failure .and. .not. (report%converged .or. listener%is_stopping)) then
-         if (.not. time%is_transient) then
-            rise = maxval(roughness_at(contact, hierarchy%levels(hierarchy%finest), 0.0_wp)) &
-               /film_estimate(contact)
-            if (rise > 1.0_wp) report%reason = 'the surfaces rise to '//to_text(rise, 2)// &
-               ' times the estimated film of the smooth contact; '//report%reason
-         end if
-         call blame_grid(contact, settings, .not. time%is_transient, listener, report)
-         cut = cut_asperities(contact)
-         if (cut /= '') report%reason = cut//'; '//report%reason
+      if (any([report%converged, listener%is_stopping])) return
+      if (allocated(contact%duty) .and. hierarchy%is_kappa) then
+         ! the first moment by upwind2: later ones come from it
+         plain = settings
+         plain%space_scheme = 'upwind2'
+         hierarchy%levels%is_kappa = .false.
+         call solve_steady(hierarchy, posed, plain, listener, report)
+         hierarchy%levels%is_kappa = .true.
       end if
+      if (any([report%converged, listener%is_stopping, .not. settings%explains_failure])) return
+      if (.not. time%is_transient) then
+         rise = maxval(roughness_at(contact, hierarchy%levels(hierarchy%finest), 0.0_wp)) &
+            /film_estimate(contact)
+         if (rise > 1.0_wp) report%reason = 'the surfaces rise to '//to_text(rise, 2)// &
+            ' times the estimated film of the smooth contact; '//report%reason
+      end if
+      call blame_grid(contact, settings, .not. time%is_transient, listener, report)
+      cut = cut_asperities(contact)
+      if (cut /= '') report%reason = cut//'; '//report%reason
    end subroutine solve_start
 
 end module ehl_line_solver
