@@ -352,9 +352,10 @@ contains
       associate (level => hierarchy%levels(hierarchy%finest))
          do i = 1, size(plan%ends)
             parts: do while (part%first < plan%ends(i))
-               if (parts_made == most_parts) call refuse(report, 'its error is too large in '// &
-                  counted(most_parts, 'part'))
-               if (parts_made == most_parts) return
+               if (parts_made == most_parts) then
+                  call refuse(report, 'its error is too large in '//counted(most_parts, 'part'))
+                  return
+               end if
                parts_made = parts_made + 1
                start = history
                state = level%state
