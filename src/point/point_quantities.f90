@@ -2,6 +2,7 @@
 !> line on y = 0, and their errors from the grids of its nested start and a longer domain.
 module point_quantities
    use constants, only: pi
+   use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use features, only: surface_height
    use friction_sums, only: friction_t
    use grid_errors, only: error_on_grids, orders, safety
@@ -17,7 +18,7 @@ module point_quantities
    use pressure_spike, only: spike_law_t
    use quantities, only: friction_coefficient, h_min, h_min_node, quantity_count, quantity_rows, &
       rule_between, sliding_power, sliding_rows
-   use rheology, only: evaluate_stress, limited_stress
+   use rheology, only: evaluate_stress, limited_stress, wall_stress
    implicit none (type, external)
    private
 
@@ -93,7 +94,8 @@ contains
       integer, intent(in) :: first, last
       type(friction_t) :: forces
       real(wp), dimension(0:level%nx) :: ln_mu, stress
-      real(wp) :: flow, slope(2)
+      real(wp) :: flow, sigma(2), slope(2)
+      type(plane_flow_t) :: plane
       integer :: i, j
 
       forces%sliding_speed = 0.5_wp*contact%slide_to_roll
@@ -102,15 +104,23 @@ contains
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
             call evaluate_stress(contact%fluid, contact%lambda/12*contact%slide_to_roll, 0*ln_mu, &
                1/h(:, j), ln_mu, stress)
-            stress = limited_stress(contact%fluid, p(:, j), stress)
             each_node: do i = 1, level%nx - 1
                if (.not. p(i, j) > 0.0_wp) cycle each_node
                slope = [0.5_wp*(p(i + 1, j) - p(i - 1, j))/dx, 0.5_wp*(p(i, j + 1) - p(i, j &
                   - 1))/dy]
-               flow = 0.5_wp*h(i, j)**3*exp(-ln_mu(i))/contact%lambda
-               forces%sliding = forces%sliding + dx*dy*stress(i)
+               flow = 0.5_wp*h(i, j)**3*exp(-ln_mu(i))/contact%lambda*sum(slope**2)
+               sigma = wall_stress(contact%fluid, h(i, j)*slope)
+               if (norm2(sigma) > least_sigma) then
+                  plane = plane_flow(sigma, contact%fluid%rheology%ln_b_scale + ln_mu(i) &
+                     - log(h(i, j)))
+                  flow = flow*dot_product(plane%flow, sigma)/sum(sigma**2)*exp(plane%growth)
+                  if (abs(stress(i)) > 0.0_wp) stress(i) = sign(0.5_wp*plane%stress(1) &
+                     /contact%fluid%rheology%sigma_scale, stress(i))
+               end if
+               forces%sliding = forces%sliding + dx*dy*limited_stress(contact%fluid, p(i, j), &
+                  stress(i))
                forces%rolling = forces%rolling + dx*dy*0.5_wp*h(i, j)*slope(1)
-               forces%rolling_power = forces%rolling_power + dx*dy*flow*sum(slope**2)
+               forces%rolling_power = forces%rolling_power + dx*dy*flow
             end do each_node
          end do each_row
       end associate
