@@ -98,7 +98,7 @@ contains
       if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
          long_steps(contact, case%time)
       call add_note(case, listener, words, note)
-      if (.not. allocated(case%duty)) return
+      if (.not. allocated(case%contact%duty)) return   ! a point: its error bars tell
       call find_finest_moment(case%contact, when, spacing)
       associate (domain => case%contact%domain)
          wanted = (domain%x_outlet - domain%x_inlet)/spacing

@@ -9,6 +9,7 @@ module result_start
    use film_statistics, only: new_statistics
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
+   use key_row, only: point
    use kinds, only: wp
    use missing_value, only: not_known
    use result_file, only: field_name_length, open_result, reopen_result
@@ -16,7 +17,8 @@ module result_start
    use run_observer, only: run_observer_t
    use scaling, only: new_heating, scaling_t
    use text, only: to_text
-   use transient_store, only: breakdown_name, duty_names, mixed_names, sliding_names
+   use transient_store, only: breakdown_name, duty_names, mixed_names, point_duty_names, &
+      sliding_names
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -81,7 +83,12 @@ contains
          names, sliding_names]
       if (allocated(case%contact%asperities)) names = [character(len=field_name_length) :: names, &
          mixed_names]
-      if (allocated(case%duty)) names = [character(len=field_name_length) :: names, duty_names]
+      if (.not. allocated(case%duty)) return
+      if (case%problem == point) then
+         names = [character(len=field_name_length) :: names, point_duty_names]
+      else
+         names = [character(len=field_name_length) :: names, duty_names]
+      end if
    end function stored_fields
 
    !> Goes on at the checkpoint of `path`.

@@ -47,6 +47,7 @@ contains
 
       listener%log = log
       listener%threads = threads
+      listener%log%in_seconds = allocated(case%duty)
       call listener%log%start_case(case%file, case%scaling)
       call start_result(case, path, is_resume, listener, error)
       if (allocated(error)) return

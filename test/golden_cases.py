@@ -75,6 +75,14 @@ DENTED = (
     + "&surface_2 shape = 'sinusoid', amplitude = 1e-8, wavelength = 2e-4, wavelength_y = 1e-4 /\n"
     + "&domain intervals_x = 32, intervals_y = 48 /\n"
 )
+# load and speed of a point, until the film repeats itself
+VARYING = (
+    DENTED[: DENTED.index("&surface_1")].replace("&load load = 20.0 /\n", "").replace(", speed_1 = 0.1, speed_2 = 1.1", "")
+    + "&history file = 'h.csv', periodic = .true. /\n&time transient = .true., time_step = 0.2 /\n"
+    + "&domain intervals_x = 32, intervals_y = 32 /\n"
+    + SAVING
+)
+LOADS = "time [s],load [N],speed_1 [m/s],speed_2 [m/s]\n0,2,2,1.6\n6e-4,4,0.8,0.6\n1e-3,2,2,1.6\n"
 NO_ADEQUACY = "&output adequacy = .false. /\n"
 GRADED = "&domain grid = 'graded' /\n" + NO_ADEQUACY
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
@@ -237,6 +245,8 @@ MORE = {
     "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
     "stopped_point": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_point_not": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["asperity a.nml --quiet"]),
+    "stopped_point_history": ({"a.nml": VARYING, "h.csv": LOADS}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
+    "point_history": ({"a.nml": VARYING, "h.csv": LOADS}, ["asperity a.nml --quiet"]),
     "stopped_leaving": (
         {
             "a.nml": PLAIN.replace("128", "64")

@@ -131,6 +131,40 @@ def test_passages_have_bars_and_honest_ones(solved_case):
             assert name == "p_max" or bar < 0.1 * value, name  # a spike may grow
 
 
+HISTORY = BALL.replace(", speed_1 = 0.5, speed_2 = 0.7", "").replace("&load load = 30.0 /\n", "&history file = 'h.csv' /\n&time transient = .true. /\n")
+
+
+def test_a_history_ends_as_the_steady_contact(solved_case, tmp_path):
+    """Load and speed change and stay: another reference state, the same film; the thinnest moment chooses the grid."""
+    write(tmp_path, "h.csv", "time [s],load [N],speed_1 [m/s],speed_2 [m/s]\n0,1,1.5,1.2\n1e-4,5,0.9,0.8\n1e-3,5,0.9,0.8\n")
+    domain = "&domain intervals_x = 64, intervals_y = 64, x_inlet = -5.0, x_outlet = 1.7, y_half_width = 3.3 /\n"
+    with solved_case(HISTORY + domain) as file:
+        assert file["si/transient/load"][[0, -1]] == pytest.approx([1.0, 5.0])
+        assert file["transient/load"].attrs["si_units"] == b"N"
+        films = [file[f"si/transient/{name}"][()] for name in ("h_central", "h_min", "p_max")]
+        unit = file["scaling"].attrs["half_width_x"]
+    steady = BALL.replace("load = 30.0", "load = 5.0").replace("speed_1 = 0.5, speed_2 = 0.7", "speed_1 = 0.9, speed_2 = 0.8")
+    with solved_case(steady + domain) as file:
+        assert file["scaling"].attrs["half_width_x"] == pytest.approx(unit)
+        for name, series in zip(("h_central", "h_min", "p_max"), films, strict=True):
+            assert series[-1] == pytest.approx(file[f"summary/{name}"][()], rel=1e-4), name
+            assert abs(series[0] / series[-1] - 1) > 0.05, name
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ("load [N],reduced_radius [m]\n0,1,0.01\n1e-3,2,0.01", "found reduced_radius [m], expected load, speed_1, speed_2"),
+        ("load_per_length [N/m]\n0,1\n1e-3,2", "load_per_length"),
+        ("speed_1 [m/s],speed_2 [m/s]\n0,1,1\n1e-3,-1,-1", "found speed_1 + speed_2 = -2"),
+    ],
+)
+def test_histories_that_points_do_not_have(run_case, tmp_path, rows, words):
+    write(tmp_path, "h.csv", "time [s]," + rows + "\n")
+    load = "" if "load [N]" in rows else "&load load = 30.0 /\n"
+    assert words in run_case(HISTORY + load, "--quiet", status=1).stderr
+
+
 def test_threads_change_nothing_but_round_off(asperity, tmp_path):
     films = []
     for threads in ("1", "2"):

@@ -6,7 +6,8 @@ point contacts: 2600, 604, 23 and 1,250 words; mixed, starved and warm films: 16
 starved rough contacts, asperities beyond an end: 60, 34, how sure 1; point contacts in time: 680, 190, 310 words, how sure 18,
 bench 15; tables of cases: 449, 219, 214 words; heat of the inlet: 38, 49, 190 words, how sure 13;
 histories that stop: 22, 11, 78 words; models, targets, heat of histories: 179, 116, how sure 95, 144 words;
-rows of the bench: 118 words; Eyring's law in all directions of points: 315, 147, 50 words)."""
+rows of the bench: 118 words; Eyring's law in all directions of points: 315, 147, 50 words;
+histories of points: 251, 45, 5 words)."""
 
 import pathlib
 import re
@@ -22,11 +23,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 50_158,
+    "sources": 50_409,
     "how sure": 6_738,
-    "tests": 37_435,
+    "tests": 37_480,
     "bench": 5_680,
-    "words of pages": 47_277,
+    "words of pages": 47_282,
     "imports of a file": 22,
     "components of a type": 16,
     "procedures of more than 7 arguments": 1,

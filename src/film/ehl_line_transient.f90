@@ -14,7 +14,7 @@
 !> without a new solve. Later steps start from a prediction by the last solutions.
 module ehl_line_transient
    use cycle_control, only: iterate
-   use duty, only: span_of
+   use duty, only: duty_t, span_of
    use errors, only: error_t
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
@@ -22,25 +22,26 @@ module ehl_line_transient
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles
+   use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles, &
+      rough_contact_t
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, &
       roughness_at, set_moment
    use line_level, only: line_level_t, thin_oil, turn
    use line_state, only: line_state_t
    use listener, only: listener_t
    use lubricant, only: fluid_density
-   use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights, &
-      time_part_t
+   use march_state, only: extrapolate, judge_part, keep_solution, march_state_t, most_parts, &
+      next_end, predictors, shortest_part, step_error, step_weights, time_part_t
    use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: counted, to_text
-   use time_scheme, only: error_share, parabola_weights, part_ends
+   use time_scheme, only: part_ends
    implicit none (type, external)
    private
 
-   public :: march
+   public :: cut_at_kinks, judge_cycles, look_back, march
 
    !> A time step and how it is solved.
    type :: step_plan_t
@@ -59,17 +60,10 @@ module ehl_line_transient
       type(time_part_t), allocatable :: parts(:)
    end type step_plan_t
 
-   !> First part of a march with an error estimate, and shortest part [T]; most growth and fall of
-   !> parts from one to the next; share of the bound that the next one aims at.
-   real(wp), parameter :: first_part = 1.0e-3_wp, shortest_part = 1.0e-9_wp, growth = 2.0_wp, &
-      fall = 0.2_wp, aim = 0.8_wp
    !> Where oil fills a cavity, at its front, a node fills in a moment of no order: the error counts
    !> above this share of the largest pressure.
    real(wp), parameter :: fronts = 1.0e-3_wp
-   !> Most parts of a step, repeated ones included. (A start after a long rest took 1100 on 2048
-   !> intervals.) Where the film is thinner than this share of it at both neighbours, the grid does
-   !> not hold it.
-   integer, parameter :: most_parts = 10000
+   !> Where the film is thinner than this share of it at both neighbours, the grid does not hold it.
    real(wp), parameter :: held = 0.5_wp
    !> A kink nearer to an end of a step than this share of it does not divide the step: a part of
    !> hardly any length has no slope but that of rounding.
@@ -153,11 +147,7 @@ contains
             call hand_out()
          end do
       end associate
-      report%converged = .true.
-      report%reason = 'converged'
-      if (history%cycle_change > same_film) call refuse(report, 'the film does not repeat '// &
-         'itself: the last of '//to_text(nint(steps*plan%length/span_of(contact%duty)))// &
-         ' cycles changed it by '//to_text(100*history%cycle_change, 2)//' %')
+      call judge_cycles(history, contact, steps*plan%length, report)
 
    contains
 
@@ -189,6 +179,20 @@ contains
          .and. steps < most_cycles*cycle_steps) steps = steps + cycle_steps
       history%steps = steps
    end subroutine look_back
+
+   !> Reports a march up to `end_time` as converged, unless its last cycle changed the film.
+   subroutine judge_cycles(history, contact, end_time, report)
+      type(march_state_t), intent(in) :: history
+      class(rough_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: end_time
+      type(report_t), intent(inout) :: report
+
+      report%converged = .true.
+      report%reason = 'converged'
+      if (history%cycle_change > same_film) call refuse(report, 'the film does not repeat '// &
+         'itself: the last of '//to_text(nint(end_time/span_of(contact%duty)))// &
+         ' cycles changed it by '//to_text(100*history%cycle_change, 2)//' %')
+   end subroutine judge_cycles
 
    !> Restores the last solution of a history on its level.
    subroutine restore(level, history)
@@ -313,22 +317,29 @@ contains
    pure subroutine divide_step(contact, plan)
       type(line_contact_t), intent(in) :: contact
       type(step_plan_t), intent(inout) :: plan
-      integer :: i
 
       plan%ends = [1.0_wp]
       if (.not. plan%tolerance > 0.0_wp) plan%ends = part_ends(plan%scheme, plan%step, plan%length)
-      if (.not. allocated(contact%duty)) return
-      associate (begin => (plan%step - 1)*plan%length)
-         associate (cuts => (contact%duty%kinks(begin, begin + plan%length) - begin)/plan%length)
-            do i = 1, size(cuts)
-               if (min(cuts(i), 1 - cuts(i)) < nearest_kink) cycle
-               if (any(abs(plan%ends - cuts(i)) < shortest_part)) cycle
-               plan%ends = [pack(plan%ends, plan%ends < cuts(i)), cuts(i), pack(plan%ends, &
-                  plan%ends > cuts(i))]
-            end do
-         end associate
-      end associate
+      if (allocated(contact%duty)) call cut_at_kinks(contact%duty, (plan%step - 1)*plan%length, &
+         plan%length, plan%ends)
    end subroutine divide_step
+
+   !> Cuts the step of a `length` after `begin`, with the `ends` of its parts, shares of it, where
+   !> the duty changes its slope.
+   pure subroutine cut_at_kinks(duty, begin, length, ends)
+      type(duty_t), intent(in) :: duty
+      real(wp), intent(in) :: begin, length
+      real(wp), allocatable, intent(inout) :: ends(:)
+      integer :: i
+
+      associate (cuts => (duty%kinks(begin, begin + length) - begin)/length)
+         do i = 1, size(cuts)
+            if (min(cuts(i), 1 - cuts(i)) < nearest_kink) cycle
+            if (any(abs(ends - cuts(i)) < shortest_part)) cycle
+            ends = [pack(ends, ends < cuts(i)), cuts(i), pack(ends, ends > cuts(i))]
+         end do
+      end associate
+   end subroutine cut_at_kinks
 
    !> Makes one step, dividing its parts until their error is within the tolerance of the plan. The
    !> listener receives the state between parts: an extreme may last shorter than a step.
@@ -343,12 +354,12 @@ contains
       type(step_plan_t) :: part
       type(film_state_t) :: state
       type(line_state_t) :: between
-      real(wp) :: error, length, share
+      real(wp) :: error, length
       integer :: i, parts_made
+      logical :: is_good
 
       part = plan
       parts_made = 0
-      if (.not. history%next_length > 0.0_wp) history%next_length = first_part
       associate (level => hierarchy%levels(hierarchy%finest))
          do i = 1, size(plan%ends)
             parts: do while (part%first < plan%ends(i))
@@ -359,31 +370,23 @@ contains
                parts_made = parts_made + 1
                start = history
                state = level%state
-               length = (plan%ends(i) - part%first)*plan%length
-               part%ends = [plan%ends(i)]
-               if (length > history%next_length) then   ! no short rest
-                  length = min(history%next_length, 0.5_wp*length)
-                  part%ends = [part%first + length/plan%length]
-               end if
+               part%ends = [next_end(history, part%first, plan%ends(i), plan%length)]
+               length = (part%ends(1) - part%first)*plan%length
                call solve_parts(hierarchy, contact, part, history, report)
                error = huge(error)
                if (report%converged) error = step_error(history, level%state%pressure, &
                   merge(fronts, 0.0_wp, allocated(level%oil%saturation)))
-               share = min(max((aim*plan%tolerance/max(error, tiny(error)))**(1.0_wp/3), fall), &
-                  growth)
-               if (error <= plan%tolerance .or. (report%converged &
-                  .and. length < shortest_part)) then
+               call judge_part(history, error, length, plan%tolerance, is_good)
+               if (is_good .or. (report%converged .and. length < shortest_part)) then
                   part%first = part%ends(1)
-                  history%next_length = max(share*length, &
-                     merge(history%next_length, 0.0_wp, share >= 1.0_wp))
                   if (part%first >= 1.0_wp) exit parts
                   call fill_state(contact, level, (plan%step - 1 + part%first)*plan%length, between)
                   call listener%on_part(between)
                   cycle parts
                end if
                if (length < shortest_part) return
+               start%next_length = history%next_length
                history = start
-               history%next_length = share*length
                level%state = state
             end do parts
          end do
@@ -485,24 +488,6 @@ contains
          end do
       end associate
    end subroutine solve_step
-
-   !> Error of BDF2 in the last part relative to the film, largest where `pressure` (0:n) is above
-   !> the share `least` of its largest: from the film that the parabola through the three before has
-   !> predicted; without three by the line through two, which overrates it; 0 after the first part.
-   pure real(wp) function step_error(history, pressure, least) result(error)
-      type(march_state_t), intent(in) :: history
-      real(wp), intent(in) :: pressure(0:), least
-      real(wp) :: weights(3)
-
-      error = 0.0_wp
-      if (history%size < 3) return
-      associate (h => history%lengths, mass => history%mass)
-         weights = parabola_weights(history%size - 1, h(1)/h(2), h(3)/h(2))
-         error = maxval(abs(mass(:, 1) - weights(1)*mass(:, 2) - weights(2)*mass(:, 3) &
-            - weights(3)*mass(:, 4))/mass(:, 1), pressure > least*maxval(pressure))
-         if (history%size > 3) error = error*error_share(h)
-      end associate
-   end function step_error
 
    !> Turns the last solutions to the other direction of the flow.
    pure subroutine turn_history(history)

@@ -4,15 +4,23 @@ module march_state
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use time_scheme, only: derivative_weights, parabola_weights
+   use time_scheme, only: derivative_weights, error_share, parabola_weights
    implicit none (type, external)
    private
 
-   public :: extrapolate, keep_solution, march_state_t, predictors, step_weights, time_part_t
+   public :: extrapolate, judge_part, keep_solution, march_state_t, next_end, predictors, &
+      step_error, step_weights, time_part_t
 
    !> The history predicts a step if the line through two solutions missed the next one by at most
    !> this share of its change.
    real(wp), parameter :: largest_miss = 0.5_wp
+   !> First part of a march with an error estimate, and shortest part [T]; most growth and fall of
+   !> parts from one to the next; share of the bound that the next one aims at.
+   real(wp), parameter :: first_part = 1.0e-3_wp, growth = 2.0_wp, fall = 0.2_wp, aim = 0.8_wp
+   real(wp), parameter, public :: shortest_part = 1.0e-9_wp
+   !> Most parts of a step, repeated ones included. (A start after a long rest took 1100 on 2048
+   !> intervals.)
+   integer, parameter, public :: most_parts = 10000
    !> A part that is longer than the one before by more than this takes no slope from it.
    real(wp), parameter :: longest_growth = 10.0_wp
 
@@ -128,5 +136,51 @@ contains
          state%rigid_displacement = dot_product(weights, h0)
       end associate
    end subroutine extrapolate
+
+   !> End of the next part, as a share of a step of `length`, between `first` and the `last` that it
+   !> may have: by what the error proposes, without a short rest.
+   pure real(wp) function next_end(history, first, last, length) result(end)
+      type(march_state_t), intent(in) :: history
+      real(wp), intent(in) :: first, last, length
+      real(wp) :: proposed
+
+      proposed = history%next_length
+      if (.not. proposed > 0.0_wp) proposed = first_part
+      end = last
+      if ((last - first)*length > proposed) end = first + min(proposed, 0.5_wp*(last - first) &
+         *length)/length
+   end function next_end
+
+   !> Whether the `error` of a part of `length` is within the `tolerance`; proposes the length of
+   !> the next one, or of this once more.
+   pure subroutine judge_part(history, error, length, tolerance, is_good)
+      type(march_state_t), intent(inout) :: history
+      real(wp), intent(in) :: error, length, tolerance
+      logical, intent(out) :: is_good
+      real(wp) :: share
+
+      share = min(max((aim*tolerance/max(error, tiny(error)))**(1.0_wp/3), fall), growth)
+      is_good = error <= tolerance
+      history%next_length = max(share*length, merge(history%next_length, 0.0_wp, &
+         is_good .and. share >= 1.0_wp))
+   end subroutine judge_part
+
+   !> Error of BDF2 in the last part relative to the film, largest where `pressure` (0:n) is above
+   !> the share `least` of its largest: from the film that the parabola through the three before has
+   !> predicted; without three by the line through two, which overrates it; 0 after the first part.
+   pure real(wp) function step_error(history, pressure, least) result(error)
+      type(march_state_t), intent(in) :: history
+      real(wp), intent(in) :: pressure(0:), least
+      real(wp) :: weights(3)
+
+      error = 0.0_wp
+      if (history%size < 3) return
+      associate (h => history%lengths, mass => history%mass)
+         weights = parabola_weights(history%size - 1, h(1)/h(2), h(3)/h(2))
+         error = maxval(abs(mass(:, 1) - weights(1)*mass(:, 2) - weights(2)*mass(:, 3) &
+            - weights(3)*mass(:, 4))/mass(:, 1), pressure > least*maxval(pressure))
+         if (history%size > 3) error = error*error_share(h)
+      end associate
+   end function step_error
 
 end module march_state

@@ -56,8 +56,7 @@ contains
             call derive_speeds(values)
             call derive_viscosity(values, oil)
             call complete_alpha(values, is_alone)
-            if (values%problem == lubricated) call read_duty(values, path_from_namelist(case, ''), &
-               case%duty)
+            call read_duty(values, path_from_namelist(case, ''), case%duty)
          end if
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)

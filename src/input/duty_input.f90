@@ -5,6 +5,7 @@ module duty_input
    use duty, only: duty_rows_t, of_angle, of_load, of_radius, of_speeds, of_time
    use errors, only: error_t, fail, input_error
    use input_values, only: input_values_t
+   use key_row, only: point
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
@@ -12,9 +13,10 @@ module duty_input
 
    public :: complete_duty, read_duty
 
-   !> Columns, their keys in the namelist, and their limits.
+   !> Columns, their keys in the namelist, those of the load of lines and points, and their limits.
    character(len=24), parameter :: columns(*) = [character(len=24) :: 'time [s]', 'angle [deg]', &
-      'load_per_length [N/m]', 'reduced_radius [m]', 'speed_1 [m/s]', 'speed_2 [m/s]']
+      'load_per_length [N/m]', 'reduced_radius [m]', 'speed_1 [m/s]', 'speed_2 [m/s]'], &
+      load_of_points = 'load [N]'
    character(len=15), parameter :: groups(*) = [character(len=15) :: '', '', 'load', 'bodies', &
       'bodies', 'bodies'], keys(*) = [character(len=15) :: '', '', 'load_per_length', &
       'reduced_radius', 'speed_1', 'speed_2']
@@ -46,7 +48,8 @@ contains
          call fail(error, input_error, 'found an empty text, expected the name of a file')
       else
          if (index(file, '/') /= 1) file = folder//file
-         table = column_table_t(columns, least, largest, heads=2)
+         table = column_table_t([columns(:of_angle), merge(load_of_points, columns(of_load), &
+            values%problem == point), columns(of_radius:)], least, largest, heads=2)
          call read_columns(file, table, error)
       end if
       if (.not. allocated(error)) then
@@ -68,17 +71,15 @@ contains
          widest = maxloc(merge(of(:, of_load), 1.0_wp, has(of_load)) &
             *merge(of(:, of_radius), 1.0_wp, has(of_radius)), 1)
          do i = of_load, of_radius
-            if (has(i)) call values%give(trim(groups(i)), trim(keys(i)), trim(keys(i)), of(widest, &
-               i))
+            if (has(i)) call give(values, i, of(widest, i))
          end do
          do i = 1, 2
             if (.not. has(of_speeds(i))) of(:, of_speeds(i)) = values%real_value('bodies', &
-               trim(keys(of_speeds(i))))
+               key_of(values, of_speeds(i)))
          end do
          widest = maxloc(of(:, of_speeds(1)) + of(:, of_speeds(2)), 1)
          do i = 1, 2
-            if (has(of_speeds(i))) call values%give('bodies', trim(keys(of_speeds(i))), &
-               trim(keys(of_speeds(i))), of(widest, of_speeds(i)))
+            if (has(of_speeds(i))) call give(values, of_speeds(i), of(widest, of_speeds(i)))
          end do
       end associate
       call check_motion(values, rows, file)
@@ -90,10 +91,29 @@ contains
       integer :: i
 
       do i = of_load, of_speeds(2)
-         if (values%is_given(trim(groups(i)), trim(keys(i))) .or. other_way(values, i) /= '') cycle
-         call values%give(trim(groups(i)), trim(keys(i)), trim(keys(i)), usual(i))
+         if (.not. (values%is_given(trim(groups(i)), key_of(values, i)) .or. other_way(values, i) &
+            /= '')) call give(values, i, usual(i))
       end do
    end subroutine give_usual
+
+   !> The key in the namelist of a `column`.
+   pure function key_of(values, column) result(key)
+      type(input_values_t), intent(in) :: values
+      integer, intent(in) :: column
+      character(:), allocatable :: key
+
+      key = trim(keys(column))
+      if (column == of_load .and. values%problem == point) key = 'load'
+   end function key_of
+
+   !> Gives the key of a `column` a value.
+   subroutine give(values, column, value)
+      type(input_values_t), intent(inout) :: values
+      integer, intent(in) :: column
+      real(wp), intent(in) :: value
+
+      call values%give(trim(groups(column)), key_of(values, column), key_of(values, column), value)
+   end subroutine give
 
    !> The key that gives in another way what a column has; empty: there is none.
    function other_way(values, column) result(key)
@@ -107,12 +127,12 @@ contains
       if (.not. any(column == [of_load, of_radius])) return
       others = [character(len=14) :: 'radius_1', 'radius_2']
       if (column == of_load) others = [character(len=14) :: 'load', 'hertz_pressure']
-      do i = 1, size(others)
+      do i = merge(2, 1, column == of_load .and. values%problem == point), size(others)
          if (values%is_given(trim(groups(column)), trim(others(i)))) key = trim(others(i))
       end do
    end function other_way
 
-   !> Finds a column beside another way to give the same.
+   !> Finds a column beside another way to give the same, and radii of a point that change.
    subroutine check_other_ways(values, rows, file, error)
       type(input_values_t), intent(in) :: values
       type(duty_rows_t), intent(in) :: rows
@@ -120,6 +140,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
+      if (values%problem == point .and. rows%has(of_radius)) call fail(error, input_error, &
+         file//': found '//trim(columns(of_radius))//', expected load, speed_1, speed_2: the '// &
+         'radii of a point contact stay')
+      if (allocated(error)) return
       do i = of_load, of_radius
          if (.not. rows%has(i) .or. other_way(values, i) == '') cycle
          call fail(error, input_error, file//': found '//trim(columns(i))//' together with &'// &
@@ -136,7 +160,7 @@ contains
       logical :: never
       integer :: i
 
-      if (.not. all([(values%has_value('bodies', trim(keys(of_speeds(i)))), i=1, 2)])) return
+      if (.not. all([(values%has_value('bodies', key_of(values, of_speeds(i))), i=1, 2)])) return
       associate (sum => rows%values(:, of_speeds(1)) + rows%values(:, of_speeds(2)))
          never = any(rows%has(of_speeds)) .and. .not. maxval(sum) > 0.0_wp
          if (never) then
@@ -147,11 +171,15 @@ contains
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the '// &
                'first row, expected a history that begins in motion, or a periodic one without '// &
                'an end: at rest no film is known')
+         else if (values%problem == point .and. .not. (sum(1) > 0.0_wp .and. minval(sum) &
+            >= 0.0_wp)) then
+            call values%refuse('history', 'file', file//': found speed_1 + speed_2 = ' &
+               //to_text(minval(sum))//' m/s, expected for a point contact a history that '// &
+               'begins in motion and goes forwards, at most to rest')
          end if
       end associate
       do i = 1, merge(2, 0, never)   ! one finding is enough
-         call values%give('bodies', trim(keys(of_speeds(i))), trim(keys(of_speeds(i))), &
-            usual(of_speeds(i)))
+         call give(values, of_speeds(i), usual(of_speeds(i)))
       end do
    end subroutine check_motion
 

@@ -46,7 +46,7 @@ module input_keys
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)', &
          film), &
       group_row_t('history', &
-         'load, radius and speeds over time; scales: widest contact, largest u1 + u2', &
+         'load, radius and speeds over time; scales: widest contact, largest u1 + u2', film, &
          yields_to_moes=.true.), &
       group_row_t('solver', 'method and accuracy of the numerical solution', every), &
       group_row_t('film', "the layers of equations = 'stokes'"), &
@@ -502,18 +502,18 @@ module input_keys
          //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, problems=film, &
          example='! 0.0'), &
       key_row_t('history', 'file', text_kind, '', is_required, &
-         'table: time [s] or angle [deg]; any of load_per_length [N/m], reduced_radius [m], ' &
-         //'speed_1, speed_2 [m/s]', used=in_time, &
+         'table: time [s] or angle [deg]; load_per_length [N/m] (points: load [N]), ' &
+         //'reduced_radius [m], speed_1, speed_2 [m/s]', used=in_time, problems=film, &
          example="! 'mesh.csv'"), &
       key_row_t('history', 'interpolation', word_kind, '', "'linear'", &
          'between the rows: straight lines, or monotone cubics', words='linear cubic', &
-         used='file', example='!'), &
+         used='file', problems=film, example='!'), &
       key_row_t('history', 'periodic', logical_kind, '', '.false.', &
          'repeats the table until its film repeats itself; quantities are those of the last ' &
-         //'cycle', used='file', example='!'), &
+         //'cycle', used='file', problems=film, example='!'), &
       key_row_t('history', 'speed_rpm', real_kind, '1/min', is_optional, &
          'speed of rotation, for a table over angles', range='> 0, <= 1e6', used='file', &
-         typical='1 to 1e5', example='! 1500.0')]
+         typical='1 to 1e5', problems=film, example='! 1500.0')]
 
    type(key_row_t), parameter :: film_rows(*) = [ &
       key_row_t('film', 'layers', integer_kind, '-', '20', 'layers across the film', &

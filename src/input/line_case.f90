@@ -27,7 +27,7 @@ module line_case
    implicit none (type, external)
    private
 
-   public :: plan_line_case, plan_times
+   public :: plan_duty, plan_line_case, plan_times
 
    !> No end time that is chosen is later [T].
    real(wp), parameter :: latest_end = 1000.0_wp
@@ -57,21 +57,11 @@ contains
          case%contact%heating%has_flow = values%logical_value('thermal', 'inlet_heating')
       end if
       call build_contact(case)
-      case%time%may_lengthen = all([case%time%may_lengthen, case%time%end_time <= 0.0_wp, .not. &
-         values%is_given('time', 'duration'), &
-         case%time%statistics_from < 0.0_wp, finest_wave(case%contact) >= huge(1.0_wp), &
-         size(case%output_settings%film_thresholds) == 0])
+      call plan_duty(values, case%contact, case)
       if (allocated(case%duty) .and. allocated(case%contact%heating)) then
          if (.not. case%contact%duty%rolls()) call values%refuse('history', 'file', &
             'found with &thermal a surface that rests or moves against the other, expected '// &
             'speed_1 and speed_2 above 0')
-      end if
-      call check_places(values, 'surface_1', case%contact%surface_1)
-      call check_places(values, 'surface_2', case%contact%surface_2)
-      if (allocated(case%duty) .and. case%time%scheme == 'quasi_steady') then
-         if (.not. case%contact%duty%always_moves(0.0_wp)) call values%refuse('time', 'scheme', &
-            "found 'quasi_steady' with a history that stops or reverses, expected 'bdf2': at "// &
-            'rest there is no steady film')
       end if
       if (allocated(case%duty) .and. leaves_scheme(case%solver) .and. .not. &
          case%contact%conserves_oil) then   ! a film that is squeezed closes with upwind2
@@ -84,6 +74,25 @@ contains
          /case%scaling%film
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
+
+   !> Whether the duty of a `contact`, line or point, is repeated until its film repeats itself.
+   !> Findings: ridges without a position, the steady contact of rest.
+   subroutine plan_duty(values, contact, case)
+      type(input_values_t), intent(inout) :: values
+      class(rough_contact_t), intent(in) :: contact
+      type(case_t), intent(inout) :: case
+
+      if (.not. allocated(case%duty)) return
+      case%time%may_lengthen = all([case%duty%is_periodic, case%time%end_time <= 0.0_wp, .not. &
+         values%is_given('time', 'duration'), &
+         case%time%statistics_from < 0.0_wp, finest_wave(contact) >= huge(1.0_wp), &
+         size(case%output_settings%film_thresholds) == 0])
+      call check_places(values, 'surface_1', contact%surface_1)
+      call check_places(values, 'surface_2', contact%surface_2)
+      if (case%time%scheme == 'quasi_steady' .and. .not. contact%duty%always_moves(0.0_wp)) call &
+         values%refuse('time', 'scheme', "found 'quasi_steady' with a history that stops or "// &
+         "reverses, expected 'bdf2': at rest there is no steady film")
+   end subroutine plan_duty
 
    !> End and step of a transient of a `contact`, line or point. Findings: nothing tells when it
    !> ends; waves too fine for grid or step.
@@ -146,7 +155,6 @@ contains
          end if
          if (allocated(case%duty)) then
             contact%duty = scaled_duty(case%duty, case%scaling)
-            case%time%may_lengthen = case%duty%is_periodic
             contact%surface_1%course = contact%duty%speeds(1)
             contact%surface_2%course = contact%duty%speeds(2)
          end if

@@ -4,20 +4,21 @@ module point_input
    use body_input, only: check_curvature, has_plane, modulus_of
    use case_effective, only: list_effective
    use case_record, only: case_t, set_effective
+   use duty_input, only: complete_duty
    use constants, only: pi
    use elliptic_contact, only: ellipse_t, new_ellipse
    use input_values, only: input_values_t
    use kinds, only: wp
-   use line_case, only: plan_times
+   use line_case, only: plan_duty, plan_times
    use line_contact, only: intervals_for_waves
    use line_profiles, only: make_surface, place_surface
    use lubricant_input, only: fill_lubricant
-   use point_contact, only: first_intervals, intervals_for, new_point_contact, point_contact_t, &
-      rows_for
+   use point_contact, only: first_intervals, fit_duty, intervals_for, new_point_contact, &
+      point_contact_t, rows_for
    use point_cycle, only: fewest
    use passage_times, only: place_features
    use scaling, only: new_point_moes_scaling, new_point_scaling, scaled_fluid, sum_per_mean
-   use surface_scaling, only: scaled_surface
+   use surface_scaling, only: scaled_duty, scaled_surface
    use system_limits, only: memory_fault, of_blas, point_memory
    use text, only: to_text
    implicit none (type, external)
@@ -85,9 +86,26 @@ contains
          case%point%surface_1 = scaled_surface(case%surface_1, case%scaling)
          case%point%surface_2 = scaled_surface(case%surface_2, case%scaling)
       end if
+      if (allocated(case%duty)) call pose_duty(values, case)
       call fill_grid(values, case)
       if (values%findings%count == 0) call plan_passage(values, case)
    end subroutine fill_point_case
+
+   !> The history of load and speeds of the contact. Findings: those of `plan_duty`.
+   subroutine pose_duty(values, case)
+      type(input_values_t), intent(inout) :: values
+      type(case_t), intent(inout) :: case
+
+      call complete_duty(case%duty, case%scaling%load_per_length, case%bodies%reduced_radius)
+      call set_effective(case, 'history', 'table_checksum', text=case%duty%digits)
+      associate (contact => case%point)
+         contact%duty = scaled_duty(case%duty, case%scaling)
+         contact%surface_1%course = contact%duty%speeds(1)
+         contact%surface_2%course = contact%duty%speeds(2)
+         call plan_duty(values, contact, case)
+         call fit_duty(contact, case%scaling%moes_l*sum_per_mean**0.25_wp)
+      end associate
+   end subroutine pose_duty
 
    !> The bodies, and D = Rx/Ry. Findings: bodies that do not touch in y; a ratio not solved.
    subroutine fill_radii(values, case, ratio)

@@ -53,6 +53,7 @@ module result_labels
       row_t('power', 'power', 'power per length'), &
       row_t('1', '1', 'pure number'), &
       row_t('load_per_length', 'load', 'load per length', ', w/w_ref'), &
+      row_t('load', 'load', 'load', ', w/w_ref'), &
       row_t('reduced_radius', 'radius', 'reduced radius', ', R/R_ref'), &
       row_t('speed_1', 'speed_sum', 'speed of surface 1', ', u_1/u_ref'), &
       row_t('speed_2', 'speed_sum', 'speed of surface 2', ', u_2/u_ref'), &
@@ -126,8 +127,9 @@ contains
          scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power, &
          scaling%load_per_length, scaling%reduced_radius, scaling%speed_sum, 1.0_wp]
       label = new_label(long_name, trim(si_units(i)), scales(i))
-      if (unit == 'power' .and. allocated(scaling%ellipse)) label = new_label(long_name, 'W', &
-         scaling%power)
+      if (.not. allocated(scaling%ellipse)) return
+      if (unit == 'power') label = new_label(long_name, 'W', scales(i))
+      if (unit == 'load') label = new_label(long_name, 'N', scales(i))
    end function scaled_label
 
    !> Values (nx) of a field of `field_names`; none for one that the state does not hold.

@@ -47,7 +47,9 @@ module transient_store
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Those of a contact with a duty, to be named like fields.
    character(len=name_length), parameter, public :: duty_names(*) = [character(len=name_length) :: &
-      'h_central', 'load_per_length', 'reduced_radius', 'speed_1', 'speed_2']
+      'h_central', 'load_per_length', 'reduced_radius', 'speed_1', 'speed_2'], &
+      point_duty_names(*) = [character(len=name_length) :: 'h_central', 'load', 'speed_1', &
+      'speed_2']
    !> Mark of the time steps with a film below the floor, to be named like a field.
    character(*), parameter, public :: breakdown_name = 'film_breakdown'
    !> What to do about a file that does not fit its checkpoint.
@@ -212,7 +214,7 @@ contains
             values = [values, report%residual]
          case (breakdown_name)
             values = [values, merge(1.0_wp, 0.0_wp, report%breakdown%is_now)]
-         case ('load_per_length')
+         case ('load_per_length', 'load')
             values = [values, state%moment%load]
          case ('reduced_radius')
             values = [values, state%moment%radius]

@@ -9,6 +9,8 @@
 !> mu/S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
 module point_contact
    use constants, only: pi
+   use contact_moment, only: least_speed, sample_count, set_sliding
+   use duty, only: moment_t
    use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &
       point_film_unit, point_lambda
    use expected_film, only: thinned_central_film
@@ -18,8 +20,8 @@ module point_contact
    implicit none (type, external)
    private
 
-   public :: far_load, far_pressure, first_intervals, hertz_pressure_at, &
-      intervals_for, new_point_contact, rows_for
+   public :: far_load, far_pressure, fit_duty, first_intervals, hertz_pressure_at, &
+      intervals_for, new_point_contact, rows_for, set_point_moment
 
    !> The contact.
    type, public, extends(rough_contact_t) :: point_contact_t
@@ -29,8 +31,9 @@ module point_contact
       real(wp) :: radius_ratio = 1.0_wp, angle = 0.0_wp
       !> Moes' M of the sum of the speeds, and lambda [-].
       real(wp) :: moes_m = 1.0_wp, lambda = 1.0_wp
-      !> II P dA [-].
-      real(wp) :: load = 0.0_wp
+      !> II P dA [-], of the reference state; the moment of a duty, and its film to start from.
+      real(wp) :: load = 0.0_wp, first_film = 0.0_wp
+      type(moment_t) :: moment
       !> q0, q1, q2, and half-widths of the turned ellipse along X and Y [-].
       real(wp) :: curvature(3) = 0.0_wp, half_widths(2) = 1.0_wp
       !> The pressure around the domain is that of rigid bodies, not 0; its g of P = g.r/H^2.
@@ -78,12 +81,63 @@ contains
          trace = 2*(q(1) + q(3))
          contact%far = -contact%lambda*[(q(3) + trace)*q(1) - q(2)**2, (q(1) + trace)*q(2) &
             - q(2)*q(1)]/((q(1) + trace)*(q(3) + trace) - q(2)**2)
+         contact%first_film = contact%expected_film
          width = max(1.0_wp, sqrt(2*contact%expected_film))
          contact%domain%x_inlet = -b(1) - 3.5_wp*width
          contact%domain%x_outlet = b(1) + 0.5_wp*width
          contact%domain%y_half_width = b(2) + 2*sqrt(b(2))*width
       end associate
    end function new_point_contact
+
+   !> Fits domain and expected film to all moments of the duty, with Moes' L of the sum of the
+   !> speeds: the largest domain, and the film of the moment that needs the finest first grid. In
+   !> units of its own, a W^(1/3) and p_h W^(1/3), a moment is a contact of constant load.
+   pure subroutine fit_duty(contact, moes_l)
+      type(point_contact_t), intent(inout) :: contact
+      real(wp), intent(in) :: moes_l
+      type(point_contact_t) :: own
+      type(fluid_t) :: fluid
+      real(wp) :: film, speed, width
+      integer :: i
+
+      associate (times => contact%duty%samples(sample_count), domain => contact%domain)
+         do i = 1, size(times)
+            associate (moment => contact%duty%at(times(i)))
+               width = moment%load**(1.0_wp/3)
+               speed = max(sum(moment%speeds), least_speed)
+               fluid = contact%fluid
+               fluid%alpha_bar = fluid%alpha_bar*width
+               fluid%p0 = fluid%p0/width
+               fluid%c1 = fluid%c1/width
+               call set_sliding(fluid, contact%lambda, moment)
+               if (allocated(fluid%rheology)) then
+                  fluid%rheology%sigma_scale = fluid%rheology%sigma_scale*width**2
+                  fluid%rheology%ln_b_scale = fluid%rheology%ln_b_scale - 2*log(width)
+               end if
+               own = new_point_contact(contact%radius_ratio, contact%moes_m*moment%load &
+                  /speed**0.75_wp, moes_l*speed**0.25_wp, contact%angle, fluid)
+            end associate
+            film = width**2*own%expected_film
+            if (i == 1) contact%first_film = film
+            contact%expected_film = min(contact%expected_film, film*(max(contact%moes_m, 1.0_wp) &
+               /max(own%moes_m, 1.0_wp))**0.4_wp)
+            domain%x_inlet = min(domain%x_inlet, width*own%domain%x_inlet)
+            domain%x_outlet = max(domain%x_outlet, width*own%domain%x_outlet)
+            domain%y_half_width = max(domain%y_half_width, width*own%domain%y_half_width)
+         end do
+      end associate
+   end subroutine fit_duty
+
+   !> Sets load and speeds of the duty, if any, at a `time`.
+   pure subroutine set_point_moment(contact, time)
+      type(point_contact_t), intent(inout) :: contact
+      real(wp), intent(in) :: time
+
+      if (.not. allocated(contact%duty)) return
+      contact%moment = contact%duty%at(time)
+      contact%slide_to_roll = 2*(contact%moment%speeds(2) - contact%moment%speeds(1))
+      call set_sliding(contact%fluid, contact%lambda, contact%moment)
+   end subroutine set_point_moment
 
    !> Pressure of rigid bodies and an oil of constant viscosity far from the contact, of the film
    !> `h` at (x, y): a paraboloid gap has P = (g1 X + g2 Y)/H^2 (P. L. Kapitza, Zh. Tekh. Fiz. 25,
@@ -93,7 +147,8 @@ contains
       real(wp), intent(in) :: x, y, h
 
       p = 0.0_wp
-      if (contact%has_far_field) p = max((contact%far(1)*x + contact%far(2)*y)/h**2, 0.0_wp)
+      if (contact%has_far_field) p = max((contact%far(1)*x + contact%far(2)*y) &
+         *sum(contact%moment%speeds)/h**2, 0.0_wp)
    end function far_pressure
 
    !> Load of that pressure outside the domain, half a cell `hx`, `hy` beyond its border: the sum
@@ -117,16 +172,17 @@ contains
                + 2*q(2)*e(1)*e(2) + q(3)*e(2)**2)**2/distance
          end do
       end associate
-      load = load*2*pi/directions
+      load = load*2*pi/directions*sum(contact%moment%speeds)
    end function far_load
 
-   !> Pressure of the dry contact at (x, y).
+   !> Pressure of the dry contact of the moment at (x, y).
    pure elemental real(wp) function hertz_pressure_at(contact, x, y) result(p)
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: x, y
 
-      associate (c => cos(contact%angle), s => sin(contact%angle))
-         p = sqrt(max(1 - (c*x - s*y)**2 - ((s*x + c*y)/contact%ellipse%ratio)**2, 0.0_wp))
+      associate (c => cos(contact%angle), s => sin(contact%angle), &
+         width => contact%moment%load**(1.0_wp/3))
+         p = sqrt(max(width**2 - (c*x - s*y)**2 - ((s*x + c*y)/contact%ellipse%ratio)**2, 0.0_wp))
       end associate
    end function hertz_pressure_at
 

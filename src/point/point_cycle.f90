@@ -86,6 +86,7 @@ contains
                   level%film = finer%film(::2, ::2)
                   level%flowing = finer%flowing(::2, ::2)
                   level%inverse_time_step = finer%inverse_time_step
+                  level%entrainment = finer%entrainment
                end associate
                call evaluate(level, contact, .true.)
             end if

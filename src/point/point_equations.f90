@@ -1,14 +1,15 @@
 !> Discrete Reynolds equation of the point contact: residual and exact Jacobian.
 !>
 !>     r(i, j) = ( Q(i+1/2, j) - Q(i-1/2, j) )/hx^2 + ( Q(i, j+1/2) - Q(i, j-1/2) )/hy^2
-!>             - ( 3 rH(i) - 4 rH(i-1) + rH(i-2) )/(2 hx) - ( rH(i)/dT_eff - old )
+!>             - U ( 3 rH(i) - 4 rH(i-1) + rH(i-2) )/(2 hx) - ( rH(i)/dT_eff - old )
 !>     Q(1|2) = (E1 + E2)/2 L(m1, m2) (P2 - P1) ,  E = rho H^3/lambda ,  m = S/mu
 !>
-!> of first order in the wedge at i = 1; P >= 0, r <= 0, P r = 0. The logarithmic mean L(a, b) =
-!> (a - b)/(ln a - ln b) is exact where ln mu is linear, and Q never falls with the pressure that
-!> drives it, however steep ln mu is: the arithmetic mean of e has twice the error. The gradient
-!> thins an Eyring oil further: P2 - P1 is then what drives as much oil as F of module eyring_plane,
-!> for ln mu and H in the middle of the face, over its limit S Sigma.
+!> of first order in the wedge at i = 1, U = 1 unless the speeds change in time; P >= 0, r <= 0,
+!> P r = 0. The logarithmic mean L(a, b) = (a - b)/(ln a - ln b) is exact where ln mu is linear, and
+!> Q never falls with the pressure that drives it, however steep ln mu is: the arithmetic mean of e
+!> has twice the error. The gradient thins an Eyring oil further: P2 - P1 is then what drives as
+!> much oil as F of module eyring_plane, for ln mu and H in the middle of the face, over its limit
+!> S Sigma.
 module point_equations
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use face_mobility, only: mean_fluidity
@@ -255,9 +256,9 @@ contains
                + iy*(above(i, flow_1) + below(i, flow_2))
             d(i, j) = level%flow(i, j) + nodes(i, of_rho)*wedge_diagonal(level)
          end do
-         r(1, j) = r(1, j) - (mass(1) - mass(0))
-         r(2:nx - 1, j) = r(2:nx - 1, j) - (1.5_wp*mass(2:nx - 1) - 2*mass(1:nx - 2) &
-            + 0.5_wp*mass(0:nx - 3))
+         r(1, j) = r(1, j) - level%entrainment*(mass(1) - mass(0))
+         r(2:nx - 1, j) = r(2:nx - 1, j) - level%entrainment*(1.5_wp*mass(2:nx - 1) &
+            - 2*mass(1:nx - 2) + 0.5_wp*mass(0:nx - 3))
          if (allocated(level%old_squeeze)) r(1:nx - 1, j) = r(1:nx - 1, j) - (level%hx &
             *level%inverse_time_step*mass(1:nx - 1) + level%old_squeeze(1:nx - 1, j))
       end associate
@@ -268,7 +269,7 @@ contains
       type(point_level_t), intent(in) :: level
       real(wp) :: weights(-2:0)
 
-      weights = wedge_weights(2)
+      weights = level%entrainment*wedge_weights(2)
       diagonal = dot_product(weights(0:-2:-1), level%kernel(0:2, 0))/level%hx &
          + level%inverse_time_step*level%kernel(0, 0)
    end function wedge_diagonal
@@ -286,7 +287,7 @@ contains
       iy = 1/level%hy**2
       strong = strong_flow*wedge_diagonal(level)
       level%rise(:, j) = nodes(:, along_x + 1)
-      w = wedge_weights(1)/level%hx
+      w = level%entrainment*wedge_weights(1)/level%hx
       call set_flow(level%by_pressure(:, 1:level%nx - 1, j), by_p1, by_p2)
       call set_flow(level%by_film(:, 1:level%nx - 1, j), by_h1, by_h2)
       associate (p => level%by_pressure, h => level%by_film)
@@ -297,7 +298,7 @@ contains
             end do
             p(3, i, j) = p(3, i, j) - level%inverse_time_step*nodes(i, of_drho)*nodes(i, of_h)
             h(3, i, j) = h(3, i, j) - level%inverse_time_step*nodes(i, of_rho)
-            if (i == 1) w = wedge_weights(2)/level%hx
+            if (i == 1) w = level%entrainment*wedge_weights(2)/level%hx
             if (allocated(level%corners)) call add_turns(i, p(:, i, j), level%corners(:, i, j))
             level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
                ix*along(i - 1, flow_2)) > strong)

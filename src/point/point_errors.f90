@@ -12,7 +12,7 @@ module point_errors
    use missing_value, only: not_known
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
-   use point_contact, only: first_intervals, point_contact_t
+   use point_contact, only: first_intervals, point_contact_t, set_point_moment
    use point_cycle, only: new_hierarchy
    use point_march, only: solve_point
    use point_newton, only: point_newton_t, solve_point_newton
@@ -114,6 +114,7 @@ contains
          if (coarse%domain%intervals < first_intervals(contact, contact%domain%intervals)) return
          other%time%time_step = run%time%end_time/nint(run%time%end_time/(factor &
             *run%time%time_step))
+         other%time%tolerance = factor**3*run%time%tolerance
          collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
          call solve_point(other, coarse, collector, state, report, error)
          if (allocated(error) .or. .not. report%converged) return
@@ -141,6 +142,7 @@ contains
       near = run%grids(size(run%grids) - 2)
       longer = contact
       if (run%time%is_transient) call smoothen_both(longer)
+      call set_point_moment(longer, 0.0_wp)
       n = [contact%domain%intervals, contact%domain%rows]/coarsening
       associate (domain => longer%domain)
          more = contact%domain%intervals/extension

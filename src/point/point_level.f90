@@ -33,6 +33,8 @@ module point_level
       !> it; not allocated: 0.
       real(wp) :: inverse_time_step = 0.0_wp
       real(wp), allocatable :: old_squeeze(:, :)
+      !> Sum of the speeds, of its reference.
+      real(wp) :: entrainment = 1.0_wp
       !> Deflection by a unit pressure at small distances (of small grids at all), and the product
       !> with all of it.
       real(wp), allocatable :: kernel(:, :)
@@ -99,13 +101,15 @@ contains
       call new_convolution(level%elastic, kernel, threads, error)   ! error: handed up
    end subroutine new_level
 
-   !> Sets the gap of the rigid bodies less the heights of both surfaces at a `time`.
+   !> Sets the gap of the rigid bodies less the heights of both surfaces at a `time`, and the speed
+   !> of the moment of `contact`.
    pure subroutine set_surfaces(level, contact, time)
       type(point_level_t), intent(inout) :: level
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: time
       integer :: j
 
+      level%entrainment = sum(contact%moment%speeds)
       associate (q => contact%curvature, x => level%x)
          do j = 0, level%ny
             level%rigid(:, j) = 0.5_wp*q(1)*x**2 + q(2)*x*level%y(j) &

@@ -2,6 +2,8 @@
 !> backward Euler from the smooth steady solution, whose film the surfaces enter at T = 0 without a
 !> new solve; later steps start from a prediction by the last solutions.
 module point_march
+   use duty, only: span_of
+   use ehl_line_transient, only: cut_at_kinks, judge_cycles, look_back
    use errors, only: error_t
    use film_state, only: film_state_t
    use iteration_report, only: phase_steady, phase_transient, report_t
@@ -10,12 +12,13 @@ module point_march
    use line_contact, only: smoothen_both
    use listener, only: listener_t, relay_t
    use lubricant, only: fluid_density
-   use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights
-   use point_contact, only: point_contact_t
+   use march_state, only: extrapolate, judge_part, keep_solution, march_state_t, most_parts, &
+      next_end, predictors, shortest_part, step_error, step_weights
+   use point_contact, only: point_contact_t, set_point_moment
    use point_level, only: point_level_t, set_point_film, set_surfaces
    use point_newton, only: solve_point_newton
    use point_quantities, only: fill_heights, fill_point_state
-   use point_solver, only: pairs_of, point_run_t, solve_point_steady, tolerance_of
+   use point_solver, only: coarseness, pairs_of, point_run_t, solve_point_steady, tolerance_of
    use solver_settings, only: step_tolerance
    use text, only: to_text
    use time_scheme, only: part_ends
@@ -40,6 +43,7 @@ contains
       real(wp) :: begin
 
       begin = wall_seconds()
+      if (run%time%is_transient) call set_point_moment(contact, 0.0_wp)
       start = contact
       if (run%time%is_transient) call smoothen_both(start)
       call solve_point_steady(run, start, listener, report, error)
@@ -64,16 +68,16 @@ contains
    !> solution; `state` is then the last good one.
    subroutine march_point(run, contact, listener, state, report)
       type(point_run_t), intent(inout) :: run
-      type(point_contact_t), intent(in) :: contact
+      type(point_contact_t), intent(inout) :: contact
       class(listener_t), intent(inout), target :: listener
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(march_state_t) :: history
-      real(wp), allocatable :: ends(:)
-      integer :: part, steps
+      integer :: steps
 
       steps = nint(run%time%end_time/run%time%time_step)
       if (allocated(run%time%resume_from)) history = run%time%resume_from
+      steps = max(steps, history%steps)
       associate (level => run%newton%hierarchy%levels(1), time => run%time)
          call listener%on_stage('time steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
             //' intervals')
@@ -82,6 +86,7 @@ contains
             level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
             level%rigid_displacement = history%rigid_displacement(1)
          end if
+         call set_point_moment(contact, history%step*time%time_step)
          call set_surfaces(level, contact, history%step*time%time_step)
          call set_point_film(level)
          report%converged = all(level%film > 0.0_wp)
@@ -93,7 +98,7 @@ contains
          call fill_point_state(level, contact, history%step*time%time_step, state)
          if (history%size == 0) then
             call remember(history, contact, level, 0.0_wp)
-            call listener%on_step(0, steps, state, history, report)
+            call hand_out()
          end if
          do while (history%step < steps)
             if (listener%wants_stop()) then
@@ -101,24 +106,87 @@ contains
                report%reason = 'stopped from outside'
                return
             end if
-            ends = [0.0_wp, part_ends(time%scheme, history%step + 1, time%time_step)]
-            do part = 1, size(ends) - 1
-               call solve_part(run, contact, listener, ends(part:part + 1), history, report)
-               if (.not. report%converged) return
-            end do
+            call march_step(run, contact, listener, history, report)
+            if (.not. report%converged) return
             history%step = history%step + 1
             report%steps = history%step
             call fill_point_state(level, contact, history%step*time%time_step, state)
-            call listener%on_step(history%step, steps, state, history, report)
+            call hand_out()
          end do
       end associate
+      call judge_cycles(history, contact, steps*run%time%time_step, report)
+
+   contains
+
+      !> Passes the state after a step and that of the march to the listener.
+      subroutine hand_out()
+
+         if (run%time%may_lengthen) call look_back(state, nint(span_of(contact%duty) &
+            /run%time%time_step), history, steps)
+         call listener%on_step(history%step, steps, state, history, report)
+      end subroutine hand_out
+
    end subroutine march_point
+
+   !> Makes the next step in the parts of its scheme, or divides it until their error is within the
+   !> tolerance; the listener receives the state between such parts.
+   subroutine march_step(run, contact, listener, history, report)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(inout) :: contact
+      class(listener_t), intent(inout), target :: listener
+      type(march_state_t), intent(inout) :: history
+      type(report_t), intent(inout) :: report
+      type(march_state_t) :: start
+      type(line_state_t) :: between
+      real(wp), allocatable :: ends(:), film(:, :)
+      real(wp) :: error, first, last, length
+      integer :: i, parts
+      logical :: is_good
+
+      associate (time => run%time, level => run%newton%hierarchy%levels(1))
+         ends = [1.0_wp]
+         if (.not. time%tolerance > 0.0_wp) ends = part_ends(time%scheme, history%step + 1, &
+            time%time_step)
+         if (allocated(contact%duty)) call cut_at_kinks(contact%duty, history%step &
+            *time%time_step, time%time_step, ends)
+         first = 0.0_wp
+         i = 1
+         do parts = 1, most_parts
+            start = history
+            film = level%film
+            last = ends(i)
+            if (time%tolerance > 0.0_wp) last = next_end(history, first, ends(i), time%time_step)
+            length = (last - first)*time%time_step
+            call solve_part(run, contact, listener, [first, last], history, report)
+            if (time%tolerance > 0.0_wp) then
+               error = huge(error)
+               if (report%converged) error = step_error(history, history%pressure(:, 1), 0.0_wp)
+               call judge_part(history, error, length, time%tolerance, is_good)
+               if (.not. (is_good .or. length < shortest_part)) then
+                  start%next_length = history%next_length
+                  history = start
+                  level%film = film
+                  cycle
+               end if
+            end if
+            if (.not. report%converged) return
+            first = last
+            if (.not. first < ends(i)) i = i + 1
+            if (i > size(ends)) return
+            call fill_point_state(level, contact, (history%step + first)*time%time_step, between)
+            if (time%tolerance > 0.0_wp) call listener%on_part(between)
+         end do
+      end associate
+      report%converged = .false.
+      report%reason = 'time step '//to_text(history%step + 1)//': its error is too large in ' &
+         //to_text(most_parts)//' parts'
+   end subroutine march_step
 
    !> Solves the part of the next step between `ends`, shares of it: from the prediction, else from
    !> the old pressure, with a film above 0.
    subroutine solve_part(run, contact, listener, ends, history, report)
       type(point_run_t), intent(inout) :: run
-      type(point_contact_t), intent(in) :: contact
+      type(point_contact_t), intent(inout) :: contact
       class(listener_t), intent(inout), target :: listener
       real(wp), intent(in) :: ends(2)
       type(march_state_t), intent(inout) :: history
@@ -137,6 +205,7 @@ contains
          level%inverse_time_step = weights(1)
          level%old_squeeze = reshape(weights(2)*history%mass(:, 1) + weights(3) &
             *history%mass(:, 2), shape(level%film))
+         call set_point_moment(contact, new_time)
          call set_surfaces(level, contact, new_time)
          count = predictors(history)
          do attempt = 1, 2
@@ -161,7 +230,8 @@ contains
          if (report%converged) then
             call remember(history, contact, level, length)
          else
-            report%reason = 'time step '//to_text(history%step + 1)//' of ' &
+            report%reason = coarseness(contact, level%nx)//'time step '//to_text(history%step &
+               + 1)//' of ' &
                //to_text(nint(time%end_time/time%time_step))//' (T = '//to_text(new_time, 4)// &
                '): '//report%reason//'; smallest film before it: H = '//to_text(least, 3)
          end if

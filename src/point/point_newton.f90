@@ -77,7 +77,7 @@ contains
       newton%iterations = 0
       newton%gmres%max_iterations = most_iterations
       associate (level => newton%hierarchy%levels(1))
-         load = contact%load - far_load(contact, level%hx, level%hy)
+         load = contact%load*contact%moment%load - far_load(contact, level%hx, level%hy)
          allocate (border, step, mold=level%film)
          call set_point_film(level)
          if (.not. all(level%film > 0.0_wp)) return

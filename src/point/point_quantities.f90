@@ -40,6 +40,7 @@ contains
       state%film_thickness = reshape(level%film, [size(level%film)])
       state%rigid_displacement = level%rigid_displacement
       state%time = time
+      state%moment = contact%moment
       state%friction = forces_of(level, contact, 1, level%ny - 1)
       state%friction%load = 2/pi*load_on(level, level%pressure)
    end subroutine fill_point_state

@@ -20,7 +20,7 @@ module point_solver
    implicit none (type, external)
    private
 
-   public :: pairs_of, point_run_t, solve_point_steady, tolerance_of
+   public :: coarseness, pairs_of, point_run_t, solve_point_steady, tolerance_of
 
    !> The start lies this many times the expected film above the dry contact.
    real(wp), parameter :: start_film = 1.5_wp
@@ -57,7 +57,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: coarse(:, :)
       real(wp) :: h0
-      integer :: most, needed, nx, ny
+      integer :: most, nx, ny
 
       run%grids = [line_summary_t ::]
       run%work = reshape([integer ::], [2, 0])
@@ -96,12 +96,23 @@ contains
             nx = 2*nx
          end associate
       end do
-      needed = first_intervals(contact, 2**20)
-      if (.not. report%converged .and. nx < needed) report%reason = 'grid too coarse for the '// &
-         'film, needs '//to_text(needed)//' intervals in x (has '//to_text(nx)//'); '//report%reason
+      if (.not. report%converged) report%reason = coarseness(contact, nx)//report%reason
       contact%domain%intervals = nx
       contact%domain%rows = ny
    end subroutine solve_point_steady
+
+   !> Beginning of the reason of a failure on `nx` intervals in x, where these are too few.
+   pure function coarseness(contact, nx) result(words)
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: nx
+      character(:), allocatable :: words
+      integer :: needed
+
+      words = ''
+      needed = first_intervals(contact, 2**20)
+      if (nx < needed) words = 'grid too coarse for the film, needs '//to_text(needed)// &
+         ' intervals in x (has '//to_text(nx)//'); '
+   end function coarseness
 
    !> Solves the first grid for higher stress scales that fall to that of the fluid, each from the
    !> one before: heavy contacts of an oil that thins by much.
@@ -175,10 +186,11 @@ contains
          level%pressure(1:level%nx - 1, j) = hertz_pressure_at(contact, level%x(1:level%nx - 1), &
             level%y(j))
       end do
-      level%pressure = level%pressure*(contact%load/load_on(level, level%pressure))
+      level%pressure = level%pressure*(contact%load*contact%moment%load/load_on(level, &
+         level%pressure))
       call deflect(level, level%pressure, level%film)
       level%film = level%rigid + level%film
-      level%rigid_displacement = start_film*contact%expected_film - central_value(level%x, &
+      level%rigid_displacement = start_film*contact%first_film - central_value(level%x, &
          level%film(:, level%ny/2))
    end subroutine start_dry
 
