@@ -11,10 +11,9 @@ module case_notes
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
-   use quantity_text, only: duration_text, prefixed_text
    use quantities, only: h_central, h_min, quantity_rows
    use run_observer, only: run_observer_t
-   use text, only: add_sentence, to_text
+   use text, only: add_sentence, duration_text, prefixed_text, to_text
    use wave_resolution, only: coarse_waves, intervals_at_least, long_steps
    implicit none (type, external)
    private

@@ -18,7 +18,7 @@ module line_solution
    use model_decision, only: model_choice_t, number_choice_t
    use passage_times, only: new_passage_times, passage_note, passage_times_t
    use quantities, only: heated_rows
-   use quantity_text, only: number_text
+   use text, only: number_text
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
    use wall_clock, only: wall_seconds

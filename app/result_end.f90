@@ -12,12 +12,11 @@ module result_end
    use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
    use inlet_errors, only: film_loss
    use iteration_report, only: is_outside, report_t
-   use quantity_text, only: number_text
    use line_state, only: line_state_t
    use missing_value, only: exceeds
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
-   use text, only: to_text
+   use text, only: number_text, to_text
    use validity, only: circumstances_t, limits_of
    use validity_table, only: least_lambda_ratio, mixed_lubrication
    implicit none (type, external)

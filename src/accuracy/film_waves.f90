@@ -16,9 +16,8 @@
 !> 7 to 51 % of the film).
 module film_waves
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use constants, only: pi
    use features, only: rough_surface_t
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_contact, only: line_contact_t
    use line_summary, only: line_summary_t, quantity_t
    use lubricant, only: fluid_viscosity

@@ -2,10 +2,9 @@
 !> growth of spikes.
 module pressure_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use constants, only: pi
    use grid_errors, only: error_by_reference, error_from_levels, error_in_time, limit_in_time, &
       observed_order, orders, pressure_safety_in_time, safety
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
    use lubricant, only: fluid_t, viscosity_constant
    use missing_value, only: exceeds, not_known

@@ -21,7 +21,7 @@ module validity
    use model_limits, only: film_reynolds_number, inlet_heating_loss, shortest_length, &
       side_flow_loss
    use quantities, only: h_central, h_min, p_max
-   use quantity_text, only: number_text, prefixed_text
+   use text, only: number_text, prefixed_text
    use scaling, only: new_heating, scaling_t
    use validity_table, only: film_over_wave, hardness, inlet_heating, limit_count, limit_rows, &
       limiting_stress, mixed_lubrication, shakedown, shear_heating, side_flow, starvation, &

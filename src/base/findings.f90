@@ -1,10 +1,10 @@
 !> Findings about an input file, collected for one report.
 module findings
-   use text, only: to_text
+   use text, only: quoted, to_text
    implicit none (type, external)
    private
 
-   public :: findings_t, quoted
+   public :: findings_t
 
    !> One finding: the line of the file and what is found and expected there.
    type :: finding_t
@@ -31,8 +31,6 @@ module findings
    integer, parameter :: max_shown = 50
    !> Most findings kept; later ones are only counted.
    integer, parameter :: max_kept = 1000
-   !> Most characters of the user's text that a message repeats.
-   integer, parameter :: max_quoted = 48
 
 contains
 
@@ -106,30 +104,5 @@ contains
       if (self%count > max_shown) report = report // new_line('a') // file // ': ... and ' &
          // to_text(self%count - max_shown) // ' more findings'
    end function findings_report
-
-   !> The user's text for a message: short, without control characters; 'nothing' if empty.
-   pure function quoted(string) result(shown)
-      character(*), intent(in) :: string
-      character(:), allocatable :: shown
-      integer :: i, last
-
-      last = len_trim(string)
-      if (last == 0) then
-         shown = 'nothing'
-         return
-      end if
-      if (last <= max_quoted) then
-         shown = string(:last)
-      else
-         last = max_quoted
-         do while (last > 1 .and. iand(iachar(string(last + 1:last + 1)), 192) == 128)
-            last = last - 1
-         end do
-         shown = string(:last) // '...'
-      end if
-      do i = 1, len(shown)
-         if (iachar(shown(i:i)) < 32 .or. iachar(shown(i:i)) == 127) shown(i:i) = '?'
-      end do
-   end function quoted
 
 end module findings

@@ -1,9 +1,7 @@
 !> Solves a dry contact: by closed forms where they hold, else by an iteration from a good start;
 !> for a given load, or for a given datum, that is a given separation.
 module dry_contact_solver
-   use, intrinsic :: iso_fortran_env, only: int64
    use active_set, only: survey_solution
-   use constants, only: pi
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
    use dry_problem, only: dry_problem_t, kernel_open
    use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration, &
@@ -12,7 +10,7 @@ module dry_contact_solver
    use dry_steepest_descent, only: iterate_steepest_descent
    use errors, only: error_t, fail, input_error
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: int64, pi, wp
    use load_projection, only: shift_into_bounds
    use text, only: to_text
    implicit none (type, external)

@@ -60,7 +60,6 @@ module bordered_system
       !> h = K p, or K^T p of a transposed system, (0:n) both.
       subroutine deflect_interface(self, p, h)
          import :: bordered_system_t, wp
-         implicit none (type, external)
          class(bordered_system_t), intent(inout) :: self
          real(wp), intent(in), contiguous :: p(0:)
          real(wp), intent(out), contiguous :: h(0:)

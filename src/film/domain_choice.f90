@@ -15,9 +15,8 @@
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 module domain_choice
    use asperities, only: asperity_pressure
-   use constants, only: pi
    use contact_moment, only: least_speed, moments_of, own_contact, sample_count, width_of
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use expected_film, only: clearing_film, film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film

@@ -10,11 +10,10 @@
 !> smooth, are replaced by a few with the same moments. One sweep in each direction carries the
 !> integrals of all exponentials from element to element.
 module graded_kernel
-   use constants, only: pi
    use dense_solve, only: solve_dense
    use errors, only: error_t
    use half_space, only: element_deflections
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use missing_value, only: not_known
    implicit none (type, external)
    private

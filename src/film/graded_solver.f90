@@ -8,7 +8,6 @@
 module graded_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
-   use constants, only: pi
    use expected_film, only: newtonian_film
    use graded_errors, only: estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
@@ -17,7 +16,7 @@ module graded_solver
    use graded_quantities, only: functional_count, rolling_power, sliding, spike, top
    use graded_system, only: graded_factors_t
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_contact, only: finest_wave, line_contact_t, min_in_wave, without_surfaces
    use listener, only: is_stopped, listener_t
    use lubricant, only: fluid_t

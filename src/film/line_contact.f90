@@ -1,9 +1,8 @@
 !> The lubricated line contact in dimensionless form: all data of (2.57)-(2.64) of the thesis.
 module line_contact
    use asperities, only: asperities_t
-   use constants, only: pi
    use duty, only: duty_t
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use lubricant, only: fluid_t
    use errors, only: error_t
    use features, only: displacement, rough_surface_t

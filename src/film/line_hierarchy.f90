@@ -1,13 +1,12 @@
 !> Grids of a lubricated line contact, from the coarsest of the nested start to the finest, and the
 !> resolved settings.
 module line_hierarchy
-   use, intrinsic :: iso_fortran_env, only: int64
    use contact_moment, only: set_sliding
    use errors, only: error_t
    use features, only: surface_height
    use inlet_tail, only: set_tail
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_level, only: contact_load, line_level_t, new_level, set_plain_problem, turn

@@ -2,13 +2,12 @@
 !> allocated once.
 module line_level
    use asperities, only: asperities_t
-   use constants, only: pi
    use duty, only: moment_t
    use errors, only: error_t
    use film_heating, only: heating_t, thinning
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use lubricant, only: fluid_t
    use mobility, only: coefficients_t
    use toeplitz, only: new_toeplitz, toeplitz_t

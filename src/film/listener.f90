@@ -34,7 +34,6 @@ module listener
    abstract interface
       subroutine start_interface(self, contact, state, reason)
          import :: follower_t, line_contact_t, line_state_t
-         implicit none (type, external)
          class(follower_t), intent(inout) :: self
          type(line_contact_t), intent(in) :: contact
          type(line_state_t), intent(in) :: state
@@ -43,7 +42,6 @@ module listener
 
       subroutine advance_interface(self, part, reason)
          import :: follower_t, time_part_t
-         implicit none (type, external)
          class(follower_t), intent(inout) :: self
          type(time_part_t), intent(in) :: part
          character(:), allocatable, intent(out) :: reason
@@ -51,7 +49,6 @@ module listener
 
       function kept_interface(self) result(history)
          import :: follower_t, momentum_history_t
-         implicit none (type, external)
          class(follower_t), intent(in) :: self
          type(momentum_history_t) :: history
       end function kept_interface

@@ -71,7 +71,6 @@ module newton_work
       !> is singular.
       subroutine solve_interface(self, level, jacobian, is_cavitated, step, is_solved)
          import :: line_level_t, linear_solver_t, reynolds_jacobian_t, wp
-         implicit none (type, external)
          class(linear_solver_t), intent(inout), target :: self
          type(line_level_t), intent(inout), target :: level
          type(reynolds_jacobian_t), intent(in), target :: jacobian

@@ -6,9 +6,8 @@
 !> known is NaN, never a number that looks like an answer.
 module quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use constants, only: pi
    use friction_sums, only: friction_t
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use missing_value, only: not_known
    implicit none (type, external)
    private

@@ -34,7 +34,6 @@ module speed_continuation
       !> Sets the first guess of the level for a central film, of which it leaves a share.
       subroutine guess_interface(level, film, share)
          import :: line_level_t, wp
-         implicit none (type, external)
          type(line_level_t), intent(inout) :: level
          real(wp), intent(in) :: film, share
       end subroutine guess_interface

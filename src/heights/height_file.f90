@@ -1,6 +1,5 @@
 !> Measured heights from a file: a table, or HDF5, which its content tells.
 module height_file
-   use, intrinsic :: iso_fortran_env, only: int64
    use file_bytes, only: checksum_t
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
@@ -10,7 +9,7 @@ module height_file
    use profile, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: to_text

@@ -3,8 +3,7 @@
 !> The limits lie far beyond measured surfaces; squares and quotients within them stay finite.
 module height_limits
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use text, only: counted, to_text
    implicit none (type, external)
    private

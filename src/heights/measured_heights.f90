@@ -1,10 +1,9 @@
 !> Measured heights that were read from a file, and a source of heights without their form.
 module measured_heights
-   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use height_form, only: form_t, height_sums_t, subtract_form
    use profile, only: height_source_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 

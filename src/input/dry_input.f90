@@ -1,9 +1,7 @@
 !> From the checked values of a namelist to a dry contact. Its grid is that of &domain or of the
 !> file of a surface or, for a wanted accuracy, the one to begin with.
 module dry_input
-   use, intrinsic :: iso_fortran_env, only: int64
    use body_input, only: find_load, modulus_of, radius_of
-   use constants, only: pi
    use dry_sweep, only: recommended_room
    use dry_case, only: dry_case_t
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
@@ -13,7 +11,7 @@ module dry_input
    use file_heights, only: read_surface
    use hertz, only: line_half_width, point_radius
    use input_values, only: input_values_t, value_t
-   use kinds, only: wp
+   use kinds, only: int64, pi, wp
    use measured_heights, only: heights_t
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault

@@ -1,7 +1,6 @@
 !> The surfaces of the lubricated line contact: from their keys to features, and to measured or
 !> synthetic heights that enter the contact.
 module line_profiles
-   use, intrinsic :: iso_fortran_env, only: int64
    use case_effective, only: list_trend
    use case_record, only: path_from_namelist, case_t, set_effective
    use file_bytes, only: checksum_t
@@ -11,7 +10,7 @@ module line_profiles
    use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
    use input_values, only: input_values_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
    use surface_keys, only: features_of, read_synthesis

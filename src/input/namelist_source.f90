@@ -1,6 +1,7 @@
 !> A namelist file as its parser sees it: comments taken out, strings marked, lines counted.
 module namelist_source
-   use findings, only: findings_t, quoted
+   use findings, only: findings_t
+   use text, only: quoted
    implicit none (type, external)
    private
 

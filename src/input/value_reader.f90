@@ -2,19 +2,18 @@
 !>
 !> One by one, so that each failure has its line, group and key; `case_input` gives them meaning.
 module value_reader
-   use, intrinsic :: iso_fortran_env, only: int64
-   use findings, only: findings_t, quoted
+   use findings, only: findings_t
    use input_keys, only: find_group, find_key, group_rows, key_rows, renamed_words
    use input_values, only: input_values_t, value_t
    use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_in_range, &
       is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, &
       split_words, unit_question, word_kind, words_kind
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use namelist_text, only: namelist_text_t, entry_t
    use namelist_values, only: max_values, piece_t, read_logical, split_values
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
-   use text, only: joined, to_lower, to_text
+   use text, only: joined, quoted, to_lower, to_text
    use value_hints, only: answer_to, edit_distance, form_hint, nearest_known
    implicit none (type, external)
    private

@@ -21,7 +21,6 @@ module band_matrix
       !> LU factorisation of a band matrix with partial pivoting (LAPACK).
       subroutine dgbtrf(m, n, kl, ku, ab, ldab, ipiv, info)
          import :: wp
-         implicit none (type, external)
          integer, intent(in) :: m, n, kl, ku, ldab
          real(wp), intent(inout) :: ab(ldab, *)
          integer, intent(out) :: ipiv(*), info
@@ -30,7 +29,6 @@ module band_matrix
       !> Solution with these factors (LAPACK).
       subroutine dgbtrs(trans, n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
          import :: wp
-         implicit none (type, external)
          character(len=1), intent(in) :: trans
          integer, intent(in) :: n, kl, ku, nrhs, ldab, ldb, ipiv(*)
          real(wp), intent(in) :: ab(ldab, *)

@@ -14,7 +14,6 @@ module dense_solve
       !> LU factorisation with partial pivoting, and solution (LAPACK).
       subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: wp
-         implicit none (type, external)
          integer, intent(in) :: n, nrhs, lda, ldb
          real(wp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info
@@ -23,7 +22,6 @@ module dense_solve
       !> Solution with the factors of `dgesv` (LAPACK).
       subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: wp
-         implicit none (type, external)
          character(len=1), intent(in) :: trans
          integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
          real(wp), intent(in) :: a(lda, *)
@@ -36,7 +34,6 @@ module dense_solve
       !> Sets the number of threads of OpenBLAS.
       subroutine set_threads_interface(threads) bind(c)
          import :: c_int
-         implicit none (type, external)
          integer(c_int), value :: threads
       end subroutine set_threads_interface
    end interface
@@ -45,7 +42,6 @@ module dense_solve
       !> C library: address of a symbol of the running program, null if there is none.
       function dlsym(handle, symbol) bind(c, name='dlsym') result(address)
          import :: c_char, c_funptr, c_ptr
-         implicit none (type, external)
          type(c_ptr), value :: handle
          character(kind=c_char), intent(in) :: symbol(*)
          type(c_funptr) :: address

@@ -33,7 +33,6 @@ module exponential_sum
       !> Minimum-norm least squares by complete orthogonal factorisation (LAPACK).
       subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
          import :: wp
-         implicit none (type, external)
          integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
          real(wp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(inout) :: jpvt(*)

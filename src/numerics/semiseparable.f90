@@ -56,8 +56,8 @@ contains
       type(semiseparable_t), intent(inout) :: matrix
       real(wp), intent(out) :: smallest_pivot
 
-      call eliminate(matrix%n, matrix%columns, matrix%lower, matrix%upper, matrix%diagonal, &
-         matrix%carry, matrix%inverse_pivot, smallest_pivot)
+      call eliminate(matrix%columns, matrix%lower, matrix%upper, matrix%diagonal, matrix%carry, &
+         matrix%inverse_pivot, smallest_pivot)
    end subroutine factor_semiseparable
 
    !> The sweep, on plain arrays, which the compiler knows to be apart; `upper` becomes the rows of
@@ -66,13 +66,11 @@ contains
    !> What the rows above leave for row i is W = sum over slots r of lower(r,i) times column r: `z`
    !> its part in the exponentials, as they are at row i-1; `at` and `ahead` in the columns i and
    !> i+1.
-   ! allow(too-many-arguments)  the parts of one matrix
-   pure subroutine eliminate(n, columns, lower, upper, diagonal, eta, inverse_pivot, smallest_pivot)
-      integer, intent(in) :: n
-      real(wp), intent(in), contiguous :: columns(:, :, :)
-      real(wp), intent(in) :: lower(m, n), diagonal(n)
-      real(wp), intent(inout) :: upper(m, n)
-      real(wp), intent(out) :: eta(m, n), inverse_pivot(n), smallest_pivot
+   pure subroutine eliminate(columns, lower, upper, diagonal, eta, inverse_pivot, smallest_pivot)
+      real(wp), intent(in), contiguous :: columns(:, :, :), diagonal(:)
+      real(wp), intent(in) :: lower(m, size(diagonal))
+      real(wp), intent(inout) :: upper(m, size(diagonal))
+      real(wp), intent(out) :: eta(m, size(diagonal)), inverse_pivot(size(diagonal)), smallest_pivot
       real(wp) :: z(q, m), decay(q, q), rho(q), before(q), passed(q), total, next, pivot
       real(wp), dimension(m) :: at, ahead, sums, row, carry
       integer :: i, k, l, r
@@ -81,7 +79,7 @@ contains
       at = 0.0_wp
       ahead = 0.0_wp
       smallest_pivot = huge(1.0_wp)
-      do i = 1, n
+      do i = 1, size(diagonal)
          k = min(i, size(columns, 2))
          if (k > 1 .or. i == 1) then
             before = columns(:, max(k - 1, 1), 1)

@@ -9,8 +9,7 @@ module adequacy_section
    use kinds, only: wp
    use model_decision, only: model_choice_t, reasons
    use quantities, only: quantity_count, quantity_rows
-   use quantity_text, only: number_text
-   use text, only: joined
+   use text, only: joined, number_text
    use validity, only: limit_t
    use validity_table, only: limit_count, limit_rows, shear_heating
    use verdicts, only: judged_t, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, &

@@ -11,10 +11,9 @@ module closing_table
    use quantities, only: asperity_share, boundary_friction, film_rise, &
       friction_coefficient, h_central, h_min, oil_friction, p_central, p_max, quantity_rows, &
       rise_1, rise_2
-   use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
-   use text, only: counted
+   use text, only: counted, number_text, prefixed_text, wrapped
    use validity, only: limit_t
    use validity_table, only: film_over_wave, hardness, inlet_heating, limiting_stress, &
       mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &

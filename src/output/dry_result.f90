@@ -18,10 +18,9 @@ module dry_result
    use kinds, only: wp
    use missing_value, only: not_known
    use progress_log, only: columns, progress_log_t
-   use quantity_text, only: number_text, wrapped
    use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
       roughness_t
-   use text, only: counted, joined, to_text
+   use text, only: counted, joined, number_text, to_text, wrapped
    implicit none (type, external)
    private
 

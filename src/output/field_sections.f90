@@ -9,10 +9,9 @@ module field_sections
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use quantity_text, only: number_text
    use result_labels, only: field_names, field_values, row_label, scaled_label
    use scaling, only: scaling_t
-   use text, only: to_text
+   use text, only: number_text, to_text
    implicit none (type, external)
    private
 

@@ -9,7 +9,7 @@ module formulas_section
    use lubricant, only: fluid_t
    use moes, only: moes_l_mean_from_sum, moes_m_mean_from_sum
    use quantities, only: quantity_rows
-   use quantity_text, only: number_text, prefixed_text
+   use text, only: number_text, prefixed_text
    use result_labels, only: scaled_label
    use rheology, only: thins
    use scaling, only: scaling_t

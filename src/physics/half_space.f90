@@ -2,8 +2,7 @@
 !> each cell of a uniform grid, whose matrix is Toeplitz, or linear between nodes anywhere. The
 !> logarithmic kernel is integrated exactly.
 module half_space
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

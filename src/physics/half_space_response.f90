@@ -8,9 +8,8 @@
 !> Johnson, Contact Mechanics, 1985, sections 2.3, 3.2, 13.2). The deflection at wavenumber 0 is a
 !> free constant, taken as 0.
 module half_space_response
-   use constants, only: pi
    use half_space, only: line_deflection_coefficients
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

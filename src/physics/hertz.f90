@@ -1,8 +1,7 @@
 !> Dry line and point contact of smooth elastic bodies (H. Hertz, 1881), with E' as in `bodies`
 !> (2/E' = sum of (1 - nu^2)/E).
 module hertz
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

@@ -5,8 +5,7 @@
 !> all film formulas here, use the sum of the speeds: M_sum = M_mean/sqrt(2), L_sum = L_mean
 !> 2^(1/4). Names state the convention; the product L sqrt(M) is the same in both.
 module moes
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

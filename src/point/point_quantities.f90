@@ -1,11 +1,10 @@
 !> Main quantities of a point contact in the table of line contacts (module quantities), those of a
 !> line on y = 0, and their errors from the grids of its nested start and a longer domain.
 module point_quantities
-   use constants, only: pi
    use features, only: surface_height
    use friction_sums, only: friction_t
    use grid_errors, only: error_on_grids, orders, safety
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_contact, only: finest_wave
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of

@@ -1,7 +1,6 @@
 !> Surfaces with features that are given by formulas and move with the surface in x.
 module features
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use profile, only: profile_height, profile_t, row_at, smooth_ramp
    use time_table, only: time_table_t
    implicit none (type, external)

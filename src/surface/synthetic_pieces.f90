@@ -6,10 +6,8 @@
 !> variance, so that the joints are invisible. The first piece follows the last. The spectrum is
 !> that of a piece, blurred by about one wave in its length.
 module synthetic_pieces
-   use, intrinsic :: iso_fortran_env, only: int64
-   use constants, only: pi
    use errors, only: error_t
-   use kinds, only: wp
+   use kinds, only: int64, pi, wp
    use profile, only: height_source_t, smooth_ramp
    use synthetic_surface, only: bend_t, bent, find_bend, gaussian_heights, synthesis_t
    implicit none (type, external)

@@ -6,10 +6,8 @@
 !> Proc. SC11, 2011). Number i of a seed does not depend on those before it. All products are split
 !> into halves of 16 bits: nothing overflows.
 module synthetic_surface
-   use, intrinsic :: iso_fortran_env, only: int64
-   use constants, only: pi
    use errors, only: error_t, fail, input_error
-   use kinds, only: wp
+   use kinds, only: int64, pi, wp
    use spectral_product, only: new_spectral_product, spectral_product_t
    use text, only: to_text
    implicit none (type, external)
