@@ -13,12 +13,6 @@ module input_keys
 
    public :: find_group, find_key
 
-   !> A word of a key that has got another name.
-   type, public :: renamed_word_t
-      character(len=22) :: key
-      character(len=16) :: old, new
-   end type renamed_word_t
-
    type(group_row_t), parameter, public :: group_rows(*) = [ &
       group_row_t('case', 'what is computed and where the result goes', every, is_needed=.true.), &
       group_row_t('bodies', &
@@ -626,11 +620,6 @@ module input_keys
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, &
       lubricant_rows, surface_1_rows, surface_2_rows, domain_rows, film_rows, solver_rows, &
       output_rows]
-
-   !> Words that were renamed; the old one is refused, and the message names the new one.
-   type(renamed_word_t), parameter, public :: renamed_words(*) = [ &
-      renamed_word_t('space_scheme', 'thesis', 'upwind2'), &
-      renamed_word_t('space_scheme', 'sharp', 'kappa')]
 
 contains
 
