@@ -3,8 +3,7 @@
 module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_target, note_unusual, &
       time_text
-   use case_effective, only: list_passage
-   use case_record, only: case_t, set_effective
+   use case_record, only: case_t, list_passage, set_effective
    use closing_table, only: breakdown_sentence
    use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
@@ -15,7 +14,7 @@ module line_solution
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
-   use model_decision, only: model_choice_t, number_choice_t
+   use adequacy, only: model_choice_t, number_choice_t
    use passage_times, only: new_passage_times, passage_note, passage_times_t
    use quantities, only: heated_rows
    use text, only: number_text

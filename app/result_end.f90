@@ -17,8 +17,7 @@ module result_end
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
    use text, only: number_text, to_text
-   use validity, only: circumstances_t, limits_of
-   use validity_table, only: least_lambda_ratio, mixed_lubrication
+   use validity, only: circumstances_t, least_lambda_ratio, limits_of, mixed_lubrication
    implicit none (type, external)
    private
 

@@ -18,7 +18,7 @@ module result_table
    use summary_row, only: csv_cell
    use text, only: counted, number_text, prefixed_text
    use transient_store, only: read_progress
-   use validity_table, only: limit_rows, stokes_number, surface_slope
+   use validity, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 

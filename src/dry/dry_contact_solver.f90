@@ -3,9 +3,8 @@
 module dry_contact_solver
    use active_set, only: survey_solution
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
-   use dry_problem, only: dry_problem_t, kernel_open
-   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration, &
-      method_conjugate_gradient, method_steepest_descent
+   use dry_problem, only: dry_problem_t, dry_settings_t, dry_solution_t, end_of_iteration, &
+      kernel_open, method_conjugate_gradient, method_steepest_descent
    use dry_start, only: nested_start
    use dry_steepest_descent, only: iterate_steepest_descent
    use errors, only: error_t, fail, input_error

@@ -6,8 +6,7 @@
 !> direction. Slow: a baseline for comparison.
 module dry_steepest_descent
    use active_set, only: active_set_t, copy_survey, new_active_set
-   use dry_problem, only: dry_problem_t
-   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration
+   use dry_problem, only: dry_problem_t, dry_settings_t, dry_solution_t, end_of_iteration
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
    implicit none (type, external)

@@ -4,7 +4,7 @@
 !> T_max is the largest d tau/dp of sliding at a given shear rate, which the derivation sets to 0
 !> (S. Bair, M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573); the slope dh/dx is assumed
 !> small. Modules limit_search, film_shear and film_heating compute them, thresholds are in module
-!> validity_table.
+!> validity.
 module reynolds_limits
    use kinds, only: wp
    use missing_value, only: larger, not_known

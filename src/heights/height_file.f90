@@ -5,10 +5,10 @@ module height_file
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
    use hdf5_input, only: is_hdf5, place_words
    use height_form, only: height_sums_t
-   use height_limits, only: height_fault, height_range_t, is_height, range_fault
    use profile, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
-   use measured_heights, only: height_request_t, heights_t
+   use measured_heights, only: height_fault, height_range_t, height_request_t, heights_t, &
+      is_height, range_fault
    use kinds, only: int64, wp
    use signals, only: begin_activity
    use system_limits, only: memory_fault

@@ -1,7 +1,7 @@
 !> &bodies and &load: what contradicts each other or follows from other keys; two bodies as one.
 module body_input
-   use bodies, only: bodies_t, reduced_modulus, reduced_radius
-   use hertz, only: line_load_from_pressure, point_load_from_pressure
+   use hertz, only: bodies_t, line_load_from_pressure, point_load_from_pressure, reduced_modulus, &
+      reduced_radius
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t
    use key_row, only: film, has_word, lubricated, point

@@ -1,8 +1,7 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
-   use case_effective, only: list_dry, list_effective
-   use case_record, only: case_t, path_from_namelist, set_effective
+   use case_record, only: case_t, list_dry, list_effective, path_from_namelist, set_effective
    use case_validation, only: conserves_oil, even_reason, validate
    use dry_input, only: fill_dry_case
    use duty_input, only: complete_duty, read_duty

@@ -4,10 +4,10 @@ module dry_input
    use body_input, only: find_load, modulus_of, radius_of
    use dry_sweep, only: recommended_room
    use dry_case, only: dry_case_t
-   use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
-   use dry_solution, only: method_conjugate_gradient, method_steepest_descent
+   use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, &
+      method_conjugate_gradient, method_steepest_descent, no_hardness
    use dry_surfaces, only: make_heights, prepare_files, same_length
-   use even_grids, only: even_nodes
+   use grid_transform, only: even_nodes
    use file_heights, only: read_surface
    use hertz, only: line_half_width, point_radius
    use input_values, only: input_values_t, value_t

@@ -1,6 +1,6 @@
 !> The heights of a dry case from its two surfaces, on its first grid and on finer ones.
 module dry_surfaces
-   use analytic_heights, only: feature_heights, node_positions, parabola_heights
+   use features, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
    use file_heights, only: level_surface, read_surface

@@ -1,8 +1,7 @@
 !> The surfaces of the lubricated line contact: from their keys to features, and to measured or
 !> synthetic heights that enter the contact.
 module line_profiles
-   use case_effective, only: list_trend
-   use case_record, only: path_from_namelist, case_t, set_effective
+   use case_record, only: case_t, list_trend, path_from_namelist, set_effective
    use file_bytes, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
@@ -14,8 +13,8 @@ module line_profiles
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
    use surface_keys, only: features_of, read_synthesis
-   use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
-   use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
+   use synthetic_surface, only: new_synthetic_pieces, synthesis_t, synthetic_heights, &
+      synthetic_pieces_t, truncate_harmonics
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private

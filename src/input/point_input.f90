@@ -1,9 +1,8 @@
 !> From the checked values of a namelist to a lubricated point contact.
 module point_input
-   use bodies, only: reduced_radius
+   use hertz, only: reduced_radius
    use body_input, only: check_curvature, has_plane, modulus_of
-   use case_effective, only: list_effective
-   use case_record, only: case_t, set_effective
+   use case_record, only: case_t, list_effective, set_effective
    use elliptic_contact, only: ellipse_t, new_ellipse
    use input_values, only: input_values_t
    use kinds, only: pi, wp

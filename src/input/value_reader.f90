@@ -10,7 +10,7 @@ module value_reader
       split_words, unit_question, word_kind, words_kind
    use kinds, only: int64, wp
    use namelist_text, only: namelist_text_t, entry_t
-   use namelist_values, only: max_values, piece_t, read_logical, split_values
+   use namelist_source, only: max_values, piece_t, read_logical, split_values
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
    use text, only: joined, quoted, to_lower, to_text

@@ -14,8 +14,7 @@ module closing_table
    use result_labels, only: row_label
    use scaling, only: scaling_t
    use text, only: counted, number_text, prefixed_text, wrapped
-   use validity, only: limit_t
-   use validity_table, only: film_over_wave, hardness, inlet_heating, limiting_stress, &
+   use validity, only: film_over_wave, hardness, inlet_heating, limit_t, limiting_stress, &
       mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &
       surface_slope, turbulence, viscosity_data
    implicit none (type, external)

@@ -4,13 +4,12 @@ module dry_result
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use adequacy_section, only: from_estimates, model_line, write_influence
-   use analytic_heights, only: node_positions
+   use features, only: node_positions
    use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
-   use dry_problem, only: kernel_open, no_hardness
+   use dry_problem, only: dry_scaling_t, kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
       load, mean_pressure, mean_separation, p_max, plastic_area, separation
-   use dry_scaling, only: dry_scaling_t
    use errors, only: error_t
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros

@@ -15,7 +15,7 @@ module result_sections
    use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t, sum_per_mean
    use text, only: joined
-   use validity_table, only: limit_rows, stokes_number, surface_slope
+   use validity, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 

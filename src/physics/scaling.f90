@@ -1,13 +1,12 @@
 !> Reference values of the lubricated contact: the only place that converts between SI and
 !> dimensionless values.
 module scaling
-   use bodies, only: bodies_t
    use elliptic_contact, only: ellipse_t, new_ellipse, point_alpha_bar, point_film_unit, &
       point_lambda
    use eyring, only: eyring_t, ln_b_of_no_sliding
    use film_heating, only: heating_t
    use flow_law, only: flow_law_t
-   use hertz, only: line_half_width, line_peak_pressure
+   use hertz, only: bodies_t, line_half_width, line_peak_pressure
    use kinds, only: pi, wp
    use lubricant, only: density_constant, density_dowson_higginson, dowson_higginson_c1, fluid_t, &
       lubricant_t, viscosity_constant, viscosity_roelands

@@ -1,11 +1,10 @@
 !> Fields of a solution of the momentum equations over X and zeta, and its differences from the
 !> Reynolds equation on the same grid.
 module film_fields
-   use film_geometry, only: layer_centres
    use film_passage, only: film_passage_t
    use kinds, only: wp
    use momentum_history, only: newton_cost_t
-   use momentum_problem, only: film_flow_t, momentum_problem_t
+   use momentum_problem, only: film_flow_t, layer_centres, momentum_problem_t
    use momentum_rows, only: momentum_terms_t
    use thin_film_flow, only: shear_differences, shear_viscosity
    implicit none (type, external)
