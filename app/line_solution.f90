@@ -6,11 +6,10 @@ module line_solution
    use case_record, only: case_t, list_passage, set_effective
    use closing_table, only: breakdown_sentence
    use coarse_runs, only: side_runs_t
-   use error_bars, only: error_bars_t, new_error_bars
+   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
-   use grid_estimates, only: copy_coarser
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t

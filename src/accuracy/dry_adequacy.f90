@@ -14,7 +14,7 @@ module dry_adequacy
    use missing_value, only: exceeds, larger, not_known, quotient
    use roughness, only: power_spectrum
    use text, only: to_text
-   use verdicts, only: begin_row, judged_t, usual_accuracy, verdict_of
+   use adequacy, only: begin_row, judged_t, usual_accuracy, verdict_of
    implicit none (type, external)
    private
 

@@ -15,17 +15,16 @@ module model_choice
       not_measured, start_counts, too_high, wanted
    use entry_zone, only: is_moving
    use errors, only: error_t
-   use expected_film, only: film_estimate
+   use contact_moment, only: film_estimate
    use experiment, only: coarser, experiment_t
    use features, only: rough_surface_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, move_profiles
+   use line_contact, only: line_contact_t, move_profiles, solver_settings_t
    use listener, only: listener_t
    use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min
-   use solver_settings, only: solver_settings_t
    implicit none (type, external)
    private
 

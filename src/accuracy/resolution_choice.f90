@@ -24,13 +24,13 @@ module resolution_choice
    use experiment, only: coarser, experiment_t, new_experiment, outcome_t, run_experiment
    use grid_errors, only: error_in_time
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: leaves_scheme, line_contact_t, max_chosen, solver_settings_t, &
+      time_settings_t
    use missing_value, only: exceeds, not_known
    use listener, only: listener_t
    use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t
    use quantities, only: h_min, quantity_count
-   use solver_settings, only: leaves_scheme, max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: predicted_values
    use text, only: to_text
    implicit none (type, external)

@@ -7,14 +7,13 @@
 !> slope), else the last time.
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use expected_film, only: film_with_viscosity, flooded_film
+   use contact_moment, only: film_with_viscosity, flooded_film
    use features, only: feature_sinusoid, rough_surface_t
    use film_heating, only: largest_rise
-   use friction_sums, only: stressed_share
    use hertz, only: bodies_t
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
-   use line_state, only: line_state_t
+   use line_state, only: line_state_t, stressed_share
    use line_summary, only: line_summary_t
    use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
    use missing_value, only: larger, not_known

@@ -15,13 +15,12 @@
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 module domain_choice
    use asperities, only: asperity_pressure
-   use contact_moment, only: least_speed, moments_of, own_contact, sample_count, width_of
+   use contact_moment, only: clearing_film, film_estimate, least_speed, moments_of, &
+      newtonian_film, own_contact, sample_count, width_of
    use kinds, only: pi, wp
-   use expected_film, only: clearing_film, film_estimate, newtonian_film
-   use line_contact, only: closing_slope, finest_wave, line_contact_t
+   use line_contact, only: closing_slope, domain_t, finest_wave, line_contact_t
    use moes, only: rigid_film
-   use rheology, only: sliding_number
-   use solver_settings, only: domain_t
+   use lubricant, only: sliding_number
    use text, only: to_text
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)

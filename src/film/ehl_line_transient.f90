@@ -18,25 +18,23 @@ module ehl_line_transient
    use errors, only: error_t
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
-   use film_equation, only: set_film, share_pressure, total_pressure
-   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles
+   use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles, &
+      solver_settings_t, time_settings_t, word_length
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, &
       roughness_at, set_moment
-   use line_level, only: line_level_t, thin_oil, turn
+   use line_level, only: line_level_t, set_film, share_pressure, thin_oil, total_pressure, turn
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use listener, only: listener_t
    use lubricant, only: fluid_density
-   use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights, &
-      time_part_t
+   use march_state, only: error_share, extrapolate, keep_solution, march_state_t, &
+      parabola_weights, part_ends, predictors, step_weights, time_part_t
    use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
-   use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: counted, to_text
-   use time_scheme, only: error_share, parabola_weights, part_ends
    implicit none (type, external)
    private
 

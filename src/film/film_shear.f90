@@ -9,16 +9,15 @@
 !> of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use film_equation, only: total_pressure
    use flow_law, only: block_size => slip_block
-   use friction_sums, only: friction_t, stressed_share
+   use line_state, only: friction_t, stressed_share
    use inlet_friction, only: oil_in_front
    use kinds, only: wp
-   use line_level, only: line_level_t
+   use line_level, only: line_level_t, total_pressure
    use missing_value, only: not_known
    use quantities, only: bend_of, exit_between_nodes, node_spacings
    use reynolds_line, only: mass_flux
-   use rheology, only: evaluate_stress, limited_stress
+   use lubricant, only: evaluate_stress, limited_stress
    use shear_stresses, only: evaluate_drive
    implicit none (type, external)
    private

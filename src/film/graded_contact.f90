@@ -4,7 +4,6 @@ module graded_contact
    use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
-   use friction_sums, only: friction_t, stressed_share
    use graded_nodes, only: monotone_cubic
    use graded_quantities, only: exit_element, least_film, middle_film, middle_pressure, rolling, &
       rolling_power, sliding, top
@@ -13,12 +12,12 @@ module graded_contact
    use iteration_report, only: cycle_numbers_t, phase_steady, report_t
    use kinds, only: wp
    use limit_search, only: film_limits
-   use line_contact, only: inlet_tail_t, line_contact_t, move_profiles, without_surfaces
-   use line_state, only: line_state_t
+   use line_contact, only: domain_t, inlet_tail_t, line_contact_t, move_profiles, &
+      solver_settings_t, without_surfaces
+   use line_state, only: friction_t, line_state_t, stressed_share
    use listener, only: listener_t, relay_t
    use missing_value, only: exceeds, not_known
    use quantities, only: quantity_count, quantity_values
-   use solver_settings, only: domain_t, solver_settings_t
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
    implicit none (type, external)

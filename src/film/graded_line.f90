@@ -16,13 +16,12 @@
 module graded_line
    use features, only: surface_height
    use film_state, only: film_state_t
-   use face_mobility, only: fluid_face_mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use graded_kernel, only: exact, graded_kernel_t, new_graded_kernel
    use kinds, only: pi, wp
    use line_contact, only: line_contact_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use mobility, only: coefficients_t, mobility_slopes_t
+   use mobility, only: coefficients_t, fluid_face_mobility, mobility_slopes_t
    implicit none (type, external)
    private
 

@@ -1,13 +1,12 @@
 !> Quantities of a line contact on a graded grid, with their derivatives by P and H of the nodes and
 !> what the sums over elements miss.
 module graded_quantities
-   use friction_sums, only: friction_t
+   use line_state, only: friction_t
    use graded_line, only: graded_line_t
    use inlet_friction, only: oil_in_front
    use kinds, only: wp
-   use lubricant, only: fluid_viscosity
+   use lubricant, only: evaluate_stress, fluid_viscosity
    use missing_value, only: exceeds
-   use rheology, only: evaluate_stress
    implicit none (type, external)
    private
 

@@ -2,10 +2,9 @@
 module limit_search
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
-   use lubricant, only: fluid_t, fluid_viscosity
+   use lubricant, only: evaluate_stress_rise, fluid_t, fluid_viscosity
    use missing_value, only: not_known
-   use reynolds_limits, only: reynolds_limits_t
-   use rheology, only: evaluate_stress_rise
+   use line_state, only: reynolds_limits_t
    implicit none (type, external)
    private
 

@@ -1,10 +1,10 @@
 !> How a solver reports its progress and passes on time steps without knowing its listener.
 module listener
-   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t, time_part_t
    use momentum_history, only: momentum_history_t

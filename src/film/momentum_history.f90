@@ -4,7 +4,7 @@
 module momentum_history
    use film_state, only: film_state_t
    use kinds, only: wp
-   use time_scheme, only: parabola_weights
+   use march_state, only: parabola_weights
    implicit none (type, external)
    private
 

@@ -2,10 +2,8 @@
 !> solution on a graded grid.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use contact_moment, only: own_contact, width_of
+   use contact_moment, only: film_estimate, own_contact, width_of
    use fas_cycle, only: cycle_from
-   use film_equation, only: carried_load, elastic_film, evaluate_deflection, set_film, &
-      share_pressure
    use film_state, only: film_state_t
    use film_temperature, only: solve_warm
    use graded_nodes, only: monotone_cubic
@@ -13,17 +11,17 @@ module nested_start
    use hertz, only: line_pressure
    use iteration_report, only: report_t
    use kinds, only: wp
-   use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
-   use line_level, only: contact_load, line_level_t, thin_oil
+   use line_level, only: carried_load, contact_load, elastic_film, evaluate_deflection, &
+      line_level_t, set_film, share_pressure, thin_oil
    use quantities, only: exit_between_nodes
    use newton_line, only: step_tolerance
    use listener, only: is_stopped, listener_t, relay_t
    use reynolds_line, only: evaluate_coefficients
    use speed_continuation, only: reach_speed
    use transfer, only: prolong_cubic
-   use rheology, only: thins, wall_stress
+   use lubricant, only: thins, wall_stress
    implicit none (type, external)
    private
 

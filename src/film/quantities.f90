@@ -6,7 +6,7 @@
 !> known is NaN, never a number that looks like an answer.
 module quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use friction_sums, only: friction_t
+   use line_state, only: friction_t
    use kinds, only: pi, wp
    use missing_value, only: not_known
    implicit none (type, external)

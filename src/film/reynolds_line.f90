@@ -22,10 +22,9 @@
 !> face behind is theta times that of a full film, by upwind2. At the first face it is `supply` if
 !> that is less.
 module reynolds_line
-   use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
    use line_level, only: has_close_exit, line_level_t
-   use mobility, only: fluid_mobility, mobility_slopes_t
+   use mobility, only: fluid_face_mobility, fluid_mobility, mobility_slopes_t
    implicit none (type, external)
    private
 

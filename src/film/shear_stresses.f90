@@ -8,9 +8,9 @@
 module shear_stresses
    use flow_law, only: block_size => slip_block, largest_exponent
    use kinds, only: wp
-   use lubricant, only: fluid_t, fluid_viscosity
+   use lubricant, only: evaluate_stress, flow_shapes, fluid_t, fluid_viscosity, limited_stress, &
+      ln_slip
    use quantities, only: node_spacings
-   use rheology, only: evaluate_stress, flow_shapes, limited_stress, ln_slip
    implicit none (type, external)
    private
 

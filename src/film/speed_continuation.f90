@@ -1,7 +1,7 @@
 !> The first solution of a contact whose asperities touch: from the speed at which the film clears
 !> them, down to its own.
 module speed_continuation
-   use expected_film, only: clearing_film, film_with_viscosity
+   use contact_moment, only: clearing_film, film_with_viscosity
    use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -10,7 +10,7 @@ module speed_continuation
    use newton_line, only: solve_newton
    use newton_work, only: newton_t
    use reynolds_line, only: mass_flux
-   use rheology, only: faster_fluid
+   use lubricant, only: faster_fluid
    implicit none (type, external)
    private
 

@@ -10,10 +10,9 @@ module state_output
    use line_level, only: line_level_t
    use line_state, only: line_state_t, turned
    use line_summary, only: line_summary_t, summary_of_fields
-   use lubricant, only: fluid_density, fluid_viscosity
+   use lubricant, only: fluid_density, fluid_viscosity, ln_slip
    use limit_search, only: film_limits
    use quantities, only: node_spacings
-   use rheology, only: ln_slip
    use shear_stresses, only: evaluate_drive, film_stresses
    implicit none (type, external)
    private

@@ -6,8 +6,7 @@
 module wave_resolution
    use duty, only: span_of
    use kinds, only: int64, wp
-   use line_contact, only: finest_wave, rough_contact_t, shortest_passage
-   use solver_settings, only: time_settings_t
+   use line_contact, only: finest_wave, rough_contact_t, shortest_passage, time_settings_t
    use text, only: add_sentence, rounded_down, to_text
    implicit none (type, external)
    private

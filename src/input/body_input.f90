@@ -3,10 +3,9 @@ module body_input
    use hertz, only: bodies_t, line_load_from_pressure, point_load_from_pressure, reduced_modulus, &
       reduced_radius
    use input_keys, only: find_key, key_rows
-   use input_values, only: input_values_t
+   use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: film, has_word, lubricated, point
    use kinds, only: wp
-   use surface_keys, only: has_shape, surfaces
    use text, only: joined, to_text
    implicit none (type, external)
    private

@@ -7,20 +7,19 @@ module case_record
    use height_form, only: curvature_of, tilt_of, trend_t
    use hertz, only: bodies_t
    use input_keys, only: key_rows
-   use input_values, only: input_values_t, value_t
+   use input_values, only: has_shape, input_values_t, read_synthesis, surfaces, value_t
    use key_row, only: has_word, integer_kind, is_chosen, key_row_t, lubricated, real_kind, &
       reals_kind, text_kind
    use key_rules, only: is_used, unusual_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, rough_contact_t
+   use line_contact, only: domain_t, line_contact_t, rough_contact_t, solver_settings_t, &
+      time_settings_t, word_length
    use lubricant, only: density_constant, lubricant_t, viscosity_constant, viscosity_roelands
    use passage_times, only: passage_times_t
    use point_contact, only: point_contact_t
    use profile, only: profile_length
    use scaling, only: scaling_t
-   use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
    use summary_row, only: table_place_t
-   use surface_keys, only: has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t
    use text, only: joined, to_text
    use validity, only: materials_t

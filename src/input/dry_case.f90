@@ -5,7 +5,7 @@ module dry_case
    use height_form, only: trend_t
    use input_values, only: input_values_t
    use kinds, only: wp
-   use solver_settings, only: word_length
+   use line_contact, only: word_length
    use system_limits, only: dry_memory
    implicit none (type, external)
    private

@@ -10,10 +10,9 @@ module dry_input
    use grid_transform, only: even_nodes
    use file_heights, only: read_surface
    use hertz, only: line_half_width, point_radius
-   use input_values, only: input_values_t, value_t
+   use input_values, only: has_shape, input_values_t, surfaces, value_t
    use kinds, only: int64, pi, wp
    use measured_heights, only: heights_t
-   use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
    implicit none (type, external)

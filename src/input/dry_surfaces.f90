@@ -5,10 +5,9 @@ module dry_surfaces
    use errors, only: error_t, fail, input_error
    use file_heights, only: level_surface, read_surface
    use resampling, only: resample_heights
-   use input_values, only: value_t
+   use input_values, only: features_of, has_shape, read_synthesis, surfaces, value_t
    use kinds, only: wp
    use signals, only: begin_activity
-   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)

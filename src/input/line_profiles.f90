@@ -8,11 +8,10 @@ module line_profiles
    use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint
    use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
-   use input_values, only: input_values_t
+   use input_values, only: features_of, input_values_t, read_synthesis
    use kinds, only: int64, wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
-   use surface_keys, only: features_of, read_synthesis
    use synthetic_surface, only: new_synthetic_pieces, synthesis_t, synthetic_heights, &
       synthetic_pieces_t, truncate_harmonics
    use text, only: add_sentence, to_text

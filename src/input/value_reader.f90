@@ -12,7 +12,7 @@ module value_reader
    use namelist_text, only: namelist_text_t, entry_t
    use namelist_source, only: max_values, piece_t, read_logical, split_values
    use number_text, only: read_integer, read_real
-   use solver_settings, only: word_length
+   use line_contact, only: word_length
    use text, only: joined, quoted, to_lower, to_text
    use value_hints, only: answer_to, edit_distance, form_hint, nearest_known
    implicit none (type, external)
@@ -311,8 +311,8 @@ contains
       end if
    end subroutine store_word
 
-   !> What to do instead of a `word`, "; did you mean 'word'?" with the word of the row nearest to it,
-   !> or nothing.
+   !> What to do instead of a `word`; "; did you mean 'word'?" with the nearest one of the row; or
+   !> nothing.
    function nearest_word(row, word) result(hint)
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: word

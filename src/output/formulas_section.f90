@@ -5,13 +5,12 @@ module formulas_section
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
    use line_summary, only: line_summary_t
-   use lubricant, only: fluid_t
+   use lubricant, only: fluid_t, thins
    use moes, only: film_by_formula, formula_rows, formulas_hold, known_bias, moes_l_mean_from_sum, &
       moes_m_mean_from_sum
    use quantities, only: quantity_rows
    use text, only: number_text, prefixed_text
    use result_labels, only: scaled_label
-   use rheology, only: thins
    use scaling, only: scaling_t
    implicit none (type, external)
    private

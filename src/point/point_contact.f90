@@ -10,7 +10,7 @@
 module point_contact
    use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &
       point_film_unit, point_lambda
-   use expected_film, only: thinned_central_film
+   use contact_moment, only: thinned_central_film
    use kinds, only: pi, wp
    use line_contact, only: rough_contact_t
    use lubricant, only: fluid_t

@@ -8,14 +8,13 @@
 !> (a - b)/(ln a - ln b) is exact where ln mu is linear, and Q never falls with the pressure that
 !> drives it, however steep ln mu is: the arithmetic mean of e has twice the error.
 module point_equations
-   use face_mobility, only: mean_fluidity
+   use mobility, only: mean_fluidity
    use flow_law, only: largest_exponent
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_viscosity
+   use lubricant, only: fluid_density, fluid_viscosity, sliding_number, thins
    use point_contact, only: point_contact_t
    use point_level, only: point_level_t
    use reynolds_line, only: wedge_weights
-   use rheology, only: sliding_number, thins
    use work_shares, only: share_end
    implicit none (type, external)
    private

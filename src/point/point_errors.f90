@@ -5,7 +5,7 @@ module point_errors
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: wp
-   use line_contact, only: smoothen_both
+   use line_contact, only: smoothen_both, steady_tolerance
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t
@@ -19,7 +19,6 @@ module point_errors
    use point_quantities, only: estimate_point_errors, summary_of_point
    use point_solver, only: point_run_t, tolerance_of
    use quantities, only: sliding_rows
-   use solver_settings, only: steady_tolerance
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private

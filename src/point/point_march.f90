@@ -3,22 +3,21 @@
 !> new solve; later steps start from a prediction by the last solutions.
 module point_march
    use errors, only: error_t
-   use film_state, only: film_state_t
    use iteration_report, only: phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use line_contact, only: smoothen_both
+   use film_state, only: film_state_t
+   use line_contact, only: smoothen_both, step_tolerance
    use listener, only: listener_t, relay_t
    use lubricant, only: fluid_density
-   use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_weights
+   use march_state, only: extrapolate, keep_solution, march_state_t, part_ends, predictors, &
+      step_weights
    use point_contact, only: point_contact_t
    use point_level, only: point_level_t, set_point_film, set_surfaces
    use point_newton, only: solve_point_newton
    use point_quantities, only: fill_heights, fill_point_state
    use point_solver, only: pairs_of, point_run_t, solve_point_steady, tolerance_of
-   use solver_settings, only: step_tolerance
    use text, only: to_text
-   use time_scheme, only: part_ends
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private

@@ -2,21 +2,18 @@
 !> line on y = 0, and their errors from the grids of its nested start and a longer domain.
 module point_quantities
    use features, only: surface_height
-   use friction_sums, only: friction_t
    use grid_errors, only: error_on_grids, orders, safety
    use kinds, only: pi, wp
    use line_contact, only: finest_wave
-   use line_state, only: line_state_t
+   use line_state, only: friction_t, line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use lubricant, only: fluid_viscosity
+   use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress
    use missing_value, only: exceeds, not_known
    use point_contact, only: point_contact_t
    use point_level, only: load_on, point_level_t
-   use pressure_errors, only: allow_for_spike, shear_doubt
-   use pressure_spike, only: spike_law_t
+   use pressure_errors, only: allow_for_spike, shear_doubt, spike_law_t
    use quantities, only: friction_coefficient, h_min, h_min_node, quantity_count, quantity_rows, &
       rule_between, sliding_power, sliding_rows
-   use rheology, only: evaluate_stress, limited_stress
    implicit none (type, external)
    private
 

@@ -13,7 +13,7 @@ module point_solver
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, summary_of_point
    use quantities, only: central_value, h_central, h_min
-   use solver_settings, only: solver_settings_t, steady_tolerance, time_settings_t
+   use line_contact, only: solver_settings_t, steady_tolerance, time_settings_t
    use text, only: to_text
    use transfer, only: prolong_cubic
    implicit none (type, external)

@@ -8,16 +8,15 @@ module momentum_solver
    use errors, only: error_t
    use eyring, only: eyring_t
    use features, only: surface_height
-   use film_equation, only: carried_load, set_film
    use film_fields, only: film_fields_t, stress_rise, copy_fields
-   use film_state, only: film_state_t
    use iteration_report, only: phase_steady, report_t
    use kinds, only: wp
    use limit_search, only: film_limits
    use line_contact, only: line_contact_t
    use line_hierarchy, only: new_level_of
-   use line_level, only: line_level_t, set_plain_problem
+   use line_level, only: carried_load, line_level_t, set_film, set_plain_problem
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use line_summary, only: line_summary_t, summary_of
    use lubricant, only: fluid_t
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
