@@ -2,7 +2,7 @@
 !>
 !> A feature that enters a contact at the speed dX/dT = s modulates the film. The oil carries that
 !> modulation on at the mean speed, dX/dT = 1, so that its wavenumber is k = 2 pi s/wavelength. It
-!> decays as exp(-l_flow^2 k^3 X) (module pressure_spike): between heavily loaded bodies hardly at
+!> decays as exp(-l_flow^2 k^3 X) (module pressure_errors): between heavily loaded bodies hardly at
 !> all. Second-order schemes shift it, and finally lose it,
 !>
 !>     phase = k (k d)^2/3 min( 1, 1/(l_flow^2 k^3) ) ,   d the larger one of dX and dT ,

@@ -26,7 +26,7 @@ module bordered_system
    !> What cavitated rows do besides.
    type, abstract, extends(krylov_system_t) :: cavitated_system_t
       !> Diagonals by which rows are divided, and what cavitated rows pass on to the next (0:n)
-      !> (module reynolds_jacobian); null: nothing. The factors leave it out.
+      !> (module newton_work); null: nothing. The factors leave it out.
       real(wp), pointer, contiguous :: diagonal(:) => null(), carry(:) => null()
       !> Weights y of H in cavitated rows, P + y H = ... (n-1); not allocated: 0.
       real(wp), allocatable :: yields(:)

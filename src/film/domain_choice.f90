@@ -36,7 +36,7 @@ module domain_choice
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
    !> Largest share by which a chosen inlet starves the film.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp
-   !> Least share of the errors by the inlet that is left with a tail (module inlet_tail).
+   !> Least share of the errors by the inlet that is left with a tail (module line_hierarchy).
    real(wp), parameter :: tail_share = 0.1_wp
    !> Viscosity at which sliding thins the oil where the pressure builds up [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp

@@ -4,7 +4,7 @@
 !>     BDF2            lambda d(rho H)/dT = lambda/(2 dT) (3 rho H - 4 (rho H)_old + (rho H)_older)
 !>
 !> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler
-!> and reaches its full step over several parts (module time_scheme).
+!> and reaches its full step over several parts (module march_state).
 !>
 !> Load, radius and speeds may change in time (module duty): steps are divided where they have a
 !> kink, and by an error estimate, and the film is kept in the direction of the flow, so that the

@@ -1,5 +1,5 @@
 !> A steady line contact on a graded grid, from its data to its fields and the bounds of the errors
-!> of its quantities; and what of it lies in front of a passage (module inlet_tail).
+!> of its quantities; and what of it lies in front of a passage (module line_hierarchy).
 module graded_contact
    use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use features, only: surface_height

@@ -5,7 +5,7 @@
 !>     q(i) = -e(i) (P(i) - P(i-1))/(lambda h) + (1 - a - c) rH(i-1) + a rH(i-2) + c rH(i)
 !>     a = -h^2/(4 k (k + h)),  c = (h/2 + k)/(2 (k + h)),  k: spacing of element i-1
 !>
-!> takes rH = rho H by the parabola through three nodes and e by module face_mobility; a = 0, c =
+!> takes rH = rho H by the parabola through three nodes and e by module mobility; a = 0, c =
 !> 1/2 in the first element. The same flux leaves an element and enters the next one, whatever their
 !> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (module
 !> graded_kernel), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.

@@ -13,7 +13,7 @@ module graded_quantities
    public :: evaluate_quantities, exit_element, functional_t, second_differences
 
    !> Places in the list: smallest and central film, largest and central pressure, integrals of
-   !> `friction_t` (module friction_sums), and the pressure of a spike: the last maximum in front of
+   !> `friction_t` (module line_state), and the pressure of a spike: the last maximum in front of
    !> the exit, or the sharpest shoulder, where the largest pressure is elsewhere.
    integer, parameter, public :: least_film = 1, middle_film = 2, top = 3, middle_pressure = 4, &
       sliding = 5, rolling = 6, rolling_power = 7, spike = 8, functional_count = 8

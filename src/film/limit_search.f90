@@ -1,4 +1,4 @@
-!> Computes T_max and the largest slope of a film, see module reynolds_limits.
+!> Computes T_max and the largest slope of a film, see module line_state.
 module limit_search
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp

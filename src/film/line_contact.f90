@@ -50,7 +50,7 @@ module line_contact
       !> Kind of its nodes, 'even', 'graded' (module graded_solver; steady only) or, until
       !> `choose_domain`, 'auto'. The intervals of a graded grid are known when it is solved.
       character(len=word_length) :: grid = 'even'
-      !> Whether the smooth steady pressure lies in front of the inlet (module inlet_tail); in time.
+      !> The smooth steady pressure lies in front of the inlet (module line_hierarchy); in time.
       logical :: has_tail = .false.
       !> Whether the outlet is the program's, which moves it out if it cuts off the film.
       logical :: may_lengthen = .false.
@@ -119,7 +119,7 @@ module line_contact
    !> A surface with |dX/dT| below this is at rest; one without waves has this wavelength [b].
    real(wp), parameter :: slow = 1.0e-6_wp, longest = 1.0e9_wp
 
-   !> Pressure in front of the domain, at rising nodes that end in it (module inlet_tail).
+   !> Pressure in front of the domain, at rising nodes that end in it (module line_hierarchy).
    type :: inlet_tail_t
       real(wp), allocatable :: x(:), pressure(:)
    end type inlet_tail_t

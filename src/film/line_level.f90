@@ -95,7 +95,7 @@ module line_level
       real(wp) :: dx = 0.0_wp
       real(wp), allocatable :: x(:)
       !> Film of smooth rigid bodies with H0 = 0, X^2/2 less the deflection by a tail, and the load
-      !> of the nodes (module inlet_tail).
+      !> of the nodes (module line_hierarchy).
       real(wp), allocatable :: gap(:)
       real(wp) :: load = contact_load
       !> Load, radius and speeds at the present time, and |u1 + u2|/u_ref.

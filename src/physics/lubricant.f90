@@ -73,7 +73,7 @@ module lubricant
       !> Limiting shear stress over the pressure, Lambda R/b; 0: none. Whether it cuts the stress.
       real(wp) :: stress_limit = 0.0_wp
       logical :: is_cut = .false.
-      !> Its shear thinning (module rheology); not allocated: Newtonian.
+      !> Its shear thinning; not allocated: Newtonian.
       class(flow_law_t), allocatable :: rheology
    end type fluid_t
 
