@@ -10,8 +10,7 @@ module result_table
    use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: ending_text, has_converged, has_not_converged
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    use quantities, only: quantity_rows
    use read_cases, only: status_bad_input
    use standard_streams, only: print_text, write_text

@@ -12,10 +12,9 @@
 !> that counts.
 module adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, quotient, wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces
    use line_summary, only: line_summary_t
-   use missing_value, only: exceeds, not_known, quotient
    use quantities, only: h_min, p_central, quantity_count, quantity_rows
    use text, only: joined
    implicit none (type, external)
@@ -31,7 +30,7 @@ module adequacy
    !> Relative error that counts without a target, and the share of it below which a change is
    !> irrelevant.
    real(wp), parameter, public :: usual_accuracy = 0.01_wp
-   real(wp), parameter, public :: irrelevant_share = 0.1_wp
+   real(wp), parameter :: irrelevant_share = 0.1_wp
 
    !> Why a change is not known.
    character(len=*), parameter, public :: no_solution = &

@@ -24,8 +24,7 @@ module dry_errors
    use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes
    use errors, only: error_t
    use grid_transform, only: even_nodes
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    implicit none (type, external)
    private
 

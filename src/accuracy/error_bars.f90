@@ -12,10 +12,9 @@ module error_bars
       kappa_share, limit_in_time, orders, safety
    use inlet_errors, only: inlet_change_t, inlet_shares
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, larger, not_known, wp
    use line_contact, only: line_contact_t, time_settings_t
    use line_summary, only: line_summary_t, new_quantity, quantity_t
-   use missing_value, only: exceeds, larger, not_known
    use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, &
       estimate_crest_in_time, spike_law_t, top_of
    use quantities, only: asperity_share, boundary_friction, friction_coefficient, h_central, &
@@ -26,8 +25,8 @@ module error_bars
    implicit none (type, external)
    private
 
-   public :: apply_error_bars, coarse_values_t, copy_coarser, error_bars_t, estimate_grid_errors, &
-      missing_estimate, new_error_bars, outlet_error
+   public :: apply_error_bars, coarse_values_t, copy_coarser, error_bars_t, missing_estimate, &
+      new_error_bars, outlet_error
 
    !> Coarse runs of a result, and what is known of the order of the scheme.
    type :: coarse_values_t
@@ -72,7 +71,7 @@ module error_bars
    end type error_bars_t
 
    !> Error of the exit between two nodes, in spacings.
-   real(wp), parameter, public :: exit_jitter = 0.2_wp
+   real(wp), parameter :: exit_jitter = 0.2_wp
 
 contains
 

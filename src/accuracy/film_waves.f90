@@ -17,11 +17,10 @@
 module film_waves
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: rough_surface_t
-   use kinds, only: pi, wp
+   use kinds, only: not_known, pi, wp
    use line_contact, only: line_contact_t, time_settings_t
    use line_summary, only: line_summary_t, quantity_t
    use lubricant, only: fluid_viscosity, ln_slip
-   use missing_value, only: not_known
    use pressure_errors, only: spike_law_t
    use quantities, only: h_central, p_central, p_max
    use text, only: rounded_down

@@ -12,8 +12,7 @@
 !> (theory page, section on error estimates).
 module grid_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    implicit none (type, external)
    private
 

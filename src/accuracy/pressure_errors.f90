@@ -34,11 +34,10 @@ module pressure_errors
    use flow_law, only: largest_exponent
    use grid_errors, only: error_by_reference, error_from_levels, error_in_time, limit_in_time, &
       observed_order, orders, pressure_safety_in_time, safety
-   use kinds, only: pi, wp
+   use kinds, only: exceeds, not_known, pi, wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity, ln_slip, thins, &
       viscosity_constant, wall_stress
-   use missing_value, only: exceeds, not_known
    use quantities, only: friction_coefficient, h_central, oil_friction, p_max, sheared_rows, &
       sliding_power, sliding_rows
    implicit none (type, external)

@@ -23,10 +23,9 @@ module resolution_choice
    use inlet_errors, only: domain_error
    use experiment, only: coarser, experiment_t, new_experiment, outcome_t, run_experiment
    use grid_errors, only: error_in_time
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, wp
    use line_contact, only: leaves_scheme, line_contact_t, max_chosen, solver_settings_t, &
       time_settings_t
-   use missing_value, only: exceeds, not_known
    use listener, only: listener_t
    use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t

@@ -11,16 +11,15 @@ module validity
    use features, only: feature_sinusoid, rough_surface_t
    use film_heating, only: largest_rise
    use hertz, only: bodies_t
-   use kinds, only: wp
+   use kinds, only: larger, not_known, wp
    use line_contact, only: finest_wave, line_contact_t
    use line_state, only: line_state_t, stressed_share
    use line_summary, only: line_summary_t
    use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
-   use missing_value, only: larger, not_known
    use model_limits, only: film_reynolds_number, inlet_heating_loss, shortest_length, side_flow_loss
    use quantities, only: h_central, h_min, p_max
    use scaling, only: new_heating, scaling_t
-   use shear_stresses, only: film_stresses
+   use film_shear, only: film_stresses
    use text, only: number_text, prefixed_text
    implicit none (type, external)
    private

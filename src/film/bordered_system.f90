@@ -5,11 +5,10 @@
 !> JP - JH K is pentadiagonal plus semiseparable and factors in one sweep. The constant part of the
 !> kernel acts like a change of H0 and is moved there.
 module bordered_system
-   use exponential_sum, only: terms
    use gmres, only: krylov_system_t
    use kinds, only: wp
    use semiseparable, only: factor_semiseparable, semiseparable_t, solve_semiseparable, &
-      solve_transposed, solve_two
+      solve_transposed, solve_two, terms
    implicit none (type, external)
    private
 

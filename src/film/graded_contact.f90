@@ -10,13 +10,12 @@ module graded_contact
    use graded_solver, only: end_bound, graded_solution_t, solve_graded
    use errors, only: error_t
    use iteration_report, only: cycle_numbers_t, phase_steady, report_t
-   use kinds, only: wp
-   use limit_search, only: film_limits
+   use kinds, only: exceeds, not_known, wp
+   use film_shear, only: film_limits
    use line_contact, only: domain_t, inlet_tail_t, line_contact_t, move_profiles, &
       solver_settings_t, without_surfaces
    use line_state, only: friction_t, line_state_t, stressed_share
    use listener, only: listener_t, relay_t
-   use missing_value, only: exceeds, not_known
    use quantities, only: quantity_count, quantity_values
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds

@@ -13,8 +13,7 @@ module graded_kernel
    use linear_systems, only: solve_dense
    use errors, only: error_t
    use half_space, only: element_deflections
-   use kinds, only: pi, wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, pi, wp
    implicit none (type, external)
    private
 

@@ -4,9 +4,8 @@ module graded_quantities
    use line_state, only: friction_t
    use graded_line, only: graded_line_t
    use inlet_friction, only: oil_in_front
-   use kinds, only: wp
+   use kinds, only: exceeds, wp
    use lubricant, only: evaluate_stress, fluid_viscosity
-   use missing_value, only: exceeds
    implicit none (type, external)
    private
 

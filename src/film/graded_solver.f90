@@ -16,11 +16,10 @@ module graded_solver
    use graded_quantities, only: functional_count, rolling_power, sliding, spike, top
    use graded_system, only: graded_factors_t
    use iteration_report, only: report_t
-   use kinds, only: pi, wp
+   use kinds, only: not_known, pi, wp
    use line_contact, only: finest_wave, line_contact_t, min_in_wave, without_surfaces
    use listener, only: is_stopped, listener_t
    use lubricant, only: eased_fluid, fluid_t, thins
-   use missing_value, only: not_known
    use text, only: to_text
    implicit none (type, external)
    private

@@ -24,7 +24,7 @@ module line_hierarchy
    private
 
    public :: line_hierarchy_t, new_hierarchy, new_level_of, pose_coarser_levels, &
-      pose_steady_problem, relaxation_t, roughness_at, set_moment, set_tail
+      pose_steady_problem, relaxation_t, roughness_at, set_moment
 
    public :: coarsest_for_film, count_work, is_newton, report_cost
 

@@ -5,13 +5,11 @@
 !>
 !> T_max is the largest d tau/dp of sliding at a given shear rate, which the derivation sets to 0
 !> (S. Bair, M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573); the slope dh/dx is assumed
-!> small. Modules limit_search, film_shear and film_heating compute them, thresholds are in module
-!> validity.
+!> small. Modules film_shear and film_heating compute them, thresholds are in module validity.
 module line_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use duty, only: moment_t
-   use kinds, only: wp
-   use missing_value, only: larger, not_known
+   use kinds, only: larger, not_known, wp
    implicit none (type, external)
    private
 

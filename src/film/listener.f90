@@ -6,8 +6,7 @@ module listener
    use line_state, only: line_state_t
    use film_state, only: film_state_t
    use line_summary, only: line_summary_t
-   use march_state, only: march_state_t, time_part_t
-   use momentum_history, only: momentum_history_t
+   use march_state, only: march_state_t, momentum_history_t, time_part_t
    implicit none (type, external)
    private
 

@@ -7,8 +7,7 @@
 module quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use line_state, only: friction_t
-   use kinds, only: pi, wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, pi, wp
    implicit none (type, external)
    private
 

@@ -18,8 +18,7 @@ module checkpoint
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
-   use march_state, only: march_state_t
-   use momentum_history, only: excess_t, max_excesses, momentum_history_t, past_t
+   use march_state, only: excess_t, march_state_t, max_excesses, momentum_history_t, past_t
    use passage_extremes, only: passage_extremes_t
    use line_contact, only: word_length
    use split_errors, only: forecast_t

@@ -3,9 +3,8 @@ module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_dataset, only: label_t
    use iteration_report, only: breakdown_t, ending_text, has_converged, report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, wp
    use line_summary, only: line_summary_t, mean_power
-   use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
    use quantities, only: asperity_share, boundary_friction, film_rise, &

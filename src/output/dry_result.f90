@@ -14,8 +14,7 @@ module dry_result
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    use progress_log, only: columns, progress_log_t
    use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
       roughness_t

@@ -6,9 +6,8 @@ module result_sections
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: breakdown_t, phase_names, report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, wp
    use line_summary, only: line_summary_t, mean_power, quantity_t
-   use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows, &
       x_cavitation

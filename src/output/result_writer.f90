@@ -11,10 +11,9 @@ module result_writer
    use film_statistics, only: add_start, add_time
    use formulas_section, only: formula_contact_t, write_formulas
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: not_known, wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of, copy_values
-   use missing_value, only: not_known
    use field_sections, only: write_film_passage, write_momentum, write_solution, &
       write_statistics, write_velocity
    use result_file, only: result_file_t

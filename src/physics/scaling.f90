@@ -7,10 +7,9 @@ module scaling
    use film_heating, only: heating_t
    use flow_law, only: flow_law_t
    use hertz, only: bodies_t, line_half_width, line_peak_pressure
-   use kinds, only: pi, wp
+   use kinds, only: not_known, pi, wp
    use lubricant, only: density_constant, density_dowson_higginson, dowson_higginson_c1, fluid_t, &
       lubricant_t, viscosity_constant, viscosity_roelands
-   use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, &
       lambda_from_moes_sum, alpha_bar_from_moes, moes_l_from_alpha_bar
    implicit none (type, external)

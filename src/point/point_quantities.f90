@@ -3,12 +3,11 @@
 module point_quantities
    use features, only: surface_height
    use grid_errors, only: error_on_grids, orders, safety
-   use kinds, only: pi, wp
+   use kinds, only: exceeds, not_known, pi, wp
    use line_contact, only: finest_wave
    use line_state, only: friction_t, line_state_t
    use line_summary, only: line_summary_t, summary_of
    use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress
-   use missing_value, only: exceeds, not_known
    use point_contact, only: point_contact_t
    use point_level, only: load_on, point_level_t
    use pressure_errors, only: allow_for_spike, shear_doubt, spike_law_t

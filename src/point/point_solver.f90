@@ -3,10 +3,9 @@
 module point_solver
    use errors, only: error_t
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, wp
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use missing_value, only: exceeds
    use point_contact, only: first_intervals, hertz_pressure_at, intervals_for, point_contact_t
    use point_cycle, only: new_hierarchy, point_hierarchy_t
    use point_level, only: deflect, load_on, point_level_t

@@ -7,7 +7,7 @@ module film_fields
    use kinds, only: wp
    use line_state, only: line_state_t
    use listener, only: follower_t
-   use momentum_history, only: newton_cost_t
+   use march_state, only: newton_cost_t
    use momentum_problem, only: film_flow_t, layer_centres, momentum_problem_t
    use momentum_rows, only: momentum_terms_t
    use quantities, only: central_value, parabola_minimum

@@ -30,7 +30,7 @@ module film_kinematics
 
    !> Third of the trace, which the stresses of a compressible oil lack: tau_xx = eta (2 u_x - 2/3
    !> D).
-   real(wp), parameter, public :: trace_share = 2.0_wp/3.0_wp
+   real(wp), parameter :: trace_share = 2.0_wp/3.0_wp
 
    !> Kinematics of a flow, or their changes.
    type :: film_kinematics_t

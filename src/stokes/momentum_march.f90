@@ -14,12 +14,12 @@ module momentum_march
    use film_state, only: film_state_t
    use momentum_solver, only: missing_reason, pose_level, pose_momentum, set_walls, &
       solve_by_continuation, walls_t
-   use momentum_history, only: excess_t, max_excesses, momentum_history_t, next_count, weights_of
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
    use listener, only: follower_t
-   use march_state, only: time_part_t
+   use march_state, only: excess_t, max_excesses, momentum_history_t, next_count, time_part_t, &
+      weights_of
    implicit none (type, external)
    private
 

@@ -19,7 +19,7 @@ module momentum_newton
    use gmres, only: gmres_t, krylov_system_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t, load_defect, set_film
-   use momentum_history, only: newton_cost_t
+   use march_state, only: newton_cost_t
    use momentum_matrix, only: factor_momentum, momentum_matrix_t, solve_momentum
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
    use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t, &

@@ -13,7 +13,7 @@
 module momentum_problem
    use kinds, only: wp
    use lubricant, only: fluid_t
-   use momentum_history, only: excess_t, past_t
+   use march_state, only: excess_t, past_t
    implicit none (type, external)
    private
 

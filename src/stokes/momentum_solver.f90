@@ -11,7 +11,7 @@ module momentum_solver
    use film_fields, only: film_fields_t, stress_rise, copy_fields
    use iteration_report, only: phase_steady, report_t
    use kinds, only: wp
-   use limit_search, only: film_limits
+   use film_shear, only: film_limits
    use line_contact, only: line_contact_t
    use line_hierarchy, only: new_level_of
    use line_level, only: carried_load, line_level_t, set_film, set_plain_problem

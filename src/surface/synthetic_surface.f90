@@ -21,8 +21,8 @@ module synthetic_surface
    implicit none (type, external)
    private
 
-   public :: bend_t, bent, find_bend, gaussian_heights, new_synthetic_pieces, normal_numbers, &
-      philox, synthesis_t, synthetic_heights, synthetic_pieces_t, truncate_harmonics
+   public :: bend_t, bent, new_synthetic_pieces, normal_numbers, philox, synthesis_t, &
+      synthetic_heights, synthetic_pieces_t, truncate_harmonics
 
    !> Parameters of the surface. Lengths [m].
    type :: synthesis_t
