@@ -36,8 +36,8 @@ module film_shear
 
    !> Slopes count where the pressure exceeds this share of its largest value.
    real(wp), parameter :: loaded_share = 0.01_wp
-   !> Nodes in a block.
-   integer, parameter :: block_size = 16
+   !> Nodes in a block of the search for limits.
+   integer, parameter :: search_block = 16
 
 contains
 
@@ -68,13 +68,13 @@ contains
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette
       real(wp), intent(in), contiguous :: p(:), h(:)
-      real(wp), dimension((size(p) - 1)/block_size + 1) :: lowest, highest, thinnest, ln_mu, &
+      real(wp), dimension((size(p) - 1)/search_block + 1) :: lowest, highest, thinnest, ln_mu, &
          slope, other_slope, bound
       integer :: b, first, last
 
       do b = 1, size(bound)
-         first = (b - 1)*block_size + 1
-         last = min(b*block_size, size(p))
+         first = (b - 1)*search_block + 1
+         last = min(b*search_block, size(p))
          lowest(b) = minval(p(first:last))
          highest(b) = maxval(p(first:last))
          thinnest(b) = minval(h(first:last))
@@ -85,8 +85,8 @@ contains
       largest = 0.0_wp
       do while (maxval(bound) > largest)
          b = maxloc(bound, 1)
-         first = (b - 1)*block_size + 1
-         last = min(b*block_size, size(p))
+         first = (b - 1)*search_block + 1
+         last = min(b*search_block, size(p))
          largest = max(largest, rise_of(fluid, couette, p(first:last), h(first:last)))
          bound(b) = 0.0_wp
       end do

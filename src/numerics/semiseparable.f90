@@ -24,6 +24,7 @@ module semiseparable
    !> 10 on 2^20. Measured on up to 2^17 intervals: with a number that grows as ln n GMRES takes the
    !> same iterations, with six it takes more.
    integer, parameter, public :: terms = 8
+   integer, parameter :: q = terms
 
    !> kappa(d) ~ constant - sum_l weight(l) exp(-rate(l) d), d = 0..n.
    type :: exponential_sum_t
@@ -101,7 +102,6 @@ contains
       real(wp), allocatable :: matrix(:, :), solution(:), work(:)
       integer, allocatable :: pivots(:)
       real(wp) :: longest
-      integer, parameter :: q = terms
       integer :: l, n, rank, info
 
       n = size(points)
