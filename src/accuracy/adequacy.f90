@@ -1,15 +1,11 @@
 !> How much each ingredient of the model and each numerical choice changes the quantities of a
-!> result, and the verdict: needed, small or irrelevant at the accuracy that counts.
+!> result, and the verdict: needed, small or irrelevant at the accuracy that counts; and decisions
+!> on the ingredients before a run, their reasons, and their consequences for the contact and for
+!> the errors of its result.
 !>
 !> The change of a quantity is that by leaving the ingredient out, relative to its value with it.
 !> Changes by ingredients come from coarse runs (module ablation_runs); those by numerical choices
 !> are the error estimates of the result.
-!>
-!> And decisions on the ingredients before a run, their reasons, and their consequences for the
-!> contact and for the errors of its result.
-!>
-!> The verdict on a change by leaving something out: needed, small or irrelevant at the accuracy
-!> that counts.
 module adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: exceeds, not_known, quotient, wp

@@ -1,10 +1,10 @@
-!> Error estimates of the quantities of a result: grid and time step (module
-!> split_errors), inlet (inlet_errors), an outlet that cuts off the film, iteration, and what was
-!> left out of the model; their sum, or the reason why it is not known.
+!> Error estimates of the quantities of a result: grid and time step, inlet (module inlet_errors),
+!> an outlet that cuts off the film, iteration, and what was left out of the model; their sum, or
+!> the reason why it is not known.
 !>
-!> Errors of every quantity by grid and time step, from runs of the same case on n/2 and n/4
-!> intervals (transients: with twice and four times the time step; first-order schemes: these and
-!> one on n by the second-order scheme). Rules: modules grid_errors, pressure_errors.
+!> Errors by grid and time step follow from runs of the same case on n/2 and n/4 intervals
+!> (transients: with twice and four times the time step; first-order schemes: these and one on n by
+!> the second-order scheme). Rules: modules grid_errors, split_errors, pressure_errors.
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves

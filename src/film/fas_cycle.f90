@@ -1,5 +1,5 @@
 !> Full approximation scheme for the line contact: smoothing, restriction, exact coarsest level,
-!> prolongation.
+!> prolongation; and its smoothers.
 !>
 !> Source: Brandt 1977; thesis section 2.4.4 and 2.7; Venner & Lubrecht, Multilevel Methods in
 !> Lubrication, 2000. The cycle converges at the cavitation point (measured, see the theory page)
@@ -8,10 +8,9 @@
 !> by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not be a
 !> coarse node.
 !>
-!> Smoothers of the line contact: Block-Jacobi as in the thesis, and two that need fewer sweeps.
-!>
-!> Each makes ONE sweep on one level from the operator, coefficients and deflection evaluated just
-!> before it, and keeps P >= 0.
+!> Smoothers: Block-Jacobi as in the thesis, and two that need fewer sweeps. Each makes ONE sweep on
+!> one level from the operator, coefficients and deflection evaluated just before it, and keeps P >=
+!> 0.
 module fas_cycle
    use kinds, only: wp
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &

@@ -1,22 +1,16 @@
-!> Integrates the shear stress in the film of a line contact to friction and power.
+!> Shear stress in the film of a line contact, on both walls and between them, the velocity of the
+!> oil across it, friction and power, and T_max and the largest slope of module line_state.
 !>
-!> With the stress tau, the flow turns into heat at every place
+!> Across the film the stress is linear, tau = tau_m + (z - h/2) dp/dx with z from surface 1 to
+!> surface 2, (2.6): tau_m is the mean, given by the flow law and u2 - u1, and the walls have tau_m
+!> -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. The flow turns
+!> into heat at every place
 !>
 !>     Int tau du/dz dz = tau_m (u2 - u1) + S h^3/(12 mu) (dp/dx)^2 ,
 !>
 !> the sliding and the rolling power. Stresses are in units of p_h b/R, forces per length in p_h
-!> b^2/R, powers per length in that times u1 + u2. Cavitated film (P = 0) does not count: how much
-!> of the width oil fills there is not known.
-!>
-!> Shear stress in the film of a line contact, on both walls and between them, and the velocity of
-!> the oil across it.
-!>
-!> Across the film the stress is linear, tau = tau_m + (z - h/2) dp/dx with z from surface 1 to
-!> surface 2, (2.6): tau_m is the mean, given by the flow law and u2 - u1, and the walls have tau_m
-!> -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units of p_h
-!> b/R.
-!>
-!> Computes T_max and the largest slope of a film, see module line_state.
+!> b^2/R, powers per length in that times u1 + u2. Cavitated film (P = 0) does not count in friction
+!> and power: how much of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use flow_law, only: block_size => slip_block, largest_exponent

@@ -1,9 +1,8 @@
-!> The lubricated line contact in dimensionless form: all data of (2.57)-(2.64) of the thesis.
+!> The lubricated line contact in dimensionless form, all data of (2.57)-(2.64) of the thesis, and
+!> the choices of the caller for its numerical solution: domain, time steps, method.
 !>
-!> Choices of the caller for the numerical solution: domain, time steps, method.
-!>
-!> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words
-!> are lower case.
+!> Choices are plain records. A value of zero (or below) means "chosen by the program"; words are
+!> lower case.
 module line_contact
    use asperities, only: asperities_t
    use duty, only: duty_t

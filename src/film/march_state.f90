@@ -1,5 +1,6 @@
 !> State of a transient after a time step: everything that later steps depend on, so that an
-!> interrupted run resumes without changing a bit of its result.
+!> interrupted run resumes without changing a bit of its result; also of the full momentum
+!> equations, with the prediction of the next film from the last ones.
 !>
 !> Weights of the time schemes for steps of unequal length, and the lengths with which BDF2 begins.
 !>
@@ -8,10 +9,6 @@
 !> which no later step removes from the largest error over all times. The first steps are therefore
 !> divided into parts. With parts of length ~ dT (T/dT)^0.6 every part has about the same error
 !> (graded steps: H. Brunner, Math. Comp. 45, 1985, 417).
-!>
-!> State of the march of the full momentum equations: everything that its later steps and its result
-!> depend on, so that an interrupted run resumes without changing a bit; and the prediction of the
-!> next film from the last ones.
 module march_state
    use film_state, only: film_state_t
    use iteration_report, only: report_t

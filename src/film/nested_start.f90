@@ -1,8 +1,6 @@
 !> First approximations: nested exact solutions and full multigrid, the Hertz pressure, or the
-!> solution on a graded grid.
-!>
-!> The first solution of a contact whose asperities touch: from the speed at which the film clears
-!> them, down to its own.
+!> solution on a graded grid; of a contact whose asperities touch, from the speed at which the film
+!> clears them, down to its own.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use contact_moment, only: clearing_film, film_estimate, film_with_viscosity, own_contact, &

@@ -220,17 +220,15 @@ contains
       choice = 'load_per_length [N/m], load [N] or hertz_pressure [Pa]'
       if (values%problem == lubricated) then
          keys = [character(len=16) :: 'load_per_length', 'load', 'hertz_pressure']
-         fault = 'found more than one load, expected one of '//joined(keys, ', ')
       else if (values%problem == point) then
          keys = [character(len=16) :: 'load', 'hertz_pressure']
-         fault = 'found more than one load, expected one of '//joined(keys, ', ')
          choice = 'load [N] or hertz_pressure [Pa]'
       else
          keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', merge('load_per_length', &
             'load           ', values%problem == 'dry_line'), 'separation']
-         fault = 'found more than one load, expected one of '//joined(keys, ', ')
          choice = 'mean_pressure [Pa], hertz_pressure [Pa], '//trim(keys(3))//' or separation [m]'
       end if
+      fault = 'found more than one load, expected one of '//joined(keys, ', ')
       given = 0
       do i = 1, size(keys)
          if (.not. values%is_given('load', trim(keys(i)))) cycle

@@ -1,6 +1,6 @@
 !> Poses the full momentum equations of the film of a line contact on a level of its solution, and
-!> solves them from a solution of the Reynolds equation on the same grid, by
-!> Newton's method or, if that fails, by continuation.
+!> solves them from a solution of the Reynolds equation on the same grid, by Newton's method or, if
+!> that fails, by continuation.
 !>
 !> delta^2, the square of the slope scale, grows from 0, where the solution is that of the Reynolds
 !> equation, to its value; each solution is the first approximation of the next.
