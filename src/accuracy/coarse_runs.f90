@@ -10,7 +10,7 @@ module coarse_runs
    use listener, only: listener_t
    use quantities, only: x_cavitation
    use line_contact, only: max_chosen
-   use split_errors, only: predicted_values, orders_in_time
+   use grid_errors, only: predicted_values, orders_in_time
    implicit none (type, external)
    private
 

@@ -4,12 +4,12 @@
 !>
 !> Errors by grid and time step follow from runs of the same case on n/2 and n/4 intervals
 !> (transients: with twice and four times the time step; first-order schemes: these and one on n by
-!> the second-order scheme). Rules: modules grid_errors, split_errors, pressure_errors.
+!> the second-order scheme). Rules: modules grid_errors, pressure_errors.
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
-   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, error_on_grids, &
-      kappa_share, limit_in_time, orders, safety
+   use grid_errors, only: apart_t, apply_forecast, error_by_reference, error_from_levels, &
+      error_in_time, error_on_grids, forecast_t, kappa_share, limit_in_time, orders, safety
    use inlet_errors, only: inlet_change_t, inlet_shares
    use iteration_report, only: report_t
    use kinds, only: exceeds, larger, not_known, wp
@@ -20,7 +20,6 @@ module error_bars
    use quantities, only: asperity_share, boundary_friction, friction_coefficient, h_central, &
       is_chance, p_max, quantity_count, quantity_rows, rule_between, rule_crest, rule_first, &
       rule_node, sliding_rows
-   use split_errors, only: apart_t, apply_forecast, forecast_t
    use wave_resolution, only: unseen_waves
    implicit none (type, external)
    private

@@ -29,7 +29,7 @@ module measured_adequacy
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
    use quantities, only: quantity_count
-   use split_errors, only: time_errors
+   use grid_errors, only: time_errors
    implicit none (type, external)
    private
 

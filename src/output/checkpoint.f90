@@ -21,7 +21,7 @@ module checkpoint
    use march_state, only: excess_t, march_state_t, max_excesses, momentum_history_t, past_t
    use passage_extremes, only: passage_extremes_t
    use line_contact, only: word_length
-   use split_errors, only: forecast_t
+   use grid_errors, only: forecast_t
    use text, only: to_text
    implicit none (type, external)
    private
