@@ -6,8 +6,11 @@
 !>
 !> of first order in the wedge at i = 1; P >= 0, r <= 0, P r = 0. The logarithmic mean L(a, b) =
 !> (a - b)/(ln a - ln b) is exact where ln mu is linear, and Q never falls with the pressure that
-!> drives it, however steep ln mu is: the arithmetic mean of e has twice the error.
+!> drives it, however steep ln mu is: the arithmetic mean of e has twice the error. The gradient
+!> thins an Eyring oil further: P2 - P1 is then what drives as much oil as F of module eyring_plane,
+!> for ln mu and H in the middle of the face, over its limit S Sigma.
 module point_equations
+   use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use mobility, only: mean_fluidity
    use flow_law, only: largest_exponent
    use kinds, only: wp
@@ -22,12 +25,13 @@ module point_equations
    public :: evaluate, multiply_bands
 
    !> What a row of nodes is made of, by column: P, H, E, rho, rho', then ln of the effective
-   !> viscosity along x and its slopes by P and H; the same across.
+   !> viscosity along x and its slopes by P and H; the same across; ln of the viscosity, its slope.
    integer, parameter :: of_p = 1, of_h = 2, of_e = 3, of_rho = 4, of_drho = 5, along_x = 6, &
-      along_y = 9, node_columns = 11
-   !> What a face has: flux, flow by P1 and P2 with E as it is, change with P1, P2, H1, H2.
+      along_y = 9, plain = 12, node_columns = 13
+   !> What a face has: flux, flow by P1 and P2 with E as it is, change with P1, P2, H1, H2, with the
+   !> slope of P across.
    integer, parameter :: flux = 1, flow_1 = 2, flow_2 = 3, by_p1 = 4, by_p2 = 5, by_h1 = 6, &
-      by_h2 = 7, face_columns = 7
+      by_h2 = 7, by_turn = 8, face_columns = 8
    !> A node's flow is strong if both faces along X have more than this share of the wedge.
    real(wp), parameter :: strong_flow = 0.43_wp
    !> Least B of sliding: below it both effective viscosities are that of the oil.
@@ -45,6 +49,8 @@ contains
       real(wp) :: floors(level%threads)
       integer :: t
 
+      if (thins(contact%fluid) .and. .not. allocated(level%corners)) allocate ( &
+         level%corners(4, 0:level%nx, 0:level%ny), source=0.0_wp)
       !$omp parallel do num_threads(level%threads) schedule(static)
       do t = 1, level%threads
          call evaluate_rows(level, contact, has_bands, share_end(t - 1, level%threads, level%ny &
@@ -71,15 +77,15 @@ contains
          before)
       call fill_nodes(contact, level%nx, level%pressure(:, first), level%film(:, first), &
          nodes(:, :, 1))
-      call fill_faces(level%nx, 0, before, nodes(:, :, 1), along_y, across(:, :, 1))
+      call fill_faces(level, contact, first - 1, along_y, before, nodes(:, :, 1), across(:, :, 1))
       do j = first, last
          old = mod(j - first + 1, 2)
          new = 1 - old
          call fill_nodes(contact, level%nx, level%pressure(:, j + 1), level%film(:, j + 1), &
             nodes(:, :, new))
-         call fill_faces(level%nx, 0, nodes(:, :, old), nodes(:, :, new), along_y, &
+         call fill_faces(level, contact, j, along_y, nodes(:, :, old), nodes(:, :, new), &
             across(:, :, new))
-         call fill_faces(level%nx, 1, nodes(:, :, old), nodes(:, :, old), along_x, along)
+         call fill_faces(level, contact, j, along_x, nodes(:, :, old), nodes(:, :, old), along)
          call assemble_row(level, j, nodes(:, :, old), along, across(:, :, old), across(:, :, new))
          if (has_bands) call assemble_bands(level, j, nodes(:, :, old), along, across(:, :, old), &
             across(:, :, new))
@@ -103,6 +109,7 @@ contains
       call fluid_viscosity(contact%fluid, p, nodes(:, along_x), nodes(:, along_x + 1))
       nodes(:, along_x + 2) = 0.0_wp
       nodes(:, along_y:along_y + 2) = nodes(:, along_x:along_x + 2)
+      nodes(:, plain:plain + 1) = nodes(:, along_x:along_x + 1)
       if (thins(contact%fluid)) then
          b = max(sliding_number(contact%fluid)*exp(min(nodes(:, along_x), largest_exponent))/h, &
             least_sliding)
@@ -117,36 +124,114 @@ contains
       end if
    end subroutine fill_nodes
 
-   !> Fills the columns of the faces between the nodes i of row `one` and i + `shift` of row `two`;
-   !> `axis`: first column of their viscosity along it.
-   pure subroutine fill_faces(nx, shift, one, two, axis, faces)
-      integer, intent(in) :: nx, shift, axis
-      real(wp), intent(in) :: one(0:nx, node_columns), two(0:nx, node_columns)
-      real(wp), intent(out) :: faces(0:nx, face_columns)
-      real(wp), dimension(0:nx - shift) :: exponent, fluidity, shape_factor, slant
-      real(wp) :: drop, e, mean, slope_1, slope_2
-      integer :: i, k
+   !> Fills the columns of the faces between the nodes i of row `one` = `j` and i + 1 of it, or i of
+   !> row `two` = j + 1; `axis`: first column of the viscosity along it.
+   pure subroutine fill_faces(level, contact, j, axis, one, two, faces)
+      type(point_level_t), intent(in) :: level
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: j, axis
+      real(wp), intent(in) :: one(0:level%nx, node_columns), two(0:level%nx, node_columns)
+      real(wp), intent(out) :: faces(0:level%nx, face_columns)
+      real(wp), dimension(0:level%nx - merge(1, 0, axis == along_x)) :: drop, exponent, fluidity, &
+         shape_factor, slant
+      real(wp), dimension(0:4, 0:level%nx) :: slopes
+      real(wp) :: e, mean, slope_1, slope_2
+      integer :: i, k, last, shift
+      logical :: thinned
 
-      call mean_fluidity(one(:nx - shift, axis), two(shift:, axis), exponent, shape_factor, slant)
+      last = ubound(drop, 1)
+      shift = level%nx - last
+      call mean_fluidity(one(:last, axis), two(shift:, axis), exponent, shape_factor, slant)
       fluidity = exp(exponent)*shape_factor
-      do i = 0, nx - shift
+      drop = two(shift:, of_p) - one(:last, of_p)
+      thinned = thins(contact%fluid)
+      if (thinned) then
+         slopes(0, :last) = drop
+         call thin_drops(level, contact, j, axis, one, two, slopes(:, :last))
+         drop = slopes(0, :last)
+      end if
+      do i = 0, last
          k = i + shift
          mean = fluidity(i)
-         drop = two(k, of_p) - one(i, of_p)
-         slope_1 = -0.5_wp*mean*drop*(1 + slant(i))
-         slope_2 = -0.5_wp*mean*drop*(1 - slant(i))
+         slope_1 = -0.5_wp*mean*drop(i)*(1 + slant(i))
+         slope_2 = -0.5_wp*mean*drop(i)*(1 - slant(i))
          e = 0.5_wp*(one(i, of_e) + two(k, of_e))
-         faces(i, flux) = e*mean*drop
+         faces(i, flux) = e*mean*drop(i)
          faces(i, flow_1) = e*(mean - slope_1*one(i, axis + 1))
          faces(i, flow_2) = e*(mean + slope_2*two(k, axis + 1))
-         faces(i, by_p1) = 0.5_wp*mean*drop*one(i, of_e)*one(i, of_drho)/one(i, of_rho) &
+         if (thinned) then
+            ! a change of ln mu and of ln H in the middle is half of that of a node
+            faces(i, flow_1) = faces(i, flow_1) + e*mean*(slopes(1, i) - 0.5_wp*slopes(3, &
+               i)*one(i, plain + 1))
+            faces(i, flow_2) = faces(i, flow_2) + e*mean*(slopes(1, i) + 0.5_wp*slopes(3, &
+               i)*two(k, plain + 1))
+            faces(i, by_turn) = e*mean*slopes(2, i)
+         end if
+         faces(i, by_p1) = 0.5_wp*mean*drop(i)*one(i, of_e)*one(i, of_drho)/one(i, of_rho) &
             - faces(i, flow_1)
-         faces(i, by_p2) = 0.5_wp*mean*drop*two(k, of_e)*two(k, of_drho)/two(k, of_rho) &
+         faces(i, by_p2) = 0.5_wp*mean*drop(i)*two(k, of_e)*two(k, of_drho)/two(k, of_rho) &
             + faces(i, flow_2)
-         faces(i, by_h1) = 1.5_wp*mean*drop*one(i, of_e)/one(i, of_h) + e*slope_1*one(i, axis + 2)
-         faces(i, by_h2) = 1.5_wp*mean*drop*two(k, of_e)/two(k, of_h) + e*slope_2*two(k, axis + 2)
+         faces(i, by_h1) = 1.5_wp*mean*drop(i)*one(i, of_e)/one(i, of_h) &
+            + e*slope_1*one(i, axis + 2)
+         faces(i, by_h2) = 1.5_wp*mean*drop(i)*two(k, of_e)/two(k, of_h) &
+            + e*slope_2*two(k, axis + 2)
+         if (thinned) then
+            faces(i, by_h1) = faces(i, by_h1) + 0.5_wp*e*mean*slopes(4, i)/one(i, of_h)
+            faces(i, by_h2) = faces(i, by_h2) + 0.5_wp*e*mean*slopes(4, i)/two(k, of_h)
+         end if
       end do
    end subroutine fill_faces
+
+   !> Turns the drops P2 - P1 of `fill_faces`, `drops(0, :)`, into those that drive as much oil
+   !> without thinning by the gradient, and sets their change with P2 - P1, less 1, with the slope
+   !> of P across, with ln mu, and with ln H.
+   pure subroutine thin_drops(level, contact, j, axis, one, two, drops)
+      type(point_level_t), intent(in) :: level
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: j, axis
+      real(wp), intent(in) :: one(0:level%nx, node_columns), two(0:level%nx, node_columns)
+      real(wp), intent(inout) :: drops(0:, 0:)
+      type(plane_flow_t) :: plane
+      real(wp) :: b, curve, h, ln_b, scale, share, sigma(2), spacing, unit
+      integer :: i, k, of
+
+      drops(1:, :) = 0.0_wp
+      of = merge(1, 2, axis == along_x)
+      spacing = merge(level%hx, level%hy, of == 1)
+      do i = of - 1, ubound(drops, 2) - (of - 1)
+         k = i + 2 - of
+         h = sqrt(one(i, of_h)*two(k, of_h))
+         unit = contact%fluid%rheology%sigma_scale*h
+         associate (p => level%pressure)
+            if (of == 1) then
+               sigma = [drops(0, i)/level%hx, 0.25_wp*sum(p(i:k, j + 1) - p(i:k, j - 1))/level%hy]
+            else
+               sigma = [0.25_wp*sum(p(i + 1, j:j + 1) - p(i - 1, j:j + 1))/level%hx, &
+                  drops(0, i)/level%hy]
+            end if
+         end associate
+         sigma = unit*sigma
+         if (norm2(sigma) < least_sigma) cycle
+         ln_b = contact%fluid%rheology%ln_b_scale + 0.5_wp*(one(i, plain) + two(k, plain)) - log(h)
+         plane = plane_flow(sigma, ln_b)
+         b = max(exp(min(ln_b, 0.5_wp*largest_exponent)), least_sliding)
+         share = b/hypot(1.0_wp, b)
+         if (of == 1) then
+            scale = log(hypot(1.0_wp, b))
+            curve = share**2
+         else
+            scale = log(b/asinh(b))
+            curve = 1 - share/asinh(b)
+         end if
+         ! over the slip factor of the limit, from Sigma to drops
+         scale = exp(plane%growth - scale)*spacing/unit
+         drops(0, i) = scale*plane%flow(of)
+         drops(1, i) = scale*plane%by_sigma(of, of)*unit/spacing - 1
+         drops(2, i) = scale*plane%by_sigma(of, 3 - of)*unit
+         drops(3, i) = scale*plane%by_ln_b(of) - drops(0, i)*curve
+         drops(4, i) = scale*dot_product(plane%by_sigma(of, :), sigma) - drops(0, i) - drops(3, i)
+      end do
+   end subroutine thin_drops
 
    !> Residual and diagonal of row `j`; face i lies between nodes i and i + 1.
    pure subroutine assemble_row(level, j, nodes, along, below, above)
@@ -212,12 +297,30 @@ contains
             p(3, i, j) = p(3, i, j) - level%inverse_time_step*nodes(i, of_drho)*nodes(i, of_h)
             h(3, i, j) = h(3, i, j) - level%inverse_time_step*nodes(i, of_rho)
             if (i == 1) w = wedge_weights(2)/level%hx
+            if (allocated(level%corners)) call add_turns(i, p(:, i, j), level%corners(:, i, j))
             level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
                ix*along(i - 1, flow_2)) > strong)
          end do
       end associate
 
    contains
+
+      !> Adds the changes with the slopes of P across the faces of node `i` to those with its
+      !> neighbours, and sets those with the corners (i-1, j-1), (i+1, j-1), (i-1, j+1), (i+1, j+1).
+      pure subroutine add_turns(i, p, corners)
+         integer, intent(in) :: i
+         real(wp), intent(inout) :: p(:)
+         real(wp), intent(out) :: corners(:)
+         real(wp) :: left, right, lower, upper
+
+         left = ix*along(i - 1, by_turn)/(4*level%hy)
+         right = ix*along(i, by_turn)/(4*level%hy)
+         lower = iy*below(i, by_turn)/(4*level%hx)
+         upper = iy*above(i, by_turn)/(4*level%hx)
+         p([2, 4]) = p([2, 4]) + (upper - lower)*[-1, 1]
+         p(5:6) = p(5:6) + (right - left)*[-1, 1]
+         corners = [left + lower, -right - lower, -left - upper, right + upper]
+      end subroutine add_turns
 
       !> Change of the flow of all nodes with P or H, by the columns of the two nodes of a face.
       pure subroutine set_flow(change, one, two)
@@ -263,6 +366,11 @@ contains
                   + h(2, i, j)*change(i - 1, j) + h(3, i, j)*change(i, j) &
                   + h(4, i, j)*change(i + 1, j) + h(5, i, j)*change(i, j - 1) &
                   + h(6, i, j)*change(i, j + 1))
+            end do
+            if (.not. allocated(level%corners)) cycle
+            do i = 1, nx - 1
+               y(i, j) = y(i, j) + level%flowing(i, j)*(sum(level%corners(1:2, i, j)*v(i - 1:i &
+                  + 1:2, j - 1)) + sum(level%corners(3:4, i, j)*v(i - 1:i + 1:2, j + 1)))
             end do
          end do
          !$omp end parallel do

@@ -49,6 +49,8 @@ module point_level
       real(wp) :: floor = 0.0_wp
       !> Jacobian (bands, 0:nx, 0:ny): change of r with P and with H.
       real(wp), allocatable :: by_pressure(:, :, :), by_film(:, :, :)
+      !> The same with P at (i-+1, j-1), (i-+1, j+1) of an oil that thins, else not allocated.
+      real(wp), allocatable :: corners(:, :, :)
       !> 1 where the flow is strong beside the wedge, else 0; d ln mu/dP along X.
       real(wp), allocatable :: is_local(:, :), rise(:, :)
    end type point_level_t

@@ -1,13 +1,14 @@
 !> Main quantities of a point contact in the table of line contacts (module quantities), those of a
 !> line on y = 0, and their errors from the grids of its nested start and a longer domain.
 module point_quantities
+   use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use features, only: surface_height
    use grid_errors, only: error_on_grids, orders, safety
    use kinds, only: exceeds, not_known, pi, wp
    use line_contact, only: finest_wave
    use line_state, only: friction_t, line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress
+   use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
    use point_level, only: load_on, point_level_t
    use pressure_errors, only: allow_for_spike, shear_doubt, spike_law_t
@@ -88,7 +89,8 @@ contains
       integer, intent(in) :: first, last
       type(friction_t) :: forces
       real(wp), dimension(0:level%nx) :: ln_mu, stress
-      real(wp) :: flow, slope(2)
+      real(wp) :: flow, sigma(2), slope(2)
+      type(plane_flow_t) :: plane
       integer :: i, j
 
       forces%sliding_speed = 0.5_wp*contact%slide_to_roll
@@ -97,15 +99,23 @@ contains
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
             call evaluate_stress(contact%fluid, contact%lambda/12*contact%slide_to_roll, 0*ln_mu, &
                1/h(:, j), ln_mu, stress)
-            stress = limited_stress(contact%fluid, p(:, j), stress)
             each_node: do i = 1, level%nx - 1
                if (.not. p(i, j) > 0.0_wp) cycle each_node
                slope = [0.5_wp*(p(i + 1, j) - p(i - 1, j))/dx, 0.5_wp*(p(i, j + 1) - p(i, j &
                   - 1))/dy]
-               flow = 0.5_wp*h(i, j)**3*exp(-ln_mu(i))/contact%lambda
-               forces%sliding = forces%sliding + dx*dy*stress(i)
+               flow = 0.5_wp*h(i, j)**3*exp(-ln_mu(i))/contact%lambda*sum(slope**2)
+               sigma = wall_stress(contact%fluid, h(i, j)*slope)
+               if (norm2(sigma) > least_sigma) then
+                  plane = plane_flow(sigma, contact%fluid%rheology%ln_b_scale + ln_mu(i) &
+                     - log(h(i, j)))
+                  flow = flow*dot_product(plane%flow, sigma)/sum(sigma**2)*exp(plane%growth)
+                  if (abs(stress(i)) > 0.0_wp) stress(i) = sign(0.5_wp*plane%stress(1) &
+                     /contact%fluid%rheology%sigma_scale, stress(i))
+               end if
+               forces%sliding = forces%sliding + dx*dy*limited_stress(contact%fluid, p(i, j), &
+                  stress(i))
                forces%rolling = forces%rolling + dx*dy*0.5_wp*h(i, j)*slope(1)
-               forces%rolling_power = forces%rolling_power + dx*dy*flow*sum(slope**2)
+               forces%rolling_power = forces%rolling_power + dx*dy*flow
             end do each_node
          end do each_row
       end associate

@@ -12,6 +12,7 @@ module point_solver
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, summary_of_point
    use quantities, only: central_value, h_central, h_min
+   use lubricant, only: eased_fluid, thins
    use line_contact, only: solver_settings_t, steady_tolerance, time_settings_t
    use text, only: to_text
    use transfer, only: prolong_cubic
@@ -24,6 +25,8 @@ module point_solver
    real(wp), parameter :: start_film = 1.5_wp
    !> Most Newton steps on a grid.
    integer, parameter :: most_steps = 60
+   !> Stress scales, each twice the next, of a start that fails with that of the fluid.
+   integer, parameter :: easings = 5
 
    !> How to solve a contact, and its solution with the quantities on all grids.
    type :: point_run_t
@@ -74,6 +77,8 @@ contains
             end if
             call solve_point_newton(newton, contact, tolerance_of(run, steady_tolerance), &
                run%settings%max_cycles, listener, report)
+            if (thins(contact%fluid) .and. .not. (report%converged .or. allocated(coarse))) call &
+               ease_in(run, contact, listener, report)
             run%work = reshape([run%work, newton%steps, newton%iterations], [2, size(run%work, 2) &
                + 1])
             report%numbers%levels = size(newton%hierarchy%levels)
@@ -96,6 +101,26 @@ contains
       contact%domain%intervals = nx
       contact%domain%rows = ny
    end subroutine solve_point_steady
+
+   !> Solves the first grid for higher stress scales that fall to that of the fluid, each from the
+   !> one before: heavy contacts of an oil that thins by much.
+   subroutine ease_in(run, contact, listener, report)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(in) :: contact
+      class(listener_t), intent(inout) :: listener
+      type(report_t), intent(inout) :: report
+      type(point_contact_t) :: easy
+      integer :: power
+
+      easy = contact
+      call start_dry(contact, run%newton%hierarchy%levels(1))
+      do power = easings, 0, -1
+         easy%fluid = eased_fluid(contact%fluid, 2.0_wp**power)
+         call solve_point_newton(run%newton, easy, tolerance_of(run, steady_tolerance), &
+            run%settings%max_cycles, listener, report)
+         if (.not. report%converged) return
+      end do
+   end subroutine ease_in
 
    !> Whether the errors of the films by the last grid are within the target.
    pure logical function meets_target(run, contact) result(is_met)
