@@ -19,7 +19,7 @@ WERROR ?= 0
 # allocatable, counts as uninitialized.
 # Of no use: allocatable results are taken for uninitialized, a clock in `a .or. clock() > b` need not be read, and an index
 # that an `if` guards counts as out of bounds (the checked build looks at run time).
-COMMON := -std=f2018 -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uninitialized -Wno-function-elimination -Wno-do-subscript $(if $(filter 1,$(WERROR)),-Werror)
+COMMON := -std=f2018 -fimplicit-none -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uninitialized -Wno-function-elimination -Wno-do-subscript $(if $(filter 1,$(WERROR)),-Werror)
 # With OpenMP some of these results even count as certainly uninitialized; the checked build looks for what is.
 RELEASE := $(COMMON) -Wno-uninitialized -fopenmp $(OPT) -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow

@@ -6,15 +6,13 @@ module case_notes
    use domain_choice, only: find_finest_moment, inlet_error
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, wp
    use line_contact, only: rough_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use missing_value, only: exceeds
-   use quantity_text, only: duration_text, prefixed_text
    use quantities, only: h_central, h_min, quantity_rows
    use run_observer, only: run_observer_t
-   use text, only: add_sentence, to_text
+   use text, only: add_sentence, duration_text, prefixed_text, to_text
    use wave_resolution, only: coarse_waves, intervals_at_least, long_steps
    implicit none (type, external)
    private

@@ -8,8 +8,7 @@ module film_momentum
    use line_state, only: line_state_t
    use momentum_march, only: momentum_march_t
    use field_sections, only: difference_sentence
-   use momentum_setup, only: walls_t
-   use momentum_solver, only: solve_film_momentum
+   use momentum_solver, only: solve_film_momentum, walls_t
    use run_observer, only: run_observer_t
    use signals, only: begin_activity
    use system_limits, only: peak_memory

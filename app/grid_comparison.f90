@@ -15,12 +15,11 @@ module grid_comparison
    use experiment, only: experiment_t, new_experiment
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, without_surfaces
+   use line_contact, only: line_contact_t, time_settings_t, without_surfaces
    use line_state, only: line_state_t
    use listener, only: listener_t
    use run_observer, only: run_observer_t
    use signals, only: begin_activity, is_interrupted
-   use solver_settings, only: time_settings_t
    use system_limits, only: lubricated_memory, memory_fault, of_blas, processors, thread_memory
    use text, only: to_text
    use wall_clock, only: wall_seconds

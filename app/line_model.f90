@@ -1,6 +1,6 @@
 !> What a lubricated case could do without: chosen before its run, measured after it.
 module line_model
-   use adequacy, only: accuracy_for
+   use adequacy, only: accuracy_for, apply_model
    use adequacy_section, only: solved_text
    use case_record, only: case_t, set_effective
    use domain_choice, only: choose_anew
@@ -13,7 +13,6 @@ module line_model
    use line_summary, only: summary_of
    use measured_adequacy, only: full_cost, measure_adequacy, solved_t
    use model_choice, only: choose_model
-   use model_decision, only: apply_model
    use run_observer, only: run_observer_t
    use text, only: to_text
    use wall_clock, only: wall_seconds

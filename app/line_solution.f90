@@ -3,22 +3,20 @@
 module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_target, note_unusual, &
       time_text
-   use case_effective, only: list_passage
-   use case_record, only: case_t, set_effective
+   use case_record, only: case_t, list_passage, set_effective
    use closing_table, only: breakdown_sentence
    use coarse_runs, only: side_runs_t
-   use error_bars, only: error_bars_t, new_error_bars
+   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
-   use grid_estimates, only: copy_coarser
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
-   use model_decision, only: model_choice_t, number_choice_t
+   use adequacy, only: model_choice_t, number_choice_t
    use passage_times, only: new_passage_times, passage_note, passage_times_t
    use quantities, only: heated_rows
-   use quantity_text, only: number_text
+   use text, only: number_text
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
    use wall_clock, only: wall_seconds

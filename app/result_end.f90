@@ -7,19 +7,17 @@ module result_end
    use contact_moment, only: at_moment
    use closing_table, only: close_case, closing_words_t, spike_lines
    use errors, only: error_t
-   use shear_stresses, only: velocity_profile
+   use film_shear, only: velocity_profile
    use formulas_section, only: formula_lines, formulas_of
    use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
    use inlet_errors, only: film_loss
    use iteration_report, only: is_outside, report_t
-   use quantity_text, only: number_text
    use line_state, only: line_state_t
-   use missing_value, only: exceeds
+   use kinds, only: exceeds
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
-   use text, only: to_text
-   use validity, only: circumstances_t, limits_of
-   use validity_table, only: least_lambda_ratio, mixed_lubrication
+   use text, only: number_text, to_text
+   use validity, only: circumstances_t, least_lambda_ratio, limits_of, mixed_lubrication
    implicit none (type, external)
    private
 

@@ -10,8 +10,7 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use key_row, only: point
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
    use run_observer, only: run_observer_t

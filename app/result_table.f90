@@ -10,16 +10,14 @@ module result_table
    use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: ending_text, has_converged, has_not_converged
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    use quantities, only: quantity_rows
-   use quantity_text, only: number_text, prefixed_text
    use read_cases, only: status_bad_input
    use standard_streams, only: print_text, write_text
    use summary_row, only: csv_cell
-   use text, only: counted
+   use text, only: counted, number_text, prefixed_text
    use transient_store, only: read_progress
-   use validity_table, only: limit_rows, stokes_number, surface_slope
+   use validity, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 

@@ -1,9 +1,8 @@
 !> One lubricated point contact from its record to its result file and its exit status.
 module run_point_case
-   use case_effective, only: list_passage
    use case_notes, only: add_note, note_coarse_waves, note_target, note_unusual
    use case_outcome, only: case_outcome_t, outcome_of
-   use case_record, only: case_t, set_effective
+   use case_record, only: case_t, list_passage, set_effective
    use closing_table, only: close_case, closing_words_t
    use errors, only: error_t
    use iteration_report, only: phase_output, phase_transient, report_t

@@ -6,15 +6,13 @@ module bench_measure
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
-   use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use kinds, only: not_known, wp
+   use line_contact, only: line_contact_t, solver_settings_t, time_settings_t
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use listener, only: listener_t
    use march_state, only: march_state_t
-   use missing_value, only: not_known
    use resolution_choice, only: choose_resolution
-   use solver_settings, only: solver_settings_t, time_settings_t
    use ehl_line_solver, only: solve_ehl_line
    use wall_clock, only: wall_seconds
    implicit none (type, external)

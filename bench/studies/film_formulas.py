@@ -4,7 +4,7 @@
 Steel in mineral and synthetic oils, rolling, each contact with the viscosity of Roelands and Barus, with constant density and
 with that of Dowson and Higginson; each film to 0.3 % of the smallest. Each bias is given as the range of nine tenths of the
 contacts and the whole range; that of h_central with that density also without it. The tables are in docs/theory.md and
-src/physics/film_formulas.f90.
+src/physics/moes.f90.
 """
 
 from __future__ import annotations

@@ -8,26 +8,23 @@ module ablation_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_is_finite, &
       ieee_set_halting_mode, ieee_usual
    use ablations, only: contact_without, ingredient_t
-   use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence
+   use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence, no_solution
    use errors, only: error_t
-   use film_equation, only: set_film
-   use film_state, only: film_state_t
    use film_temperature, only: solve_warm
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, quotient, wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, new_level_of, roughness_at
-   use line_level, only: line_level_t, set_plain_problem
+   use line_level, only: line_level_t, set_film, set_plain_problem
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use line_summary, only: line_summary_t, value_between
    use listener, only: listener_t
-   use missing_value, only: exceeds, not_known, quotient
    use newton_work, only: newton_t
    use pressure_errors, only: doubt_spike
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
    use reynolds_line, only: evaluate_coefficients
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    use state_output, only: level_summary
-   use verdicts, only: no_solution
    implicit none (type, external)
    private
 

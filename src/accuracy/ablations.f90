@@ -4,9 +4,8 @@ module ablations
    use features, only: rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, smoothen, without_surfaces
-   use lubricant, only: density_constant, viscosity_barus, viscosity_constant, &
+   use lubricant, only: density_constant, eased_fluid, thins, viscosity_barus, viscosity_constant, &
       viscosity_roelands
-   use rheology, only: eased_fluid, thins
    use text, only: to_text
    implicit none (type, external)
    private

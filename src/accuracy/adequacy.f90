@@ -1,22 +1,51 @@
 !> How much each ingredient of the model and each numerical choice changes the quantities of a
-!> result, and the verdict: needed, small or irrelevant at the accuracy that counts.
+!> result, and the verdict: needed, small or irrelevant at the accuracy that counts; and decisions
+!> on the ingredients before a run, their reasons, and their consequences for the contact and for
+!> the errors of its result.
 !>
 !> The change of a quantity is that by leaving the ingredient out, relative to its value with it.
 !> Changes by ingredients come from coarse runs (module ablation_runs); those by numerical choices
 !> are the error estimates of the result.
 module adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, quotient, wp
+   use line_contact, only: line_contact_t, time_settings_t, without_surfaces
    use line_summary, only: line_summary_t
-   use missing_value, only: exceeds, not_known, quotient
    use quantities, only: h_min, p_central, quantity_count, quantity_rows
-   use verdicts, only: begin_row, irrelevant_share, judged_t, usual_accuracy, verdict_irrelevant, &
-      verdict_needed, verdict_of, verdict_small, verdict_unknown
+   use text, only: joined
    implicit none (type, external)
    private
 
-   public :: accuracy_for, adequacy_t, influence_t, is_plainly_needed, judge, new_influence, &
-      judge_at_rest
+   public :: accuracy_for, adequacy_t, apply_model, begin_row, influence_t, is_plainly_needed, &
+      judge, judge_at_rest, judged_t, model_choice_t, new_influence, number_choice_t, verdict_of, &
+      verdict_text, why_unknown
+
+   integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
+      verdict_irrelevant = 3
+
+   !> Relative error that counts without a target, and the share of it below which a change is
+   !> irrelevant.
+   real(wp), parameter, public :: usual_accuracy = 0.01_wp
+   real(wp), parameter :: irrelevant_share = 0.1_wp
+
+   !> Why a change is not known.
+   character(len=*), parameter, public :: no_solution = &
+      'coarse grids have no solution without it'
+
+   !> An ingredient or a numerical choice, and the verdict on it.
+   type :: judged_t
+      character(len=20) :: name = ''
+      !> What replaced it.
+      character(len=64) :: text = ''
+      !> Whether it is a numerical choice, whose change is the error estimate of the result.
+      logical :: is_numerical = .false.
+      integer :: verdict = verdict_unknown
+      !> Why the change of some quantity is not known, and why the verdict is not although all
+      !> changes are.
+      character(len=80) :: unknown = 'measuring it would cost more than is allowed'
+      character(len=80) :: doubt = &
+         'with their errors the changes lie on both sides of the accuracy'
+   end type judged_t
 
    !> Whether a quantity is compared: those of the closing table, where the largest pressure also
    !> stands for the central one.
@@ -59,7 +88,127 @@ module adequacy
       integer :: at_rest(2) = 0, in_time(2) = 0
    end type adequacy_t
 
+   !> Why an ingredient is kept or left out, short for the closing table and in full.
+   type :: reason_t
+      character(len=22) :: short
+      character(len=72) :: text
+   end type reason_t
+
+   integer, parameter, public :: cheap_steady = 1, cheap_passage = 2, cheap_in_motion = 3, &
+      too_high = 4, not_measured = 5, may_matter = 6, changes_little = 7, goes_along = 8, &
+      wanted = 9, at_rest = 10, start_counts = 11, never_steady = 12
+   type(reason_t), parameter, public :: reasons(*) = [ &
+      reason_t('cheap at rest', 'a steady contact is solved faster than measured'), &
+      reason_t('no cheaper without', 'a time step without it costs as much'), &
+      reason_t('no cheaper without', 'steady solutions at all places cost as much as time steps'), &
+      reason_t('too high', 'the roughness is too high for the film to leave it out'), &
+      reason_t('not measured', 'its influence could not be measured on coarse grids'), &
+      reason_t('may matter', 'it may change more than a quarter of the target'), &
+      reason_t('', 'it surely changes less than a quarter of the target'), &
+      reason_t('with roughness', 'it belongs to the roughness, which is left out'), &
+      reason_t('passage is wanted', 'film_thresholds and checkpoints need the passage'), &
+      reason_t('at rest', 'nothing that is rough moves, and the start is forgotten'), &
+      reason_t('the start counts', 'the quantities count from before the start is forgotten'), &
+      reason_t('stops or reverses', 'the contact stops or reverses: no steady film there')]
+
+   !> A number of the solution that was chosen or given.
+   type :: number_choice_t
+      !> Name; the numerical choice in /adequacy that its error belongs to (blank: none); whether it
+      !> was chosen or given; its value.
+      character(len=9) :: name
+      character(len=9) :: judged_as
+      character(len=12) :: decision
+      character(len=40) :: text
+   end type number_choice_t
+
+   !> The decision on each ingredient.
+   type :: model_choice_t
+      !> Not allocated: there was nothing to decide. Changes are known if they were measured.
+      type(influence_t), allocatable :: rows(:)
+      logical, allocatable :: is_left_out(:)
+      !> Rows of `reasons`.
+      integer, allocatable :: why(:)
+      !> Whether the transient is solved as a steady contact, and that with smooth surfaces; as a
+      !> steady contact at each moment.
+      logical :: is_steady = .false., is_smooth = .false., is_quasi_steady = .false.
+      !> Bound on the relative change of each quantity by what is left out; NaN: not known.
+      real(wp) :: influence(quantity_count) = 0.0_wp
+      !> Intervals of the grids on which it was measured; 0: it was not.
+      integer :: grids(2) = 0
+      !> Grid, domain, time step and method of the run; not allocated: not known yet.
+      type(number_choice_t), allocatable :: numbers(:)
+   end type model_choice_t
+
 contains
+
+   !> A row of which nothing is known yet, with its changes and their errors.
+   pure subroutine begin_row(name, text, row, change, error)
+      character(*), intent(in) :: name, text
+      type(judged_t), intent(out) :: row
+      real(wp), intent(out) :: change(:), error(:)
+
+      row%name = name
+      row%text = text
+      change = not_known()
+      error = not_known()
+   end subroutine begin_row
+
+   !> The verdict on relative changes with their errors: needed if one surely exceeds `accuracy`;
+   !> not known if one may, or is unknown; else irrelevant if all are below a tenth of it, with
+   !> `unseen` (default 0) added to each but not their errors.
+   pure integer function verdict_of(change, error, accuracy, unseen) result(verdict)
+      real(wp), intent(in) :: change(:), error(:), accuracy
+      real(wp), intent(in), optional :: unseen(:)
+      logical :: is_known(size(change))
+      real(wp), allocatable :: known(:), doubt(:)
+
+      verdict = verdict_unknown
+      is_known = ieee_is_finite(change) .and. ieee_is_finite(error)
+      known = abs(pack(change, is_known))
+      doubt = pack(error, is_known)
+      if (any(known - doubt > accuracy)) then
+         verdict = verdict_needed
+      else if (all(is_known)) then
+         if (any(known + doubt > accuracy)) return
+         if (present(unseen)) known = known + unseen
+         verdict = merge(verdict_irrelevant, verdict_small, all(known < irrelevant_share*accuracy))
+      end if
+   end function verdict_of
+
+   !> A verdict in words; a numerical choice that is needed reads as one to be refined.
+   pure function verdict_text(verdict, is_numerical) result(text)
+      integer, intent(in) :: verdict
+      logical, intent(in) :: is_numerical
+      character(:), allocatable :: text
+
+      select case (verdict)
+      case (verdict_needed)
+         text = 'needed'
+         if (is_numerical) text = 'too coarse'
+      case (verdict_small)
+         text = 'matters below the accuracy'
+      case (verdict_irrelevant)
+         text = 'irrelevant'
+      case default   ! verdict_unknown
+         text = 'not known'
+      end select
+   end function verdict_text
+
+   !> Why a `row` lacks the change of some of `quantities` (`is_told`: those known) or a verdict;
+   !> empty: it lacks nothing.
+   pure function why_unknown(row, quantities, is_told) result(text)
+      class(judged_t), intent(in) :: row
+      character(*), intent(in) :: quantities(:)
+      logical, intent(in) :: is_told(:)
+      character(:), allocatable :: text
+
+      text = ''
+      if (.not. all(is_told)) text = joined(pack(quantities, .not. is_told), ', ')//': ' &
+         //trim(row%unknown)
+      if (row%verdict /= verdict_unknown .or. .not. any(is_told)) return
+      if (text /= '') text = text//'; '
+      text = text//'the verdict: '//trim(row%doubt)
+   end function why_unknown
 
    !> A row of which nothing is known yet.
    pure function new_influence(name, text) result(row)
@@ -217,5 +366,23 @@ contains
          is_needed = is_needed .or. sure > row%left_out*max(plain_factor*accuracy, plain_change)
       end do
    end function is_plainly_needed
+
+   !> Sets contact and time to the chosen model.
+   pure subroutine apply_model(choice, contact, time)
+      type(model_choice_t), intent(in) :: choice
+      type(line_contact_t), intent(inout) :: contact
+      type(time_settings_t), intent(inout) :: time
+
+      if (choice%is_quasi_steady) then
+         time%scheme = 'quasi_steady'
+         time%tolerance = 0.0_wp
+      end if
+      if (.not. choice%is_steady) return
+      time = time_settings_t()
+      ! nothing enters any more
+      contact%surface_1%entry_length = 0.0_wp
+      contact%surface_2%entry_length = 0.0_wp
+      if (choice%is_smooth) contact = without_surfaces(contact)
+   end subroutine apply_model
 
 end module adequacy

@@ -2,16 +2,15 @@
 !> error bars.
 module coarse_runs
    use domain_choice, only: choose_domain, farthest, inlet_error
-   use error_bars, only: error_bars_t, new_error_bars
+   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, outcome_t, run_experiment
-   use grid_estimates, only: copy_coarser
    use inlet_errors, only: inlet_change_t
    use kinds, only: wp
    use listener, only: listener_t
    use quantities, only: x_cavitation
-   use solver_settings, only: max_chosen
-   use split_errors, only: predicted_values, orders_in_time
+   use line_contact, only: max_chosen
+   use grid_errors, only: predicted_values, orders_in_time
    implicit none (type, external)
    private
 

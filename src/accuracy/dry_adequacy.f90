@@ -10,11 +10,10 @@ module dry_adequacy
    use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes, &
       with_elements, without_fine_harmonics, without_images, without_rows, without_yield
    use errors, only: error_t
-   use kinds, only: wp
-   use missing_value, only: exceeds, larger, not_known, quotient
+   use kinds, only: exceeds, larger, not_known, quotient, wp
    use roughness, only: power_spectrum
    use text, only: to_text
-   use verdicts, only: begin_row, judged_t, usual_accuracy, verdict_of
+   use adequacy, only: begin_row, judged_t, usual_accuracy, verdict_of
    implicit none (type, external)
    private
 

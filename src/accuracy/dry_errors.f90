@@ -16,17 +16,15 @@
 !> next grid is the one predicted to meet the target.
 module dry_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use dry_problem, only: dry_grid_t, kernel_open, no_hardness
+   use dry_problem, only: dry_grid_t, kernel_open, max_nodes_to_refine, no_hardness
    use dry_quantities, only: compared_values, contact_area, corrected_area, datum, &
       dissipated_energy, dp_mean, dry_count, dry_outcome_t, dry_row_t, dry_table, elastic_energy, &
       factor_count, load, mean_separation, p_max, plastic_area, plasticity_index, separation, &
       yields
    use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes
-   use dry_solution, only: max_nodes_to_refine
    use errors, only: error_t
-   use even_grids, only: even_nodes
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use grid_transform, only: even_nodes
+   use kinds, only: not_known, wp
    implicit none (type, external)
    private
 

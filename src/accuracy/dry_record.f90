@@ -2,10 +2,9 @@
 !> once.
 module dry_record
    use, intrinsic :: iso_fortran_env, only: real32
-   use dry_problem, only: dry_grid_t, kernel_element, kernel_open, no_hardness
+   use dry_problem, only: dry_grid_t, dry_loads_t, dry_scaling_t, dry_settings_t, kernel_element, &
+      kernel_open, method_conjugate_gradient, new_dry_scaling, no_hardness
    use dry_quantities, only: dry_outcome_t, dry_row_t, mean_pressure
-   use dry_scaling, only: dry_scaling_t, new_dry_scaling
-   use dry_solution, only: dry_loads_t, dry_settings_t, method_conjugate_gradient
    use dry_sweep, only: solve_dry_sweep
    use errors, only: error_t, input_error
    use kinds, only: wp

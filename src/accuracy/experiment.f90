@@ -5,7 +5,7 @@ module experiment
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, solver_settings_t, time_settings_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t, relay_t
@@ -13,7 +13,6 @@ module experiment
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use quantities, only: h_min
-   use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
    private
 

@@ -2,7 +2,7 @@
 !>
 !> A feature that enters a contact at the speed dX/dT = s modulates the film. The oil carries that
 !> modulation on at the mean speed, dX/dT = 1, so that its wavenumber is k = 2 pi s/wavelength. It
-!> decays as exp(-l_flow^2 k^3 X) (module pressure_spike): between heavily loaded bodies hardly at
+!> decays as exp(-l_flow^2 k^3 X) (module pressure_errors): between heavily loaded bodies hardly at
 !> all. Second-order schemes shift it, and finally lose it,
 !>
 !>     phase = k (k d)^2/3 min( 1, 1/(l_flow^2 k^3) ) ,   d the larger one of dX and dT ,
@@ -16,17 +16,13 @@
 !> 7 to 51 % of the film).
 module film_waves
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use constants, only: pi
    use features, only: rough_surface_t
-   use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use kinds, only: not_known, pi, wp
+   use line_contact, only: line_contact_t, time_settings_t
    use line_summary, only: line_summary_t, quantity_t
-   use lubricant, only: fluid_viscosity
-   use missing_value, only: not_known
-   use pressure_spike, only: spike_law_t
+   use lubricant, only: fluid_viscosity, ln_slip
+   use pressure_errors, only: spike_law_t
    use quantities, only: h_central, p_central, p_max
-   use rheology, only: ln_slip
-   use solver_settings, only: time_settings_t
    use text, only: rounded_down
    implicit none (type, external)
    private

@@ -4,13 +4,11 @@
 module inlet_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: quotient, wp
    use line_summary, only: line_summary_t, value_between
-   use lubricant, only: fluid_t, fluid_viscosity
-   use missing_value, only: quotient
+   use lubricant, only: fluid_t, fluid_viscosity, thins
    use quantities, only: asperity_share, boundary_friction, h_central, p_max, quantity_count, &
       quantity_rows, rule_crest, sheared_rows
-   use rheology, only: thins
    implicit none (type, external)
    private
 

@@ -20,18 +20,16 @@ module measured_adequacy
    use errors, only: error_t
    use experiment, only: experiment_t, outcome_t, run_experiment
    use graded_contact, only: even_state
-   use kinds, only: wp
-   use line_contact, only: line_contact_t, without_surfaces
+   use kinds, only: quotient, wp
+   use line_contact, only: domain_t, line_contact_t, without_surfaces
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use missing_value, only: quotient
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
    use quantities, only: quantity_count
-   use solver_settings, only: domain_t
-   use split_errors, only: time_errors
+   use grid_errors, only: time_errors
    implicit none (type, external)
    private
 

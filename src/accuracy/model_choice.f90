@@ -10,23 +10,21 @@
 module model_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
-   use adequacy, only: compared, influence_t, new_influence
+   use adequacy, only: at_rest, changes_little, cheap_in_motion, cheap_passage, cheap_steady, &
+      compared, goes_along, influence_t, may_matter, model_choice_t, never_steady, new_influence, &
+      not_measured, start_counts, too_high, wanted
    use entry_zone, only: is_moving
    use errors, only: error_t
-   use expected_film, only: film_estimate
+   use contact_moment, only: film_estimate
    use experiment, only: coarser, experiment_t
    use features, only: rough_surface_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, move_profiles
-   use model_decision, only: at_rest, changes_little, cheap_in_motion, cheap_passage, &
-      cheap_steady, goes_along, may_matter, model_choice_t, never_steady, not_measured, &
-      start_counts, too_high, wanted
+   use line_contact, only: line_contact_t, move_profiles, solver_settings_t
    use listener, only: listener_t
    use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min
-   use solver_settings, only: solver_settings_t
    implicit none (type, external)
    private
 

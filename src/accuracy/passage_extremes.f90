@@ -1,9 +1,8 @@
 !> Extremes of the quantities of a transient over the times that count, gathered step by step, and
 !> their distance from periodicity.
 module passage_extremes
-   use kinds, only: wp
+   use kinds, only: not_known, wp
    use line_summary, only: keep_extremes, line_summary_t
-   use missing_value, only: not_known
    use passage_times, only: passage_times_t
    use quantities, only: quantity_count
    implicit none (type, external)

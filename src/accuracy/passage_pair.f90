@@ -6,19 +6,19 @@ module passage_pair
    use adequacy, only: influence_t
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
-   use film_state, only: film_state_t
    use kinds, only: wp
    use state_output, only: level_summary
-   use line_contact, only: finest_wave, line_contact_t, move_profiles, without_surfaces
+   use line_contact, only: finest_wave, line_contact_t, move_profiles, solver_settings_t, &
+      time_settings_t, without_surfaces
    use line_hierarchy, only: coarsest_for_film, roughness_at
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times, passage_times_t
    use pressure_errors, only: doubt_spike
    use quantities, only: quantity_count
-   use solver_settings, only: solver_settings_t, time_settings_t
    use wave_resolution, only: steps_in_wave
    implicit none (type, external)
    private

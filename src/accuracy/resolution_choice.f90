@@ -1,6 +1,6 @@
 !> Chooses grid and time step of a transient for a target accuracy of h_min.
 !>
-!> Trial runs separate the errors of grid and time step (module split_errors). The first uses the
+!> Trial runs separate the errors of grid and time step (module grid_errors). The first uses the
 !> coarsest grid that carries a film and dT <= dX; each further one halves the spacing or the time
 !> step, whichever leaves the larger uncertainty. As soon as a resolution up to four times finer
 !> than the last trial run (two times without an observed order) is predicted to meet the target,
@@ -22,16 +22,14 @@ module resolution_choice
    use errors, only: error_t, fail, input_error
    use inlet_errors, only: domain_error
    use experiment, only: coarser, experiment_t, new_experiment, outcome_t, run_experiment
-   use grid_errors, only: error_in_time
-   use kinds, only: wp
-   use line_contact, only: line_contact_t
-   use missing_value, only: exceeds, not_known
+   use grid_errors, only: error_in_time, predicted_values
+   use kinds, only: exceeds, not_known, wp
+   use line_contact, only: leaves_scheme, line_contact_t, max_chosen, solver_settings_t, &
+      time_settings_t
    use listener, only: listener_t
    use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t
    use quantities, only: h_min, quantity_count
-   use solver_settings, only: leaves_scheme, max_chosen, solver_settings_t, time_settings_t
-   use split_errors, only: predicted_values
    use text, only: to_text
    implicit none (type, external)
    private

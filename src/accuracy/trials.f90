@@ -1,15 +1,13 @@
 !> Predicts from coarse trial runs of a transient which resolution meets a target.
 module trials
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use grid_errors, only: kappa_share
-   use kinds, only: wp
-   use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, shortest_passage
+   use grid_errors, only: doubts_at, error_at, forecast_t, kappa_share, least_doubt_at, &
+      new_split_error, orders_in_time, shift_at, split_error_t
+   use kinds, only: not_known, wp
+   use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, shortest_passage, &
+      time_settings_t
    use line_hierarchy, only: coarsest_for_film
-   use missing_value, only: not_known
    use quantities, only: h_min, is_chance, quantity_count, quantity_rows
-   use solver_settings, only: time_settings_t
-   use split_errors, only: doubts_at, error_at, forecast_t, least_doubt_at, new_split_error, &
-      orders_in_time, shift_at, split_error_t
    implicit none (type, external)
    private
 

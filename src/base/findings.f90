@@ -1,10 +1,10 @@
 !> Findings about an input file, collected for one report.
 module findings
-   use text, only: to_text
+   use text, only: quoted, to_text
    implicit none (type, external)
    private
 
-   public :: findings_t, quoted
+   public :: findings_t
 
    !> One finding: the line of the file and what is found and expected there.
    type :: finding_t
@@ -31,8 +31,6 @@ module findings
    integer, parameter :: max_shown = 50
    !> Most findings kept; later ones are only counted.
    integer, parameter :: max_kept = 1000
-   !> Most characters of the user's text that a message repeats.
-   integer, parameter :: max_quoted = 48
 
 contains
 
@@ -50,17 +48,11 @@ contains
       class(findings_t), intent(inout) :: self
       integer, intent(in) :: line
       character(*), intent(in) :: group, key, message
-      type(finding_t), allocatable :: grown(:)
       character(:), allocatable :: place
 
-      if (.not. allocated(self%items)) allocate (self%items(16))
+      if (.not. allocated(self%items)) allocate (self%items(max_kept))
       self%count = self%count + 1
       if (self%count > max_kept) return
-      if (self%count > size(self%items)) then
-         allocate (grown(2*size(self%items)))
-         grown(:size(self%items)) = self%items
-         call move_alloc(grown, self%items)
-      end if
       place = ''
       if (len_trim(group) > 0) place = '&' // quoted(group)
       if (len_trim(key) > 0) place = place // ' ' // quoted(key)
@@ -78,58 +70,25 @@ contains
       class(findings_t), intent(in) :: self
       character(*), intent(in) :: file
       character(:), allocatable :: report
-      integer, allocatable :: order(:)
-      integer :: i, j, current
+      logical, allocatable :: is_left(:)
+      integer :: i, k
 
-      allocate (order(min(self%count, max_kept)))
-      do i = 1, size(order)
-         current = i
-         j = i - 1
-         shift: do while (j >= 1)
-            if (self%items(order(j))%line <= self%items(current)%line) exit shift
-            order(j + 1) = order(j)
-            j = j - 1
-         end do shift
-         order(j + 1) = current
-      end do
+      allocate (is_left(min(self%count, max_kept)), source=.true.)
       report = ''
       do i = 1, min(self%count, max_shown)
+         k = minloc(self%items(:size(is_left))%line, 1, is_left)   ! of equal ones the first
+         is_left(k) = .false.
          if (i > 1) report = report // new_line('a')
          report = report // file // ':'
-         if (self%items(order(i))%is_of_command) then
+         if (self%items(k)%is_of_command) then
             report = report // ' --set:'
-         else if (self%items(order(i))%line > 0) then
-            report = report // to_text(self%items(order(i))%line) // ':'
+         else if (self%items(k)%line > 0) then
+            report = report // to_text(self%items(k)%line) // ':'
          end if
-         report = report // ' ' // self%items(order(i))%message
+         report = report // ' ' // self%items(k)%message
       end do
       if (self%count > max_shown) report = report // new_line('a') // file // ': ... and ' &
          // to_text(self%count - max_shown) // ' more findings'
    end function findings_report
-
-   !> The user's text for a message: short, without control characters; 'nothing' if empty.
-   pure function quoted(string) result(shown)
-      character(*), intent(in) :: string
-      character(:), allocatable :: shown
-      integer :: i, last
-
-      last = len_trim(string)
-      if (last == 0) then
-         shown = 'nothing'
-         return
-      end if
-      if (last <= max_quoted) then
-         shown = string(:last)
-      else
-         last = max_quoted
-         do while (last > 1 .and. iand(iachar(string(last + 1:last + 1)), 192) == 128)
-            last = last - 1
-         end do
-         shown = string(:last) // '...'
-      end if
-      do i = 1, len(shown)
-         if (iachar(shown(i:i)) < 32 .or. iachar(shown(i:i)) == 127) shown(i:i) = '?'
-      end do
-   end function quoted
 
 end module findings

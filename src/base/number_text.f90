@@ -4,8 +4,7 @@
 !> part, no number overflows, and NaN and infinity are refused. List-directed reads are not used:
 !> they read `1/2` as 1 and `2*3` as 3.
 module number_text
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 

@@ -1,7 +1,6 @@
 !> Wall time.
 module wall_clock
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 

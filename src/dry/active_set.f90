@@ -9,8 +9,7 @@
 module active_set
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: real32
-   use dry_problem, only: dry_grid_t, dry_problem_t
-   use dry_solution, only: dry_solution_t
+   use dry_problem, only: dry_grid_t, dry_problem_t, dry_solution_t
    use kinds, only: wp
    use work_shares, only: share_end
    implicit none (type, external)

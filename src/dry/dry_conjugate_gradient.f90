@@ -11,8 +11,8 @@
 module dry_conjugate_gradient
    use active_set, only: active_set_t, copy_survey, new_active_set
    use load_projection, only: bring_back, settle_load
-   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
-   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration
+   use dry_problem, only: dry_grid_t, dry_problem_t, dry_settings_t, dry_solution_t, &
+      end_of_iteration, kernel_open
    use errors, only: error_t
    use kinds, only: wp
    use tree_network, only: new_tree_network, tree_network_t

@@ -3,12 +3,9 @@
 !> its length.
 module dry_quantities
    use, intrinsic :: iso_fortran_env, only: real32
-   use constants, only: pi
    use contact_edges, only: crest_of, find_edges, line_excess
-   use dry_problem, only: dry_problem_t, kernel_open
-   use dry_scaling, only: dry_scaling_t
-   use dry_solution, only: dry_solution_t
-   use kinds, only: wp
+   use dry_problem, only: dry_problem_t, dry_scaling_t, dry_solution_t, kernel_open
+   use kinds, only: pi, wp
    use roughness, only: roughness_t
    implicit none (type, external)
    private

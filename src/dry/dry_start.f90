@@ -1,9 +1,8 @@
 !> First guesses of the contact pressure from coarser grids.
 module dry_start
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
-   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_band_limited, kernel_element, &
-      kernel_open, new_dry_problem
-   use dry_solution, only: dry_settings_t, dry_solution_t
+   use dry_problem, only: dry_grid_t, dry_problem_t, dry_settings_t, dry_solution_t, &
+      kernel_band_limited, kernel_element, kernel_open, new_dry_problem
    use errors, only: error_t
    use kinds, only: wp
    implicit none (type, external)

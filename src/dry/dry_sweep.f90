@@ -4,13 +4,12 @@
 !> that of a punch with sharp edges, whose pressure grows there without bound.
 module dry_sweep
    use, intrinsic :: iso_fortran_env, only: int64, real32
-   use analytic_heights, only: node_positions
+   use features, only: node_positions
    use dry_contact_solver, only: dry_solver_t, solve_for_datum
-   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
+   use dry_problem, only: dry_grid_t, dry_loads_t, dry_problem_t, dry_scaling_t, dry_settings_t, &
+      dry_solution_t, kernel_open, new_dry_problem
    use dry_quantities, only: dp_max, dry_fields_t, dry_outcome_t, dry_row_t, fill_row, load, &
       mean_pressure
-   use dry_scaling, only: dry_scaling_t
-   use dry_solution, only: dry_loads_t, dry_settings_t, dry_solution_t
    use errors, only: error_t
    use hertz, only: line_half_width, point_radius
    use kinds, only: wp

@@ -5,11 +5,10 @@
 !> JP - JH K is pentadiagonal plus semiseparable and factors in one sweep. The constant part of the
 !> kernel acts like a change of H0 and is moved there.
 module bordered_system
-   use exponential_sum, only: terms
    use gmres, only: krylov_system_t
    use kinds, only: wp
    use semiseparable, only: factor_semiseparable, semiseparable_t, solve_semiseparable, &
-      solve_transposed, solve_two
+      solve_transposed, solve_two, terms
    implicit none (type, external)
    private
 
@@ -26,7 +25,7 @@ module bordered_system
    !> What cavitated rows do besides.
    type, abstract, extends(krylov_system_t) :: cavitated_system_t
       !> Diagonals by which rows are divided, and what cavitated rows pass on to the next (0:n)
-      !> (module reynolds_jacobian); null: nothing. The factors leave it out.
+      !> (module newton_work); null: nothing. The factors leave it out.
       real(wp), pointer, contiguous :: diagonal(:) => null(), carry(:) => null()
       !> Weights y of H in cavitated rows, P + y H = ... (n-1); not allocated: 0.
       real(wp), allocatable :: yields(:)
@@ -60,7 +59,6 @@ module bordered_system
       !> h = K p, or K^T p of a transposed system, (0:n) both.
       subroutine deflect_interface(self, p, h)
          import :: bordered_system_t, wp
-         implicit none (type, external)
          class(bordered_system_t), intent(inout) :: self
          real(wp), intent(in), contiguous :: p(0:)
          real(wp), intent(out), contiguous :: h(0:)

@@ -1,19 +1,18 @@
 !> Repeats cycles until the residuals of the original problem meet their bounds, or reports why they
 !> do not.
 module cycle_control
-   use fas_cycle, only: cycle_from
-   use film_equation, only: elastic_film, evaluate_deflection, load_defect
+   use fas_cycle, only: cycle_from, sweep_under_load
    use film_state, only: film_state_t, is_finite
    use film_temperature, only: warm_film
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_hierarchy, only: count_work, is_newton, line_hierarchy_t, method_block_jacobi, &
       method_fas
-   use line_level, only: largest_pressure, line_level_t
+   use line_level, only: elastic_film, evaluate_deflection, largest_pressure, line_level_t, &
+      load_defect
    use listener, only: is_stopped, listener_t
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds
-   use smoothers, only: sweep_under_load
    use text, only: counted, to_text
    implicit none (type, external)
    private

@@ -1,7 +1,7 @@
 !> The Newton system of the line contact as a full matrix, solved by LAPACK in O(n^3): exact on
 !> coarse grids, and the reference on fine ones.
 module dense_jacobian
-   use dense_solve, only: solve_dense, use_one_blas_thread
+   use linear_systems, only: solve_dense, use_one_blas_thread
    use errors, only: error_t
    use kinds, only: wp
    use line_level, only: line_level_t

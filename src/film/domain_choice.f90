@@ -15,14 +15,12 @@
 !> - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 module domain_choice
    use asperities, only: asperity_pressure
-   use constants, only: pi
-   use contact_moment, only: least_speed, moments_of, own_contact, sample_count, width_of
-   use kinds, only: wp
-   use expected_film, only: clearing_film, film_estimate, newtonian_film
-   use line_contact, only: closing_slope, finest_wave, line_contact_t
+   use contact_moment, only: clearing_film, film_estimate, least_speed, moments_of, &
+      newtonian_film, own_contact, sample_count, width_of
+   use kinds, only: pi, wp
+   use line_contact, only: closing_slope, domain_t, finest_wave, line_contact_t
    use moes, only: rigid_film
-   use rheology, only: sliding_number
-   use solver_settings, only: domain_t
+   use lubricant, only: sliding_number
    use text, only: to_text
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
@@ -38,7 +36,7 @@ module domain_choice
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
    !> Largest share by which a chosen inlet starves the film.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp
-   !> Least share of the errors by the inlet that is left with a tail (module inlet_tail).
+   !> Least share of the errors by the inlet that is left with a tail (module line_hierarchy).
    real(wp), parameter :: tail_share = 0.1_wp
    !> Viscosity at which sliding thins the oil where the pressure builds up [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp

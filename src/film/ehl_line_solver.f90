@@ -1,22 +1,21 @@
 !> The lubricated line contact, from its data to its fields; read it with chapter 2 of the thesis.
 module ehl_line_solver
-   use contact_moment, only: at_moment, least_speed
+   use contact_moment, only: at_moment, film_estimate, least_speed
    use domain_choice, only: choose_anew, choose_domain, cut_asperities, farthest, inlet_error, &
       inlet_pressure_error
    use ehl_line_steady, only: blame_grid, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
-   use expected_film, only: film_estimate
    use film_breakdown, only: check_breakdown
    use graded_contact, only: find_tail, solve_graded_contact
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, move_profiles, without_surfaces
+   use line_contact, only: line_contact_t, move_profiles, solver_settings_t, time_settings_t, &
+      without_surfaces
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost, &
       roughness_at, set_moment
    use line_state, only: line_state_t
    use listener, only: listener_t
-   use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: coarser_summaries, fill_properties, fill_state
    use text, only: to_text
    use wall_clock, only: wall_seconds

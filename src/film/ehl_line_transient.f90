@@ -4,7 +4,7 @@
 !>     BDF2            lambda d(rho H)/dT = lambda/(2 dT) (3 rho H - 4 (rho H)_old + (rho H)_older)
 !>
 !> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler
-!> and reaches its full step over several parts (module time_scheme).
+!> and reaches its full step over several parts (module march_state).
 !>
 !> Load, radius and speeds may change in time (module duty): steps are divided where they have a
 !> kink, and by an error estimate, and the film is kept in the direction of the flow, so that the
@@ -18,26 +18,23 @@ module ehl_line_transient
    use errors, only: error_t
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
-   use film_equation, only: set_film, share_pressure, total_pressure
-   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t, min_in_wave, move_profiles, &
-      rough_contact_t
+      rough_contact_t, solver_settings_t, time_settings_t, word_length
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, &
       roughness_at, set_moment
-   use line_level, only: line_level_t, thin_oil, turn
+   use line_level, only: line_level_t, set_film, share_pressure, thin_oil, total_pressure, turn
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use listener, only: listener_t
    use lubricant, only: fluid_density
-   use march_state, only: extrapolate, judge_part, keep_solution, march_state_t, most_parts, &
-      next_end, predictors, shortest_part, step_error, step_weights, time_part_t
+   use march_state, only: extrapolate, judge_part, keep_solution, least_part, march_state_t, &
+      most_parts, next_end, part_ends, predictors, step_error, step_weights, time_part_t
    use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
-   use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: counted, to_text
-   use time_scheme, only: part_ends
    implicit none (type, external)
    private
 
@@ -335,7 +332,7 @@ contains
       associate (cuts => (duty%kinks(begin, begin + length) - begin)/length)
          do i = 1, size(cuts)
             if (min(cuts(i), 1 - cuts(i)) < nearest_kink) cycle
-            if (any(abs(ends - cuts(i)) < shortest_part)) cycle
+            if (any(abs(ends - cuts(i)) < least_part)) cycle
             ends = [pack(ends, ends < cuts(i)), cuts(i), pack(ends, ends > cuts(i))]
          end do
       end associate
@@ -377,14 +374,14 @@ contains
                if (report%converged) error = step_error(history, level%state%pressure, &
                   merge(fronts, 0.0_wp, allocated(level%oil%saturation)))
                call judge_part(history, error, length, plan%tolerance, is_good)
-               if (is_good .or. (report%converged .and. length < shortest_part)) then
+               if (is_good .or. (report%converged .and. length < least_part)) then
                   part%first = part%ends(1)
                   if (part%first >= 1.0_wp) exit parts
                   call fill_state(contact, level, (plan%step - 1 + part%first)*plan%length, between)
                   call listener%on_part(between)
                   cycle parts
                end if
-               if (length < shortest_part) return
+               if (length < least_part) return
                start%next_length = history%next_length
                history = start
                level%state = state

@@ -3,7 +3,7 @@
 module entry_zone
    use features, only: feature_ridge, feature_sinusoid, feature_t, rough_surface_t
    use kinds, only: wp
-   use expected_film, only: film_estimate
+   use contact_moment, only: film_estimate
    use line_contact, only: line_contact_t, rough_contact_t
    use profile, only: profile_length
    implicit none (type, external)

@@ -6,7 +6,7 @@ module film_breakdown
    use iteration_report, only: report_t
    use kinds, only: wp
    use quantities, only: parabola_minimum
-   use solver_settings, only: solver_settings_t
+   use line_contact, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
    private

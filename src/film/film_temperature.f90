@@ -4,14 +4,14 @@ module film_temperature
    use film_heating, only: film_warmth, thermal_fall
    use film_shear, only: evaluate_friction
    use flow_law, only: block_size => slip_block
-   use friction_sums, only: friction_t
+   use line_state, only: friction_t
    use kinds, only: wp
    use line_level, only: line_level_t, thin_oil
    use listener, only: listener_t
    use newton_line, only: solve_newton, step_tolerance
    use newton_work, only: newton_t
    use reynolds_line, only: evaluate_coefficients
-   use rheology, only: evaluate_stress, limited_stress
+   use lubricant, only: evaluate_stress, limited_stress
    implicit none (type, external)
    private
 

@@ -1,24 +1,22 @@
 !> A steady line contact on a graded grid, from its data to its fields and the bounds of the errors
-!> of its quantities; and what of it lies in front of a passage (module inlet_tail).
+!> of its quantities; and what of it lies in front of a passage (module line_hierarchy).
 module graded_contact
    use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use features, only: surface_height
    use film_breakdown, only: check_breakdown
-   use friction_sums, only: friction_t, stressed_share
    use graded_nodes, only: monotone_cubic
    use graded_quantities, only: exit_element, least_film, middle_film, middle_pressure, rolling, &
       rolling_power, sliding, top
    use graded_solver, only: end_bound, graded_solution_t, solve_graded
    use errors, only: error_t
    use iteration_report, only: cycle_numbers_t, phase_steady, report_t
-   use kinds, only: wp
-   use limit_search, only: film_limits
-   use line_contact, only: inlet_tail_t, line_contact_t, move_profiles, without_surfaces
-   use line_state, only: line_state_t
+   use kinds, only: exceeds, not_known, wp
+   use film_shear, only: film_limits
+   use line_contact, only: domain_t, inlet_tail_t, line_contact_t, move_profiles, &
+      solver_settings_t, without_surfaces
+   use line_state, only: friction_t, line_state_t, stressed_share
    use listener, only: listener_t, relay_t
-   use missing_value, only: exceeds, not_known
    use quantities, only: quantity_count, quantity_values
-   use solver_settings, only: domain_t, solver_settings_t
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
    implicit none (type, external)

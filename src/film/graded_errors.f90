@@ -16,8 +16,7 @@ module graded_errors
       rolling_power, second_differences, spike, top
    use graded_system, only: factorise, graded_factors_t, solve_system
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_viscosity
-   use rheology, only: thins
+   use lubricant, only: fluid_density, fluid_viscosity, thins
    implicit none (type, external)
    private
 

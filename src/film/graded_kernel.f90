@@ -10,12 +10,10 @@
 !> smooth, are replaced by a few with the same moments. One sweep in each direction carries the
 !> integrals of all exponentials from element to element.
 module graded_kernel
-   use constants, only: pi
-   use dense_solve, only: solve_dense
+   use linear_systems, only: solve_dense
    use errors, only: error_t
    use half_space, only: element_deflections
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, pi, wp
    implicit none (type, external)
    private
 

@@ -5,7 +5,7 @@
 !>     q(i) = -e(i) (P(i) - P(i-1))/(lambda h) + (1 - a - c) rH(i-1) + a rH(i-2) + c rH(i)
 !>     a = -h^2/(4 k (k + h)),  c = (h/2 + k)/(2 (k + h)),  k: spacing of element i-1
 !>
-!> takes rH = rho H by the parabola through three nodes and e by module face_mobility; a = 0, c =
+!> takes rH = rho H by the parabola through three nodes and e by module mobility; a = 0, c =
 !> 1/2 in the first element. The same flux leaves an element and enters the next one, whatever their
 !> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (module
 !> graded_kernel), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
@@ -14,16 +14,14 @@
 !> side, the scheme is the safe one: a = -h/(2 k), c = 0, and the mean of e at both nodes. A
 !> pressure spike that is not resolved overshoots without it.
 module graded_line
-   use constants, only: pi
    use features, only: surface_height
    use film_state, only: film_state_t
-   use face_mobility, only: fluid_face_mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use graded_kernel, only: exact, graded_kernel_t, new_graded_kernel
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_contact, only: line_contact_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use mobility, only: coefficients_t, mobility_slopes_t
+   use mobility, only: coefficients_t, fluid_face_mobility, mobility_slopes_t
    implicit none (type, external)
    private
 

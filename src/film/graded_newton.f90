@@ -10,7 +10,7 @@ module graded_newton
    use kinds, only: wp
    use mobility, only: bent_step, flowing_share
    use moes, only: moes_m_sum_from_lambda
-   use rheology, only: thins, wall_stress
+   use lubricant, only: thins, wall_stress
    implicit none (type, external)
    private
 

@@ -1,20 +1,18 @@
 !> Quantities of a line contact on a graded grid, with their derivatives by P and H of the nodes and
 !> what the sums over elements miss.
 module graded_quantities
-   use friction_sums, only: friction_t
+   use line_state, only: friction_t
    use graded_line, only: graded_line_t
    use inlet_friction, only: oil_in_front
-   use kinds, only: wp
-   use lubricant, only: fluid_viscosity
-   use missing_value, only: exceeds
-   use rheology, only: evaluate_stress
+   use kinds, only: exceeds, wp
+   use lubricant, only: evaluate_stress, fluid_viscosity
    implicit none (type, external)
    private
 
    public :: evaluate_quantities, exit_element, functional_t, second_differences
 
    !> Places in the list: smallest and central film, largest and central pressure, integrals of
-   !> `friction_t` (module friction_sums), and the pressure of a spike: the last maximum in front of
+   !> `friction_t` (module line_state), and the pressure of a spike: the last maximum in front of
    !> the exit, or the sharpest shoulder, where the largest pressure is elsewhere.
    integer, parameter, public :: least_film = 1, middle_film = 2, top = 3, middle_pressure = 4, &
       sliding = 5, rolling = 6, rolling_power = 7, spike = 8, functional_count = 8

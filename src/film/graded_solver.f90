@@ -8,8 +8,7 @@
 module graded_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
-   use constants, only: pi
-   use expected_film, only: newtonian_film
+   use contact_moment, only: newtonian_film
    use graded_errors, only: estimate_errors, has_flank, hidden_spike
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
@@ -17,12 +16,10 @@ module graded_solver
    use graded_quantities, only: functional_count, rolling_power, sliding, spike, top
    use graded_system, only: graded_factors_t
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: not_known, pi, wp
    use line_contact, only: finest_wave, line_contact_t, min_in_wave, without_surfaces
    use listener, only: is_stopped, listener_t
-   use lubricant, only: fluid_t
-   use missing_value, only: not_known
-   use rheology, only: eased_fluid, thins
+   use lubricant, only: eased_fluid, fluid_t, thins
    use text, only: to_text
    implicit none (type, external)
    private

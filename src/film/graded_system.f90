@@ -2,14 +2,12 @@
 !> the kernel of uneven nodes.
 module graded_system
    use bordered_system, only: bordered_system_t, factor_bordered, solve_first
-   use constants, only: pi
    use errors, only: error_t
-   use exponential_sum, only: exponential_sum_t, fit_exponentials, terms
    use gmres, only: gmres_t, solve_gmres
    use graded_kernel, only: element_exponentials, graded_kernel_t, new_graded_kernel
    use graded_line, only: graded_line_t
-   use kinds, only: wp
-   use semiseparable, only: new_semiseparable
+   use kinds, only: pi, wp
+   use semiseparable, only: exponential_sum_t, fit_exponentials, new_semiseparable, terms
    implicit none (type, external)
    private
 

@@ -1,10 +1,9 @@
 !> Friction and rolling power of the oil in front of the first node.
 module inlet_friction
    use flow_law, only: largest_exponent, slip_t
-   use friction_sums, only: friction_t
+   use line_state, only: friction_t
    use kinds, only: wp
-   use lubricant, only: fluid_t
-   use rheology, only: evaluate_stress, thins
+   use lubricant, only: evaluate_stress, fluid_t, thins
    implicit none (type, external)
    private
 

@@ -1,14 +1,20 @@
 !> Grids of a lubricated line contact, from the coarsest of the nested start to the finest, and the
 !> resolved settings.
+!>
+!> What lies in front of the first node of a passage: the pressure of the smooth steady contact,
+!> from a graded grid with a far inlet. It presses on the bodies and carries its load; the first
+!> node has its pressure.
+!>
+!> So far out the pressure follows from the gap alone, dP/dX = lambda mu (H - H*)/(S H^3) with H
+!> much larger than the film H* of the contact: what passes the contact hardly changes it.
 module line_hierarchy
-   use, intrinsic :: iso_fortran_env, only: int64
-   use contact_moment, only: set_sliding
+   use contact_moment, only: film_estimate, set_sliding
    use errors, only: error_t
    use features, only: surface_height
-   use inlet_tail, only: set_tail
+   use graded_nodes, only: monotone_cubic
+   use half_space, only: deflection_by_elements
    use iteration_report, only: report_t
-   use kinds, only: wp
-   use expected_film, only: film_estimate
+   use kinds, only: int64, wp
    use line_contact, only: line_contact_t
    use line_level, only: contact_load, line_level_t, new_level, set_plain_problem, turn
    use newton_work, only: newton_t
@@ -17,8 +23,9 @@ module line_hierarchy
    implicit none (type, external)
    private
 
-   public :: line_hierarchy_t, relaxation_t, new_hierarchy, new_level_of, pose_coarser_levels, &
-      pose_steady_problem, roughness_at, set_moment
+   public :: line_hierarchy_t, new_hierarchy, new_level_of, pose_coarser_levels, &
+      pose_steady_problem, relaxation_t, roughness_at, set_moment
+
    public :: coarsest_for_film, count_work, is_newton, report_cost
 
    !> The smoothers.
@@ -102,6 +109,28 @@ module line_hierarchy
    integer, parameter :: smallest_grid = 8
 
 contains
+
+   !> Sets gap, load and first pressure of a level with the tail of its contact, if any. The cell of
+   !> the first node begins half a spacing in front of it: there the tail ends.
+   pure subroutine set_tail(level, contact)
+      type(line_level_t), intent(inout) :: level
+      type(line_contact_t), intent(in) :: contact
+      real(wp), allocatable :: x(:), pressure(:)
+      integer :: m
+
+      if (.not. (contact%domain%has_tail .and. allocated(contact%tail))) return
+      associate (tail => contact%tail)
+         m = count(tail%x < level%x(0) - 0.5_wp*level%dx)
+         x = [tail%x(:m), level%x(0) - 0.5_wp*level%dx, level%x(0)]
+         pressure = monotone_cubic(tail%x, tail%pressure, x)
+      end associate
+      level%state%pressure(0) = pressure(m + 2)
+      level%gap = level%gap - level%elastic%elasticity*deflection_by_elements(x(:m + 1), &
+         pressure(:m + 1), level%x)
+      level%load = level%load - dot_product(0.5_wp*(x(2:m + 1) - x(:m)), pressure(2:m + 1) &
+         + pressure(:m))
+      level%rhs_load = level%load   ! for a passage that resumes
+   end subroutine set_tail
 
    !> Intervals of the coarsest grid that carries a film with a margin of 2 (semiseparable rule): dX
    !> <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least `fewest` or 32; M with

@@ -1,14 +1,60 @@
-!> Fields of a lubricated line contact at one time, as the solver returns them.
+!> Fields of a lubricated line contact at one time, as the solver returns them; integrals of the
+!> shear stresses, computed by module film_shear; and the distance of a film from the limits of its
+!> model, in the unit b/R: the two of Reynolds' equation, the stress over the pressure, at which
+!> oils yield, and the temperature rise by sliding.
+!>
+!> T_max is the largest d tau/dp of sliding at a given shear rate, which the derivation sets to 0
+!> (S. Bair, M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573); the slope dh/dx is assumed
+!> small. Modules film_shear and film_heating compute them, thresholds are in module validity.
 module line_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use duty, only: moment_t
-   use friction_sums, only: friction_t
-   use kinds, only: wp
-   use reynolds_limits, only: reynolds_limits_t
+   use kinds, only: larger, not_known, wp
    implicit none (type, external)
    private
 
-   public :: all_finite, line_state_t, turned
+   public :: all_finite, line_state_t, reynolds_limits_t, turned, &
+      unknown_limits, widen_limits
+
+   !> Limits of one film, or the largest over several.
+   type :: reynolds_limits_t
+      !> T_max R/b; NaN: speeds not known.
+      real(wp) :: stokes_number = 0.0_wp
+      !> Largest |dH/dX| between neighbouring nodes under pressure.
+      real(wp) :: surface_slope = 0.0_wp
+      !> Largest |T_m|/P of the nodes whose pressure counts; NaN: speeds not known.
+      real(wp) :: stress_share = 0.0_wp
+      !> Temperature rise [K] by sliding; 0: not computed.
+      real(wp) :: film_heating = 0.0_wp
+   end type reynolds_limits_t
+
+   !> Stress over pressure counts where the pressure exceeds this share of its largest value.
+   real(wp), parameter, public :: stressed_share = 0.1_wp
+
+   !> Integrals over the film under pressure and the oil in front of the domain.
+   type, public :: friction_t
+      !> Int T_m dX, positive for u2 > u1; NaN: speeds not known.
+      real(wp) :: sliding = 0.0_wp
+      !> Int (H/2) dP/dX dX: force by which rolling holds back each surface.
+      real(wp) :: rolling = 0.0_wp
+      !> (u2 - u1)/(u1 + u2): times the sliding force it is the sliding power.
+      real(wp) :: sliding_speed = 0.0_wp
+      !> Int S H^3/(mu/mu_0) (dP/dX)^2 dX/(2 lambda).
+      real(wp) :: rolling_power = 0.0_wp
+      !> Largest |T_m|/P of the nodes whose pressure is above `stressed_share` of the largest.
+      real(wp) :: stress_share = 0.0_wp
+      !> w/w_ref.
+      real(wp) :: load = 1.0_wp
+      !> Force of the asperities, as `sliding`, and share of the load that they bear; 0: none touch.
+      real(wp) :: boundary = 0.0_wp, asperity_share = 0.0_wp
+      !> Relative growth of their load by that of the film, negative.
+      real(wp) :: asperity_response = 0.0_wp
+      !> X of the first node where oil fills the gap, if that is not the first one; 0: it is.
+      real(wp) :: meniscus = 0.0_wp
+      !> Largest temperature rise of the mean film and of surfaces 1 and 2 [K].
+      real(wp) :: rise(3) = 0.0_wp
+   end type friction_t
+
 
    !> Fields of rough surfaces and of mixed lubrication, each (nx).
    type :: mixed_fields_t
@@ -56,6 +102,24 @@ module line_state
    end type line_state_t
 
 contains
+
+   !> Limits that are not known.
+   pure function unknown_limits() result(limits)
+      type(reynolds_limits_t) :: limits
+
+      limits = reynolds_limits_t(not_known(), not_known(), not_known(), not_known())
+   end function unknown_limits
+
+   !> Widens `limits` by those of another time.
+   pure subroutine widen_limits(limits, other)
+      type(reynolds_limits_t), intent(inout) :: limits
+      type(reynolds_limits_t), intent(in) :: other
+
+      limits%stokes_number = larger(limits%stokes_number, other%stokes_number)
+      limits%surface_slope = larger(limits%surface_slope, other%surface_slope)
+      limits%stress_share = larger(limits%stress_share, other%stress_share)
+      limits%film_heating = larger(limits%film_heating, other%film_heating)
+   end subroutine widen_limits
 
    !> A state seen from the other side: fields in reverse order, stresses with the other sign.
    pure function turned(state)

@@ -4,14 +4,12 @@
 !> Dimensionless (H, P, X, T).
 module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use friction_sums, only: friction_t
-   use kinds, only: wp
-   use line_state, only: line_state_t, turned
-   use missing_value, only: larger, not_known
+   use kinds, only: larger, not_known, wp
+   use line_state, only: friction_t, line_state_t, reynolds_limits_t, turned, unknown_limits, &
+      widen_limits
    use quantities, only: central_value, h_central, h_min, h_min_node, p_central, p_max, &
       parabola_extreme, paraboloid_minimum, quantity_count, quantity_rows, quantity_values, &
       rolling_power, rule_between, rule_crest, rule_first, rule_node, rule_value, sliding_power
-   use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private
 

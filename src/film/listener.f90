@@ -1,13 +1,12 @@
 !> How a solver reports its progress and passes on time steps without knowing its listener.
 module listener
-   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
+   use film_state, only: film_state_t
    use line_summary, only: line_summary_t
-   use march_state, only: march_state_t, time_part_t
-   use momentum_history, only: momentum_history_t
+   use march_state, only: march_state_t, momentum_history_t, time_part_t
    implicit none (type, external)
    private
 
@@ -34,7 +33,6 @@ module listener
    abstract interface
       subroutine start_interface(self, contact, state, reason)
          import :: follower_t, line_contact_t, line_state_t
-         implicit none (type, external)
          class(follower_t), intent(inout) :: self
          type(line_contact_t), intent(in) :: contact
          type(line_state_t), intent(in) :: state
@@ -43,7 +41,6 @@ module listener
 
       subroutine advance_interface(self, part, reason)
          import :: follower_t, time_part_t
-         implicit none (type, external)
          class(follower_t), intent(inout) :: self
          type(time_part_t), intent(in) :: part
          character(:), allocatable, intent(out) :: reason
@@ -51,7 +48,6 @@ module listener
 
       function kept_interface(self) result(history)
          import :: follower_t, momentum_history_t
-         implicit none (type, external)
          class(follower_t), intent(in) :: self
          type(momentum_history_t) :: history
       end function kept_interface

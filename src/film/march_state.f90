@@ -1,15 +1,28 @@
 !> State of a transient after a time step: everything that later steps depend on, so that an
-!> interrupted run resumes without changing a bit of its result.
+!> interrupted run resumes without changing a bit of its result; also of the full momentum
+!> equations, with the prediction of the next film from the last ones.
+!>
+!> Weights of the time schemes for steps of unequal length, and the lengths with which BDF2 begins.
+!>
+!> At T = 0 surfaces stand in a film that has not flowed around them: P(T) - P(0) then grows as a
+!> fractional power of T, about T^0.8, and a first step of length dT leaves an error of that order
+!> which no later step removes from the largest error over all times. The first steps are therefore
+!> divided into parts. With parts of length ~ dT (T/dT)^0.6 every part has about the same error
+!> (graded steps: H. Brunner, Math. Comp. 45, 1985, 417).
 module march_state
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use time_scheme, only: derivative_weights, error_share, parabola_weights
    implicit none (type, external)
    private
 
-   public :: extrapolate, judge_part, keep_solution, march_state_t, next_end, predictors, &
-      step_error, step_weights, time_part_t
+   public :: derivative_weights, excess_t, extrapolate, judge_part, keep_solution, march_state_t, &
+      max_excesses, momentum_history_t, newton_cost_t, next_count, next_end, parabola_weights, &
+      part_ends, past_t, predictors, step_error, step_weights, time_part_t, weights_of
+
+   !> Time T from which undivided steps suffice; exponent of the grading; shortest part, T
+   !> (round-off).
+   real(wp), parameter :: start_layer = 0.02_wp, grading = 0.6_wp, shortest_part = 1.0e-6_wp
 
    !> The history predicts a step if the line through two solutions missed the next one by at most
    !> this share of its change.
@@ -17,7 +30,7 @@ module march_state
    !> First part of a march with an error estimate, and shortest part [T]; most growth and fall of
    !> parts from one to the next; share of the bound that the next one aims at.
    real(wp), parameter :: first_part = 1.0e-3_wp, growth = 2.0_wp, fall = 0.2_wp, aim = 0.8_wp
-   real(wp), parameter, public :: shortest_part = 1.0e-9_wp
+   real(wp), parameter, public :: least_part = 1.0e-9_wp
    !> Most parts of a step, repeated ones included. (A start after a long rest took 1100 on 2048
    !> intervals.)
    integer, parameter, public :: most_parts = 10000
@@ -68,7 +81,127 @@ module march_state
       type(film_state_t) :: state
    end type time_part_t
 
+   !> Most films that predict the next one.
+   integer, parameter :: max_excesses = 3
+
+   !> Quantities of an old time that the equations need, or a combination of several: H, z1 (0:n),
+   !> rho H of the layers (layers, 0:n).
+   type :: past_t
+      real(wp), allocatable :: film(:), lower(:), mass(:, :)
+   end type past_t
+
+   !> P (layers, 0:n), U (layers, n), V (0:layers, 0:n) and H0 of a film, or their excess over those
+   !> of the Reynolds equation at the same time; U over that of the thin film with its P and H.
+   type :: excess_t
+      real(wp), allocatable :: p(:, :), u(:, :), v(:, :)
+      real(wp) :: rigid_displacement = 0.0_wp
+   end type excess_t
+
+   !> Newton steps, factorisations of the matrix, steps of GMRES.
+   type :: newton_cost_t
+      integer :: steps = 0, factorisations = 0, linear_iterations = 0
+   end type newton_cost_t
+
+   !> Cost of a march: time steps, or parts of them, most Newton steps for one, and the number of
+   !> those with more than three.
+   type, extends(newton_cost_t) :: march_cost_t
+      integer :: solutions = 0, most_steps = 0, longer = 0
+   end type march_cost_t
+
+   !> History of the march, the newest first, and its present film.
+   type, extends(march_cost_t) :: momentum_history_t
+      integer :: layers = 0
+      !> Film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
+      type(film_state_t) :: reynolds
+      real(wp), allocatable :: heights(:, :)
+      !> Numbers of `past` and of `excess` in use.
+      integer :: times = 0, films = 0
+      type(past_t) :: past(2)
+      type(excess_t) :: excess(max_excesses)
+      !> Time from each of these films back to the next older one.
+      real(wp) :: lengths(max_excesses - 1) = 0.0_wp
+      !> Number of films that predict the next one.
+      integer :: best_count = 0
+      !> Largest T_max so far.
+      real(wp) :: stress_rise = 0.0_wp
+      !> Set in a stored state: the present film, its H (0:n), half the weight of the new value in
+      !> d/dT, and the contribution of the old ones to it.
+      type(excess_t) :: flow
+      real(wp), allocatable :: film(:)
+      real(wp) :: half_rate = 0.0_wp
+      type(past_t) :: made_of_old
+   end type momentum_history_t
+
 contains
+
+   !> Weights (new, old, older) of the values of y in h dy/dT at the new time, h the length of the
+   !> step and `ratio` h over the length of the step before it; exact for parabolas: BDF2. Without
+   !> an older value, backward Euler.
+   pure function derivative_weights(ratio, has_older) result(weights)
+      real(wp), intent(in) :: ratio
+      logical, intent(in) :: has_older
+      real(wp) :: weights(3)
+
+      weights = [1.0_wp, -1.0_wp, 0.0_wp]
+      if (has_older) weights = [(1.0_wp + 2.0_wp*ratio)/(1.0_wp + ratio), -(1.0_wp + ratio), &
+         ratio**2/(1.0_wp + ratio)]
+   end function derivative_weights
+
+   !> Weights of the last `count` values (1 to 3, newest first) in the value at the new time by the
+   !> polynomial of lowest degree. `ahead`: h over the length h1 of the last step; `back`: length h2
+   !> of the step before it over h1.
+   pure function parabola_weights(count, ahead, back) result(weights)
+      integer, intent(in) :: count
+      real(wp), intent(in) :: ahead, back
+      real(wp) :: weights(3)
+
+      select case (count)
+      case (1)
+         weights = [1.0_wp, 0.0_wp, 0.0_wp]
+      case (2)
+         weights = [1.0_wp + ahead, -ahead, 0.0_wp]
+      case default
+         weights = [(1.0_wp + ahead)*(1.0_wp + ahead + back)/(1.0_wp + back), &
+            -ahead*(1.0_wp + ahead + back)/back, ahead*(1.0_wp + ahead)/(back*(1.0_wp + back))]
+      end select
+   end function parabola_weights
+
+   !> Error of BDF2 over the difference of its value from that of the parabola through the three
+   !> before, for small steps: `lengths` of the last step and of the two before it.
+   pure real(wp) function error_share(lengths) result(share)
+      real(wp), intent(in) :: lengths(3)
+      real(wp) :: ratio, scheme, parabola
+
+      ratio = lengths(1)/lengths(2)
+      scheme = lengths(1)**3*(1 + ratio)**2/(ratio*(1 + 2*ratio))
+      parabola = lengths(1)*(lengths(1) + lengths(2))*sum(lengths)
+      share = scheme/(scheme + parabola)
+   end function error_share
+
+   !> Ends of the parts of a step, as shares of its length `time_step`, the last one 1: one part
+   !> with backward Euler and after the start, else parts that follow the grading.
+   pure function part_ends(scheme, step, time_step) result(ends)
+      character(*), intent(in) :: scheme
+      integer, intent(in) :: step
+      real(wp), intent(in) :: time_step
+      real(wp), allocatable :: ends(:)
+      real(wp) :: wanted, exponent
+      integer :: i, parts
+
+      parts = 1
+      exponent = 1.0_wp
+      if (scheme == 'bdf2' .and. step*time_step < start_layer) then
+         wanted = (start_layer/(step*time_step))**grading
+         if (step == 1) then
+            exponent = 1.0_wp/(1.0_wp - grading)
+            parts = nint(exponent*wanted)
+         else
+            parts = nint(wanted)
+         end if
+         parts = max(1, min(parts, int((time_step/shortest_part)**(1.0_wp/exponent))))
+      end if
+      ends = [((real(i, wp)/parts)**exponent, i=1, parts)]
+   end function part_ends
 
    !> Weights (new, old, older) of rho H in its change with time at the end of a step of `length` by
    !> a `scheme`.
@@ -182,5 +315,43 @@ contains
          if (history%size > 3) error = error*error_share(h)
       end associate
    end function step_error
+
+   !> Weights of the last `count` films in the prediction for the end of a step of this length.
+   pure function weights_of(past, length, count) result(weights)
+      type(momentum_history_t), intent(in) :: past
+      real(wp), intent(in) :: length
+      integer, intent(in) :: count
+      real(wp) :: weights(max_excesses), last
+
+      weights = 0.0_wp
+      last = merge(past%lengths(1), 1.0_wp, past%films > 1)
+      if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
+   end function weights_of
+
+   !> Number of films that would best have predicted the present `excess` after a step of this
+   !> length: pressures and velocities count alike.
+   integer function next_count(past, excess, length) result(best)
+      type(momentum_history_t), intent(in) :: past
+      type(excess_t), intent(in) :: excess
+      real(wp), intent(in) :: length
+      real(wp) :: miss, smallest, weights(max_excesses)
+      real(wp), allocatable :: p(:, :), u(:, :)
+      integer :: count, k
+
+      best = 0
+      smallest = huge(1.0_wp)
+      do count = 0, past%films
+         weights = weights_of(past, length, count)
+         p = excess%p
+         u = excess%u
+         do k = 1, count
+            p = p - weights(k)*past%excess(k)%p
+            u = u - weights(k)*past%excess(k)%u
+         end do
+         miss = max(maxval(abs(p)), maxval(abs(u)))
+         if (miss < smallest) best = count
+         smallest = min(miss, smallest)
+      end do
+   end function next_count
 
 end module march_state

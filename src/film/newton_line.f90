@@ -5,14 +5,12 @@
 !> elastic diagonal). The `linear_solver_t` solves the linear system: by LAPACK, or in O(n log n).
 module newton_line
    use duty, only: is_reference
-   use film_equation, only: load_defect, set_film
    use kinds, only: wp
-   use line_level, only: line_level_t
+   use line_level, only: line_level_t, load_defect, set_film
    use listener, only: is_stopped, listener_t
    use mobility, only: bent_step, flowing_share
-   use newton_work, only: allocate_work, newton_t
-   use reynolds_jacobian, only: evaluate_jacobian, share_rows
-   use rheology, only: thins, wall_stress
+   use newton_work, only: allocate_work, evaluate_jacobian, newton_t, share_rows
+   use lubricant, only: thins, wall_stress
    implicit none (type, external)
    private
 

@@ -16,9 +16,8 @@ module passage_times
    use duty, only: moment_t, span_of
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
-   use line_contact, only: rough_contact_t
+   use line_contact, only: rough_contact_t, time_settings_t
    use profile, only: profile_length
-   use solver_settings, only: time_settings_t
    use text, only: add_sentence, rounded_up, to_text
    implicit none (type, external)
    private

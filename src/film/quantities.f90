@@ -6,10 +6,8 @@
 !> known is NaN, never a number that looks like an answer.
 module quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use constants, only: pi
-   use friction_sums, only: friction_t
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use line_state, only: friction_t
+   use kinds, only: not_known, pi, wp
    implicit none (type, external)
    private
 

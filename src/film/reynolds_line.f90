@@ -7,7 +7,7 @@
 !> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT. Where speeds
 !> change in time the wedge is times (u1 + u2)/u_ref.
 !>
-!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and includes one
+!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module mobility, and includes one
 !> node downstream in the mass flux rH at a face,
 !>
 !>     rH(i+1/2) = ( 3 rH(i) - rH(i-1) )/2 + theta(i)/3 ( rH(i+1) - 2 rH(i) + rH(i-1) )
@@ -22,10 +22,9 @@
 !> face behind is theta times that of a full film, by upwind2. At the first face it is `supply` if
 !> that is less.
 module reynolds_line
-   use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
    use line_level, only: has_close_exit, line_level_t
-   use mobility, only: fluid_mobility, mobility_slopes_t
+   use mobility, only: fluid_face_mobility, fluid_mobility, mobility_slopes_t
    implicit none (type, external)
    private
 

@@ -2,14 +2,13 @@
 !> product, by FFT, preconditioned by nearly the same matrix (module bordered_system).
 module semiseparable_jacobian
    use bordered_system, only: bordered_system_t, factor_bordered, solve_first
-   use constants, only: pi
    use errors, only: error_t
-   use exponential_sum, only: exponential_sum_t, fit_exponentials, sample_points, terms
    use gmres, only: gmres_t, solve_gmres
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_level, only: line_level_t
    use newton_work, only: linear_solver_t, reynolds_jacobian_t
-   use semiseparable, only: new_semiseparable
+   use semiseparable, only: exponential_sum_t, fit_exponentials, new_semiseparable, sample_points, &
+      terms
    implicit none (type, external)
    private
 

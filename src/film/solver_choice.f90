@@ -5,14 +5,13 @@ module solver_choice
    use domain_choice, only: intervals_for_film
    use iteration_report, only: cycle_numbers_t, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, solver_settings_t, steady_tolerance, step_tolerance
    use line_hierarchy, only: is_newton, line_hierarchy_t, method_block_jacobi, method_fas, &
       method_newton_dense, method_newton_krylov, relaxation_t, smoother_block_jacobi, &
       smoother_gauss_seidel, smoother_line
    use semiseparable_jacobian, only: semiseparable_jacobian_t
-   use solver_settings, only: solver_settings_t, steady_tolerance, step_tolerance
    use text, only: to_text
-   use rheology, only: slide_to_roll, thins
+   use lubricant, only: slide_to_roll, thins
    implicit none (type, external)
    private
 

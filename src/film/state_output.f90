@@ -3,18 +3,15 @@ module state_output
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: surface_height
    use film_heating, only: thinning
-   use film_shear, only: evaluate_friction, friction_of
+   use film_shear, only: evaluate_drive, evaluate_friction, film_limits, film_stresses, friction_of
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t
    use line_level, only: line_level_t
    use line_state, only: line_state_t, turned
    use line_summary, only: line_summary_t, summary_of_fields
-   use lubricant, only: fluid_density, fluid_viscosity
-   use limit_search, only: film_limits
+   use lubricant, only: fluid_density, fluid_viscosity, ln_slip
    use quantities, only: node_spacings
-   use rheology, only: ln_slip
-   use shear_stresses, only: evaluate_drive, film_stresses
    implicit none (type, external)
    private
 

@@ -4,11 +4,9 @@
 !> A wave that falls between the nodes, or passes within a step, is lost, and coarse runs do not
 !> show the loss (theory page, section on domain and grid; docs/decisions.md).
 module wave_resolution
-   use, intrinsic :: iso_fortran_env, only: int64
    use duty, only: span_of
-   use kinds, only: wp
-   use line_contact, only: finest_wave, rough_contact_t, shortest_passage
-   use solver_settings, only: time_settings_t
+   use kinds, only: int64, wp
+   use line_contact, only: finest_wave, rough_contact_t, shortest_passage, time_settings_t
    use text, only: add_sentence, rounded_down, to_text
    implicit none (type, external)
    private

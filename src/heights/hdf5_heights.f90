@@ -1,19 +1,16 @@
 !> Heights in an HDF5 file: one or two dimensions, spacing or positions, read a stretch at a time.
 module hdf5_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use findings, only: quoted
    use hdf5, only: hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input, read_part
    use hdf5_source, only: hdf5_source_t, number_class
-   use height_limits, only: is_position, position_fault, position_range_t, scale_fault, &
-      spacing_fault
    use profile, only: height_source_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use length_units, only: same_unit, settle_unit, silence_fault, units_per_metre
-   use measured_heights, only: height_request_t
-   use text, only: to_text
+   use measured_heights, only: height_request_t, is_position, position_fault, position_range_t, &
+      scale_fault, spacing_fault
+   use text, only: quoted, to_text
    implicit none (type, external)
    private
 

@@ -1,16 +1,15 @@
 !> Measured heights from a file: a table, or HDF5, which its content tells.
 module height_file
-   use, intrinsic :: iso_fortran_env, only: int64
    use file_bytes, only: checksum_t
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
    use hdf5_input, only: is_hdf5, place_words
    use height_form, only: height_sums_t
-   use height_limits, only: height_fault, height_range_t, is_height, range_fault
    use profile, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
-   use measured_heights, only: height_request_t, heights_t
-   use kinds, only: wp
+   use measured_heights, only: height_fault, height_range_t, height_request_t, heights_t, &
+      is_height, range_fault
+   use kinds, only: int64, wp
    use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: to_text

@@ -3,17 +3,14 @@
 !>
 !> A first pass notes where every 4096th row begins, to find any row without holding the table.
 module height_table
-   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use findings, only: quoted
-   use height_limits, only: height_fault, height_range_t, is_height, is_position, position_fault, &
-      position_range_t
    use profile, only: height_source_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use length_units, only: find_unit, settle_unit, silence_fault, unit_among
-   use measured_heights, only: height_request_t
+   use measured_heights, only: height_fault, height_range_t, height_request_t, is_height, &
+      is_position, position_fault, position_range_t
    use number_text, only: read_real
-   use text, only: counted, to_text
+   use text, only: counted, quoted, to_text
    use text_file, only: encoding_fault, open_lines, text_lines_t
    implicit none (type, external)
    private

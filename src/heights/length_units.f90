@@ -1,8 +1,7 @@
 !> Units of length in files of heights: spellings, and what names such as `x_mm`, `z [um]` say.
 module length_units
-   use findings, only: quoted
    use kinds, only: wp
-   use text, only: to_lower
+   use text, only: quoted, to_lower
    implicit none (type, external)
    private
 

@@ -1,12 +1,11 @@
 !> &bodies and &load: what contradicts each other or follows from other keys; two bodies as one.
 module body_input
-   use bodies, only: bodies_t, reduced_modulus, reduced_radius
-   use hertz, only: line_load_from_pressure, point_load_from_pressure
+   use hertz, only: bodies_t, line_load_from_pressure, point_load_from_pressure, reduced_modulus, &
+      reduced_radius
    use input_keys, only: find_key, key_rows
-   use input_values, only: input_values_t
+   use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: film, has_word, lubricated, point
    use kinds, only: wp
-   use surface_keys, only: has_shape, surfaces
    use text, only: joined, to_text
    implicit none (type, external)
    private
@@ -221,17 +220,15 @@ contains
       choice = 'load_per_length [N/m], load [N] or hertz_pressure [Pa]'
       if (values%problem == lubricated) then
          keys = [character(len=16) :: 'load_per_length', 'load', 'hertz_pressure']
-         fault = 'found more than one load, expected one of '//joined(keys, ', ')
       else if (values%problem == point) then
          keys = [character(len=16) :: 'load', 'hertz_pressure']
-         fault = 'found more than one load, expected one of '//joined(keys, ', ')
          choice = 'load [N] or hertz_pressure [Pa]'
       else
          keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', merge('load_per_length', &
             'load           ', values%problem == 'dry_line'), 'separation']
-         fault = 'found more than one load, expected one of '//joined(keys, ', ')
          choice = 'mean_pressure [Pa], hertz_pressure [Pa], '//trim(keys(3))//' or separation [m]'
       end if
+      fault = 'found more than one load, expected one of '//joined(keys, ', ')
       given = 0
       do i = 1, size(keys)
          if (.not. values%is_given('load', trim(keys(i)))) cycle

@@ -1,16 +1,14 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
-   use case_effective, only: list_dry, list_effective
-   use case_record, only: case_t, path_from_namelist, set_effective
-   use case_validation, only: conserves_oil, even_reason, validate
+   use case_record, only: case_t, list_dry, list_effective, path_from_namelist, set_effective
+   use case_validation, only: check_regime, conserves_oil, even_reason, validate
    use dry_input, only: fill_dry_case
    use duty_input, only: complete_duty, read_duty
    use file_heights, only: check_files
    use findings, only: findings_t
-   use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: film, has_word, is_in_range, lubricated, point
+   use key_row, only: film, has_word, lubricated, point
    use key_rules, only: find_unusual, unusual_t
    use line_case, only: plan_line_case
    use lubricant_input, only: complete_alpha, derive_viscosity, fill_lubricant
@@ -209,35 +207,5 @@ contains
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
    end subroutine fill_numerics
-
-   !> Adds findings: a load, given by `key`, whose contact is wider than the radius, where neither
-   !> Hertz nor the half-space holds; a contact outside the range of &moes.
-   subroutine check_regime(values, key, case)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: key
-      type(case_t), intent(in) :: case
-      type(unusual_t), allocatable :: unusual(:)
-
-      if (.not. case%scaling%is_dimensional) return
-      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
-         l => key_rows(find_key('moes', 'moes_l')))
-         if (scales%half_width >= case%bodies%reduced_radius) then
-            call values%refuse('load', key, 'found a contact of half-width ' &
-               // to_text(scales%half_width, 3) // ' m, expected less than the reduced radius, ' &
-               // to_text(case%bodies%reduced_radius, 3) // ' m')
-         else if (.not. (is_in_range(scales%moes_m, m%range) .and. is_in_range(scales%moes_l, &
-            l%range))) then
-            unusual = find_unusual(values)
-            if (size(unusual) > 0) then
-               call values%refuse('load', key, 'found no contact that can be computed: '// &
-                  unusual(1)%words//unusual(1)%question)
-               return
-            end if
-            call values%refuse('load', key, 'found a contact with Moes numbers M = ' &
-               // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) &
-               // ' (mean velocity), expected M ' // trim(m%range) // ' and L ' // trim(l%range))
-         end if
-      end associate
-   end subroutine check_regime
 
 end module case_input

@@ -3,20 +3,20 @@
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
    use body_input, only: check_bodies, check_load
+   use case_record, only: case_t
    use input_keys, only: find_key, group_rows, key_rows
-   use input_values, only: input_values_t, value_t
-   use key_row, only: dry, expected_value, film, has_word, lubricated, word_kind
-   use key_rules, only: check_rules
+   use input_values, only: check_surface, input_values_t, value_t
+   use key_row, only: dry, expected_value, film, has_word, is_in_range, lubricated, word_kind
+   use key_rules, only: check_rules, find_unusual, unusual_t
    use kinds, only: wp
    use lubricant_input, only: check_lubricant
-   use solver_settings, only: max_intervals_of
-   use surface_keys, only: check_surface
+   use line_contact, only: max_intervals_of
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_times, conserves_oil, even_reason, validate
+   public :: check_regime, check_times, conserves_oil, even_reason, validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: max_steps = 1.0e8_wp
@@ -332,5 +332,35 @@ contains
       call values%refuse('accuracy', 'error_bars', &
          'found .false., expected .true. with &accuracy target')
    end subroutine check_accuracy
+
+   !> Adds findings: a load, given by `key`, whose contact is wider than the radius, where neither
+   !> Hertz nor the half-space holds; a contact outside the range of &moes.
+   subroutine check_regime(values, key, case)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: key
+      type(case_t), intent(in) :: case
+      type(unusual_t), allocatable :: unusual(:)
+
+      if (.not. case%scaling%is_dimensional) return
+      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
+         l => key_rows(find_key('moes', 'moes_l')))
+         if (scales%half_width >= case%bodies%reduced_radius) then
+            call values%refuse('load', key, 'found a contact of half-width ' &
+               // to_text(scales%half_width, 3) // ' m, expected less than the reduced radius, ' &
+               // to_text(case%bodies%reduced_radius, 3) // ' m')
+         else if (.not. (is_in_range(scales%moes_m, m%range) .and. is_in_range(scales%moes_l, &
+            l%range))) then
+            unusual = find_unusual(values)
+            if (size(unusual) > 0) then
+               call values%refuse('load', key, 'found no contact that can be computed: '// &
+                  unusual(1)%words//unusual(1)%question)
+               return
+            end if
+            call values%refuse('load', key, 'found a contact with Moes numbers M = ' &
+               // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) &
+               // ' (mean velocity), expected M ' // trim(m%range) // ' and L ' // trim(l%range))
+         end if
+      end associate
+   end subroutine check_regime
 
 end module case_validation

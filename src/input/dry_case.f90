@@ -1,12 +1,11 @@
 !> A dry contact as it will be solved: grid, heights, loads, in SI.
 module dry_case
-   use dry_problem, only: dry_grid_t
-   use dry_solution, only: dry_loads_t, dry_settings_t, max_nodes_to_refine
+   use dry_problem, only: dry_grid_t, dry_loads_t, dry_settings_t, max_nodes_to_refine
    use measured_heights, only: heights_t
    use height_form, only: trend_t
    use input_values, only: input_values_t
    use kinds, only: wp
-   use solver_settings, only: word_length
+   use line_contact, only: word_length
    use system_limits, only: dry_memory
    implicit none (type, external)
    private

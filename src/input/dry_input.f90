@@ -1,21 +1,18 @@
 !> From the checked values of a namelist to a dry contact. Its grid is that of &domain or of the
 !> file of a surface or, for a wanted accuracy, the one to begin with.
 module dry_input
-   use, intrinsic :: iso_fortran_env, only: int64
    use body_input, only: find_load, modulus_of, radius_of
-   use constants, only: pi
    use dry_sweep, only: recommended_room
    use dry_case, only: dry_case_t
-   use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
-   use dry_solution, only: method_conjugate_gradient, method_steepest_descent
+   use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, &
+      method_conjugate_gradient, method_steepest_descent, no_hardness
    use dry_surfaces, only: make_heights, prepare_files, same_length
-   use even_grids, only: even_nodes
+   use grid_transform, only: even_nodes
    use file_heights, only: read_surface
    use hertz, only: line_half_width, point_radius
-   use input_values, only: input_values_t, value_t
-   use kinds, only: wp
+   use input_values, only: has_shape, input_values_t, surfaces, value_t
+   use kinds, only: int64, pi, wp
    use measured_heights, only: heights_t
-   use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
    implicit none (type, external)

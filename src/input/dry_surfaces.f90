@@ -1,14 +1,13 @@
 !> The heights of a dry case from its two surfaces, on its first grid and on finer ones.
 module dry_surfaces
-   use analytic_heights, only: feature_heights, node_positions, parabola_heights
+   use features, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
    use file_heights, only: level_surface, read_surface
    use resampling, only: resample_heights
-   use input_values, only: value_t
+   use input_values, only: features_of, has_shape, read_synthesis, surfaces, value_t
    use kinds, only: wp
    use signals, only: begin_activity
-   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)

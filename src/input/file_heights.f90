@@ -1,18 +1,16 @@
 !> Heights of a file become a surface, in oil and dry: they are read, tilt, form and the waves
 !> beyond the cut-offs are subtracted, and wrong units are found.
 module file_heights
-   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use gauss_filter, only: least_nodes, smooth_heights
    use height_file, only: read_heights
    use height_form, only: closes, curvature_of, extent_of, form_of, height_sums_t, rms_height, &
       rms_slope, subtract_form, tilt_of, trend_t
    use profile, only: height_source_t
-   use input_values, only: input_values_t
+   use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: dry_area, has_word, point
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use measured_heights, only: height_request_t, heights_t, put_level
-   use surface_keys, only: has_shape, surfaces
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private

@@ -13,12 +13,6 @@ module input_keys
 
    public :: find_group, find_key
 
-   !> A word of a key that has got another name.
-   type, public :: renamed_word_t
-      character(len=22) :: key
-      character(len=16) :: old, new
-   end type renamed_word_t
-
    type(group_row_t), parameter, public :: group_rows(*) = [ &
       group_row_t('case', 'what is computed and where the result goes', every, is_needed=.true.), &
       group_row_t('bodies', &
@@ -107,8 +101,7 @@ module input_keys
          typical=typical_radius, example='0.01', dry_example='! 0.01'), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, &
          'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', &
-         problems=other_than_point, &
-         typical=typical_radius, example='2.0', dry_example='! 2.0'), &
+         problems=other_than_point, typical=typical_radius, example='2.0', dry_example='! 2.0'), &
       key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
          'the body whose radius is not given is a plane', problems=other_than_point, &
          example='! .true.'), &
@@ -185,9 +178,8 @@ module input_keys
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
          'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13', &
          typical=typical_pressure, example='! 0.6e9', problems=film), &
-      key_row_t('load', 'load', real_kind, 'N', is_optional, &
-         'load of the whole contact_length', range='> 0, <= 1e15', typical='1e-2 to 1e8', &
-         example='! 2000.0'), &
+      key_row_t('load', 'load', real_kind, 'N', is_optional, 'load of the whole contact_length', &
+         range='> 0, <= 1e15', typical='1e-2 to 1e8', example='! 2000.0'), &
       key_row_t('load', 'load', real_kind, 'N', is_optional, &
          'load of the contact; or hertz_pressure', range='> 0, <= 1e15', problems=point, &
          typical='1e-3 to 1e6', example='30.0'), &
@@ -314,8 +306,7 @@ module input_keys
          words='none patir_cheng', used='law', example='!'), &
       key_row_t('asperities', 'boundary_friction', real_kind, '-', '0.12', &
          'friction coefficient of the asperities', range='>= 0, <= 1', used='law', &
-         typical='0.05 to 0.2', &
-         example='!'), &
+         typical='0.05 to 0.2', example='!'), &
       key_row_t('supply', 'film', real_kind, 'm', is_required, &
          'thickness of the oil that both surfaces bring, at (u1+u2)/2; no effect beyond what '// &
          'the inlet holds', range='>= 1e-12, <= 1', typical=typical_film, example='! 5e-7'), &
@@ -373,25 +364,21 @@ module input_keys
          used='shape = file', problems=other_than_point, example="! 'x'"), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=every, &
-         example="! 'mm'"), &
+         words='auto '//length_words, used='shape = file', problems=every, example="! 'mm'"), &
       key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
          'unit of the heights in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=every, &
-         example="! 'um'"), &
+         words='auto '//length_words, used='shape = file', problems=every, example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
          'subtracted from the heights (line: plane of an area); auto: line, none where heights ' &
          //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
          problems=every, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
          'cut-off lambda_c: longer waves are removed by the Gaussian filter of ISO 16610-21', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, &
-         typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
          example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
          'cut-off lambda_s: shorter waves are removed by the same filter', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, &
-         typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
          example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
          'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', &
@@ -406,16 +393,14 @@ module input_keys
          'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
          problems=every, example='!', dry_example='0.8'), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
-         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, &
-         problems=every, &
+         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=every, &
          typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
          used=of_synthesis, problems=every, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, &
-         typical=typical_wave, &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave, &
          example='! 1e-4', dry_example='1e-4'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, problems=film, &
@@ -530,9 +515,8 @@ module input_keys
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", 'smoother of the multigrid cycle', &
          words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid, is_expert=.true.), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", &
-         'upwind2 (thesis), or kappa (Newton methods); auto: kappa with a target in time and ' &
-         //'where a history rests or reverses', &
-         words='auto upwind2 kappa', is_expert=.true.), &
+         'upwind2 (thesis), or kappa (Newton methods); auto: kappa with a target in time and '// &
+         'where a history rests or reverses', words='auto upwind2 kappa', is_expert=.true.), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", &
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &
          words='fmg hertz', is_expert=.true.), &
@@ -598,8 +582,7 @@ module input_keys
          words='pressure gap height_undeformed height_loaded height_unloaded plastic_deformation', &
          problems=dry, example="! 'pressure', 'gap'"), &
       key_row_t('output', 'precision', word_kind, '', "'double'", &
-         'of the stored fields; single halves the file', words='double single', &
-         problems=dry), &
+         'of the stored fields; single halves the file', words='double single', problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
          'wall time between checkpoints, from which asperity --resume continues', &
          range='>= 0, <= 1e9', used=in_time, problems=film, example='!'), &
@@ -638,11 +621,6 @@ module input_keys
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, &
       lubricant_rows, surface_1_rows, surface_2_rows, domain_rows, film_rows, solver_rows, &
       output_rows]
-
-   !> Words that were renamed; the old one is refused, and the message names the new one.
-   type(renamed_word_t), parameter, public :: renamed_words(*) = [ &
-      renamed_word_t('space_scheme', 'thesis', 'upwind2'), &
-      renamed_word_t('space_scheme', 'sharp', 'kappa')]
 
 contains
 

@@ -7,7 +7,7 @@ module input_manual
    use key_row, only: dry, every, has_word, &
       is_chosen, is_optional, is_required, key_row_t, kind_names, &
       point, word_list, words_kind
-   use quantity_text, only: wrapped
+   use text, only: wrapped
    implicit none (type, external)
    private
 

@@ -18,7 +18,7 @@ module key_rules
       unit_question, word_list
    use kinds, only: wp
    use number_text, only: read_real
-   use quantity_text, only: number_text
+   use text, only: number_text
    implicit none (type, external)
    private
 

@@ -13,13 +13,12 @@ module line_case
    use input_values, only: input_values_t
    use key_row, only: point
    use kinds, only: wp
-   use line_contact, only: finest_wave, line_contact_t, rough_contact_t
+   use line_contact, only: finest_wave, leaves_scheme, line_contact_t, max_intervals_of, &
+      max_refined_intervals, rough_contact_t, time_settings_t
    use line_profiles, only: make_surface, place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
    use scaling, only: new_heating, scaled_fluid
-   use solver_settings, only: leaves_scheme, max_intervals_of, max_refined_intervals, &
-      time_settings_t
    use surface_scaling, only: scaled_duty, scaled_surface
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text

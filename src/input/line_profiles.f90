@@ -1,22 +1,19 @@
 !> The surfaces of the lubricated line contact: from their keys to features, and to measured or
 !> synthetic heights that enter the contact.
 module line_profiles
-   use, intrinsic :: iso_fortran_env, only: int64
-   use case_effective, only: list_trend
-   use case_record, only: path_from_namelist, case_t, set_effective
+   use case_record, only: case_t, list_trend, path_from_namelist, set_effective
    use file_bytes, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
    use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint
    use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
-   use input_values, only: input_values_t
-   use kinds, only: wp
+   use input_values, only: features_of, input_values_t, read_synthesis
+   use kinds, only: int64, wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
-   use surface_keys, only: features_of, read_synthesis
-   use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
-   use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
+   use synthetic_surface, only: new_synthetic_pieces, synthesis_t, synthetic_heights, &
+      synthetic_pieces_t, truncate_harmonics
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private

@@ -7,12 +7,10 @@ module lubricant_input
    use lubricant, only: density_constant, density_laws, lubricant_t, &
       viscosity_constant, viscosity_laws, viscosity_roelands
    use number_text, only: read_real
-   use oil_viscosity, only: largest_viscosity, least_viscosity, new_walther, viscosity_at_100, &
-      viscosity_of_class, walther_t
-   use quantity_text, only: number_text
-   use roelands_relation, only: complete_roelands, roelands_alpha, roelands_log_shift
+   use oil_viscosity, only: complete_roelands, largest_viscosity, least_viscosity, new_walther, &
+      roelands_alpha, roelands_log_shift, viscosity_at_100, viscosity_of_class, walther_t
    use scaling, only: rheologies, rheology_newtonian
-   use text, only: joined, to_text
+   use text, only: joined, number_text, to_text
    use validity, only: materials_t
    implicit none (type, external)
    private

@@ -6,10 +6,10 @@
 !> LF line ends (`text_file` makes LF of CR alone), a byte order mark. A string closes on its line.
 module namelist_text
    use, intrinsic :: iso_fortran_env, only: int64
-   use findings, only: findings_t, quoted
+   use findings, only: findings_t
    use namelist_source, only: key_start, line_feed, name_end, new_source, next_equals, source_t
    use number_text, only: read_integer
-   use text, only: count_of, to_lower, to_text
+   use text, only: count_of, quoted, to_lower, to_text
    use text_file, only: encoding_fault
    implicit none (type, external)
    private

@@ -1,14 +1,12 @@
 !> From the checked values of a namelist to a lubricated point contact.
 module point_input
-   use bodies, only: reduced_radius
+   use hertz, only: reduced_radius
    use body_input, only: check_curvature, has_plane, modulus_of
-   use case_effective, only: list_effective
-   use case_record, only: case_t, set_effective
+   use case_record, only: case_t, list_effective, set_effective
    use duty_input, only: complete_duty
-   use constants, only: pi
    use elliptic_contact, only: ellipse_t, new_ellipse
    use input_values, only: input_values_t
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use line_case, only: plan_duty, plan_times
    use line_contact, only: intervals_for_waves
    use line_profiles, only: make_surface, place_surface

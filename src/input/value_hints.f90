@@ -17,6 +17,8 @@ module value_hints
       answer_t('ellip', "problem = 'ehl_point' has ellipses: radius_x_1, radius_y_1, ..."), &
       answer_t('target_p_max', 'target holds for p_max too, on the graded grid of a steady '// &
          'contact'), &
+      answer_t('thesis', "'upwind2' is its new name"), &
+      answer_t('sharp', "'kappa' is its new name"), &
       answer_t('parabola', 'with oil the radii of &bodies give it'), &
       answer_t('coating', 'coatings are not built: the bodies are homogeneous half-spaces'), &
       answer_t('layer', 'layers are not built: the bodies are homogeneous half-spaces'), &

@@ -2,19 +2,18 @@
 !>
 !> One by one, so that each failure has its line, group and key; `case_input` gives them meaning.
 module value_reader
-   use, intrinsic :: iso_fortran_env, only: int64
-   use findings, only: findings_t, quoted
-   use input_keys, only: find_group, find_key, group_rows, key_rows, renamed_words
+   use findings, only: findings_t
+   use input_keys, only: find_group, find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
    use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_in_range, &
       is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, &
       split_words, unit_question, word_kind, words_kind
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use namelist_text, only: namelist_text_t, entry_t
-   use namelist_values, only: max_values, piece_t, read_logical, split_values
+   use namelist_source, only: max_values, piece_t, read_logical, split_values
    use number_text, only: read_integer, read_real
-   use solver_settings, only: word_length
-   use text, only: joined, to_lower, to_text
+   use line_contact, only: word_length
+   use text, only: joined, quoted, to_lower, to_text
    use value_hints, only: answer_to, edit_distance, form_hint, nearest_known
    implicit none (type, external)
    private
@@ -312,21 +311,16 @@ contains
       end if
    end subroutine store_word
 
-   !> "; 'word' is the new name" of a renamed `word`, "; did you mean 'word'?" with the word of the
-   !> row nearest to it, or nothing.
+   !> What to do instead of a `word`; "; did you mean 'word'?" with the nearest one of the row; or
+   !> nothing.
    function nearest_word(row, word) result(hint)
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: word
       character(:), allocatable :: hint
-      integer :: i
 
-      do i = 1, size(renamed_words)
-         if (renamed_words(i)%key /= row%key .or. renamed_words(i)%old /= word) cycle
-         hint = "; '" // trim(renamed_words(i)%new) // "' is its new name"
-         return
-      end do
       hint = ''
-      if (row%key == 'problem' .or. row%key == 'shape') hint = answer_to(word)
+      if (any(row%key == [character(len=12) :: 'problem', 'shape', 'space_scheme'])) hint = &
+         answer_to(word)
       if (hint /= '') then
          hint = '; '//hint
       else

@@ -18,7 +18,6 @@ module gmres
       !> y (n) = A x (n).
       subroutine product_interface(self, x, y)
          import :: krylov_system_t, wp
-         implicit none (type, external)
          class(krylov_system_t), intent(inout) :: self
          real(wp), intent(in) :: x(:)
          real(wp), intent(out) :: y(:)
@@ -27,7 +26,6 @@ module gmres
       !> x (n) = M x, with M close to the inverse of A.
       subroutine precondition_interface(self, x)
          import :: krylov_system_t, wp
-         implicit none (type, external)
          class(krylov_system_t), intent(inout) :: self
          real(wp), intent(inout) :: x(:)
       end subroutine precondition_interface

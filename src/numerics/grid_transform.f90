@@ -1,4 +1,5 @@
-!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for use once.
+!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for use once, and
+!> numbers of nodes that suit it: even, with fast transforms and coarse grids below.
 module grid_transform
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr
    use errors, only: error_t, fail, internal_error
@@ -9,7 +10,10 @@ module grid_transform
    implicit none (type, external)
    private
 
-   public :: power_of_rows, transform_field, transform_back
+   public :: even_nodes, power_of_rows, transform_back, transform_field
+
+   !> Chosen numbers of nodes are these times a power of two.
+   integer, parameter :: sizes(*) = [8, 9, 10, 12, 14, 15], first_unit = 2
 
 contains
 
@@ -88,5 +92,22 @@ contains
       if (.not. c_associated(plan)) call fail(error, internal_error, &
          'FFTW: no plan for a transform of ' // to_text(grid(1)) // ' x ' // to_text(grid(2)))
    end subroutine check_plan
+
+   !> Fewest nodes in one direction not below `least`, or the most not above `most`; 0: none.
+   pure elemental function even_nodes(least, most) result(nodes)
+      real(wp), intent(in) :: least, most
+      integer :: nodes, i, unit
+
+      nodes = 0
+      unit = first_unit
+      do
+         do i = 1, size(sizes)
+            if (sizes(i)*unit > most) return
+            nodes = sizes(i)*unit
+            if (nodes >= least) return
+         end do
+         unit = 2*unit
+      end do
+   end function even_nodes
 
 end module grid_transform

@@ -2,8 +2,7 @@
 !>
 !> Not converging is a result with a reason, not an error: the report says it, the file keeps it.
 module iteration_report
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 

@@ -15,11 +15,10 @@
 module toeplitz
    use, intrinsic :: iso_c_binding, only: c_associated, c_double_complex, c_f_pointer, &
       c_int, c_loc, c_null_ptr, c_ptr, c_size_t
-   use constants, only: pi
    use errors, only: error_t, fail, internal_error
    use fftw, only: fftw_alloc_complex, fftw_backward, fftw_destroy_plan, fftw_estimate, &
       fftw_execute_dft, fftw_forward, fftw_free, fftw_plan_dft_1d
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use text, only: to_text
    implicit none (type, external)
    private

@@ -19,8 +19,7 @@
 !> cells.
 module tree_network
    use cell_tree, only: cell_tree_t, join_cells, max_levels, place_nodes
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

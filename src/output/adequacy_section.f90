@@ -3,18 +3,15 @@
 !> table; /adequacy/validity: the limits of the model.
 module adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use adequacy, only: adequacy_t, compared, influence_t, new_influence
+   use adequacy, only: adequacy_t, compared, influence_t, judged_t, model_choice_t, new_influence, &
+      reasons, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, verdict_unknown, &
+      why_unknown
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
-   use model_decision, only: model_choice_t, reasons
    use quantities, only: quantity_count, quantity_rows
-   use quantity_text, only: number_text
-   use text, only: joined
-   use validity, only: limit_t
-   use validity_table, only: limit_count, limit_rows, shear_heating
-   use verdicts, only: judged_t, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, &
-      verdict_unknown, why_unknown
+   use text, only: joined, number_text
+   use validity, only: limit_count, limit_rows, limit_t, shear_heating
    implicit none (type, external)
    private
 

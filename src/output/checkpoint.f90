@@ -10,7 +10,7 @@ module checkpoint
    use disk_file, only: folder_of, hdf5_mark, place_fault, remove_file, rename_file, sync_file
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: seal_fault, seal_file
-   use film_passage, only: film_passage_t, new_passage
+   use film_fields, only: film_passage_t, new_passage
    use film_statistics, only: film_statistics_t, new_statistics
    use hdf5_dataset, only: write_attribute
    use hdf5_file, only: create_hdf5_file
@@ -18,11 +18,10 @@ module checkpoint
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
-   use march_state, only: march_state_t
-   use momentum_history, only: excess_t, max_excesses, momentum_history_t, past_t
+   use march_state, only: excess_t, march_state_t, max_excesses, momentum_history_t, past_t
    use passage_extremes, only: passage_extremes_t
-   use solver_settings, only: word_length
-   use split_errors, only: forecast_t
+   use line_contact, only: word_length
+   use grid_errors, only: forecast_t
    use text, only: to_text
    implicit none (type, external)
    private

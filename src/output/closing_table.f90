@@ -3,20 +3,17 @@ module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_dataset, only: label_t
    use iteration_report, only: breakdown_t, ending_text, has_converged, report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, wp
    use line_summary, only: line_summary_t, mean_power
-   use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use progress_log, only: columns, progress_log_t
    use quantities, only: asperity_share, boundary_friction, film_rise, &
       friction_coefficient, h_central, h_min, oil_friction, p_central, p_max, quantity_rows, &
       rise_1, rise_2
-   use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
-   use text, only: counted
-   use validity, only: limit_t
-   use validity_table, only: film_over_wave, hardness, inlet_heating, limiting_stress, &
+   use text, only: counted, number_text, prefixed_text, wrapped
+   use validity, only: film_over_wave, hardness, inlet_heating, limit_t, limiting_stress, &
       mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &
       surface_slope, turbulence, viscosity_data
    implicit none (type, external)

@@ -4,24 +4,21 @@ module dry_result
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use adequacy_section, only: from_estimates, model_line, write_influence
-   use analytic_heights, only: node_positions
+   use features, only: node_positions
    use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
-   use dry_problem, only: kernel_open, no_hardness
+   use dry_problem, only: dry_scaling_t, kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
       load, mean_pressure, mean_separation, p_max, plastic_area, separation
-   use dry_scaling, only: dry_scaling_t
    use errors, only: error_t
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
-   use kinds, only: wp
-   use missing_value, only: not_known
+   use kinds, only: not_known, wp
    use progress_log, only: columns, progress_log_t
-   use quantity_text, only: number_text, wrapped
    use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
       roughness_t
-   use text, only: counted, joined, to_text
+   use text, only: counted, joined, number_text, to_text, wrapped
    implicit none (type, external)
    private
 

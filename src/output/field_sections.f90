@@ -1,18 +1,16 @@
 !> The fields of a lubricated result: /solution, /velocity, /momentum by the full momentum equations
 !> of the film, over X and zeta, and /statistics of the film over time.
 module field_sections
-   use film_fields, only: film_fields_t
-   use film_passage, only: film_passage_t
+   use film_fields, only: film_fields_t, film_passage_t
    use film_statistics, only: bins_per_decade, film_first, film_statistics_t, pressure_first
    use hdf5_axes, only: link_object, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use quantity_text, only: number_text
    use result_labels, only: field_names, field_values, row_label, scaled_label
    use scaling, only: scaling_t
-   use text, only: to_text
+   use text, only: number_text, to_text
    implicit none (type, external)
    private
 

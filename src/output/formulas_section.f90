@@ -1,17 +1,16 @@
 !> /formulas of a result and lines of the closing table: handbook films beside the computed one.
 module formulas_section
-   use film_formulas, only: film_by_formula, formula_rows, formulas_hold, known_bias
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
    use line_summary, only: line_summary_t
-   use lubricant, only: fluid_t
-   use moes, only: moes_l_mean_from_sum, moes_m_mean_from_sum
+   use lubricant, only: fluid_t, thins
+   use moes, only: film_by_formula, formula_rows, formulas_hold, known_bias, moes_l_mean_from_sum, &
+      moes_m_mean_from_sum
    use quantities, only: quantity_rows
-   use quantity_text, only: number_text, prefixed_text
+   use text, only: number_text, prefixed_text
    use result_labels, only: scaled_label
-   use rheology, only: thins
    use scaling, only: scaling_t
    implicit none (type, external)
    private

@@ -4,10 +4,9 @@ module point_result
    use field_sections, only: write_solution
    use hdf5_axes, only: make_counter, name_axes
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
-   use kinds, only: wp
+   use kinds, only: not_known, wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use missing_value, only: not_known
    use point_solver, only: point_run_t
    use result_sections, only: write_scaling, write_summary, write_times
    use result_writer, only: result_writer_t

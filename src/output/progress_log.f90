@@ -11,7 +11,7 @@ module progress_log
    use kinds, only: wp
    use line_state, only: line_state_t
    use quantities, only: parabola_minimum
-   use quantity_text, only: duration_text, number_text, prefixed_text, shortened
+   use text, only: duration_text, number_text, prefixed_text, shortened
    use scaling, only: scaling_t
    use signals, only: begin_line, columns_of_sign, end_line
    use standard_streams, only: is_terminal, write_text

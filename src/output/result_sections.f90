@@ -6,16 +6,15 @@ module result_sections
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: breakdown_t, phase_names, report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, wp
    use line_summary, only: line_summary_t, mean_power, quantity_t
-   use missing_value, only: exceeds, not_known
    use passage_times, only: passage_times_t
    use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows, &
       x_cavitation
    use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t, sum_per_mean
    use text, only: joined
-   use validity_table, only: limit_rows, stokes_number, surface_slope
+   use validity, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 

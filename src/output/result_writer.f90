@@ -1,6 +1,6 @@
 !> The result of a lubricated case: what is known, written into its file at the end.
 module result_writer
-   use adequacy, only: adequacy_t, judge
+   use adequacy, only: adequacy_t, judge, model_choice_t
    use adequacy_section, only: write_adequacy, write_decision, write_validity
    use case_record, only: case_t
    use checkpoint, only: run_record_t
@@ -11,18 +11,15 @@ module result_writer
    use film_statistics, only: add_start, add_time
    use formulas_section, only: formula_contact_t, write_formulas
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: not_known, wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of, copy_values
-   use missing_value, only: not_known
-   use model_decision, only: model_choice_t
    use field_sections, only: write_film_passage, write_momentum, write_solution, &
       write_statistics, write_velocity
    use result_file, only: result_file_t
    use result_sections, only: write_breakdown, write_mean_power, write_scaling, &
       write_summary, write_times
-   use validity, only: limit_t
-   use validity_table, only: mixed_lubrication
+   use validity, only: limit_t, mixed_lubrication
    implicit none (type, external)
    private
 

@@ -4,7 +4,7 @@ module run_observer
    use closing_table, only: breakdown_sentence
    use checkpoint, only: checkpoint_t, write_checkpoint
    use errors, only: error_t, fail, output_error
-   use film_passage, only: new_passage
+   use film_fields, only: new_passage
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t

@@ -19,8 +19,7 @@ module summary_head
       write_summary
    use summary_row, only: csv_cell, empty_row
    use text_file, only: open_lines, text_lines_t
-   use validity, only: limit_t
-   use validity_table, only: limit_count
+   use validity, only: limit_count, limit_t
    implicit none (type, external)
    private
 

@@ -17,8 +17,7 @@
 !> exp(-0.56 H/sigma) of isotropic surfaces (N. Patir and H. S. Cheng, J. Lubr. Technol. 100, 1978,
 !> 12), below H = sigma/2 extrapolated along its tangent in ln.
 module asperities
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use time_table, only: monotone_slopes, row_below
    implicit none (type, external)
    private

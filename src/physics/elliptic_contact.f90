@@ -4,8 +4,7 @@
 !> Moes' numbers and films are those of the sum of the speeds: M = w/(E' Rx^2) (2U)^(-3/4), L =
 !> alpha E' (2U)^(1/4), film h/Rx (2U)^(-1/2), 2U = mu_0 (u1 + u2)/(E' Rx).
 module elliptic_contact
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

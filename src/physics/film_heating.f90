@@ -13,8 +13,7 @@
 !> h^3 (dp/dx)^2/(12 mu), which arises as z^2 from the middle: the oil is warm by F h/(16 k) (1 - (2
 !> z/h)^4). It flows by Int z^2/mu dz, so that the mean weighted by z^2 counts, F h/(28 k).
 module film_heating
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use lubricant, only: fluid_t, viscosity_roelands
    use model_limits, only: film_temperatures, flash_temperatures
    implicit none (type, external)

@@ -45,7 +45,6 @@ module flow_law
    abstract interface
       pure subroutine slip_interface(self, drive, inverse_film, ln_mu, has_slopes, slip)
          import :: flow_law_t, slip_t, wp
-         implicit none (type, external)
          class(flow_law_t), intent(in) :: self
          real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
          logical, intent(in) :: has_slopes
@@ -54,7 +53,6 @@ module flow_law
 
       pure elemental subroutine ln_slip_interface(self, drive, film, ln_mu, ln_s, by_drive)
          import :: flow_law_t, wp
-         implicit none (type, external)
          class(flow_law_t), intent(in) :: self
          real(wp), intent(in) :: drive, film, ln_mu
          real(wp), intent(out) :: ln_s, by_drive
@@ -62,7 +60,6 @@ module flow_law
 
       pure subroutine stress_interface(self, couette, drive, inverse_film, ln_mu, stress)
          import :: flow_law_t, wp
-         implicit none (type, external)
          class(flow_law_t), intent(in) :: self
          real(wp), intent(in) :: couette
          real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
@@ -71,14 +68,12 @@ module flow_law
 
       pure elemental real(wp) function stress_rise_interface(self, newtonian, slope) result(rise)
          import :: flow_law_t, wp
-         implicit none (type, external)
          class(flow_law_t), intent(in) :: self
          real(wp), intent(in) :: newtonian, slope
       end function stress_rise_interface
 
       pure elemental subroutine shapes_interface(self, drive, y, sliding, driven)
          import :: flow_law_t, wp
-         implicit none (type, external)
          class(flow_law_t), intent(in) :: self
          real(wp), intent(in) :: drive, y
          real(wp), intent(out) :: sliding, driven

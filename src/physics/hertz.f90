@@ -1,15 +1,48 @@
-!> Dry line and point contact of smooth elastic bodies (H. Hertz, 1881), with E' as in `bodies`
-!> (2/E' = sum of (1 - nu^2)/E).
+!> Two bodies as one elastic cylinder on a rigid plane, and the dry line and point contact of smooth
+!> ones (H. Hertz, 1881), with 2/E' = sum of (1 - nu^2)/E.
 module hertz
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 
-   public :: line_half_width, line_peak_pressure, line_load_from_pressure, line_pressure, &
-      point_load_from_pressure, point_radius
+   public :: line_half_width, line_load_from_pressure, line_peak_pressure, line_pressure, &
+      point_load_from_pressure, point_radius, reduced_modulus, reduced_radius
+
+   !> Data of the bodies in a line contact.
+   type, public :: bodies_t
+      !> R [m] > 0 of (2.24), see `reduced_radius`.
+      real(wp) :: reduced_radius
+      !> E' [Pa] > 0 of (2.25), see `reduced_modulus`.
+      real(wp) :: reduced_modulus
+      !> Speed u1, u2 [m/s] of the surfaces in x; u1 + u2 > 0.
+      real(wp) :: speed_1, speed_2
+      !> R/R1, the share of surface 1 in the curvature of the gap; 1/2 if only R is known.
+      real(wp) :: curvature_share = 0.5_wp
+   end type bodies_t
 
 contains
+
+   !> Reduced radius of curvature R [m]:  1/R = 1/R1 + 1/R2, in (2.24).
+   !>
+   !> `radius_1`, `radius_2` [m]: positive for convex bodies; a negative one (conformal) must be the
+   !> larger in size.
+   pure elemental real(wp) function reduced_radius(radius_1, radius_2) result(radius)
+      real(wp), intent(in) :: radius_1, radius_2
+
+      radius = radius_1*radius_2/(radius_1 + radius_2)
+   end function reduced_radius
+
+   !> Effective modulus E' [Pa] of the convention of the field:
+   !> 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, in (2.25).
+   !>
+   !> `modulus_1`, `modulus_2` [Pa] > 0; `poisson_1`, `poisson_2` [-] in -1 ... 0.5. Not Hertz'
+   !> E* = E'/2.
+   pure elemental real(wp) function reduced_modulus(modulus_1, poisson_1, modulus_2, &
+      poisson_2) result(modulus)
+      real(wp), intent(in) :: modulus_1, poisson_1, modulus_2, poisson_2
+
+      modulus = 2.0_wp/((1.0_wp - poisson_1**2)/modulus_1 + (1.0_wp - poisson_2**2)/modulus_2)
+   end function reduced_modulus
 
    !> Half-width b [m] of the contact, (2.52):  b = sqrt(8 w R/(pi E')).
    !>

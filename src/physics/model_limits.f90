@@ -2,8 +2,7 @@
 !> flow: temperature, side flow, terms that Reynolds' equation neglects. In SI; nothing here enters
 !> a solution.
 module model_limits
-   use constants, only: pi
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

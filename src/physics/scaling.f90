@@ -1,18 +1,15 @@
 !> Reference values of the lubricated contact: the only place that converts between SI and
 !> dimensionless values.
 module scaling
-   use bodies, only: bodies_t
-   use constants, only: pi
    use elliptic_contact, only: ellipse_t, new_ellipse, point_alpha_bar, point_film_unit, &
       point_lambda
    use eyring, only: eyring_t, ln_b_of_no_sliding
    use film_heating, only: heating_t
    use flow_law, only: flow_law_t
-   use hertz, only: line_half_width, line_peak_pressure
-   use kinds, only: wp
+   use hertz, only: bodies_t, line_half_width, line_peak_pressure
+   use kinds, only: not_known, pi, wp
    use lubricant, only: density_constant, density_dowson_higginson, dowson_higginson_c1, fluid_t, &
       lubricant_t, viscosity_constant, viscosity_roelands
-   use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, &
       lambda_from_moes_sum, alpha_bar_from_moes, moes_l_from_alpha_bar
    implicit none (type, external)

@@ -8,13 +8,12 @@
 !> With the flow of small pressure gradients on sliding along X, an Eyring oil has the viscosities
 !> mu/S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
 module point_contact
-   use constants, only: pi
    use contact_moment, only: least_speed, sample_count, set_sliding
    use duty, only: moment_t
    use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &
       point_film_unit, point_lambda
-   use expected_film, only: thinned_central_film
-   use kinds, only: wp
+   use contact_moment, only: thinned_central_film
+   use kinds, only: pi, wp
    use line_contact, only: rough_contact_t
    use lubricant, only: fluid_t
    implicit none (type, external)

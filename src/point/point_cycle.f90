@@ -7,7 +7,7 @@
 !> own grid and the bilinear one of the coarse correction, so that a cycle takes one product with
 !> the kernel of its grid.
 module point_cycle
-   use dense_solve, only: solve_dense, solve_factored
+   use linear_systems, only: solve_dense, solve_factored
    use errors, only: error_t
    use kinds, only: wp
    use point_contact, only: point_contact_t

@@ -12,14 +12,13 @@
 !> S Sigma.
 module point_equations
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
-   use face_mobility, only: mean_fluidity
+   use mobility, only: mean_fluidity
    use flow_law, only: largest_exponent
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_viscosity
+   use lubricant, only: fluid_density, fluid_viscosity, sliding_number, thins
    use point_contact, only: point_contact_t
    use point_level, only: point_level_t
    use reynolds_line, only: wedge_weights
-   use rheology, only: sliding_number, thins
    use work_shares, only: share_end
    implicit none (type, external)
    private

@@ -4,12 +4,11 @@ module point_errors
    use errors, only: error_t
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
-   use kinds, only: wp
-   use line_contact, only: smoothen_both
+   use kinds, only: not_known, wp
+   use line_contact, only: smoothen_both, steady_tolerance
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t
-   use missing_value, only: not_known
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use point_contact, only: first_intervals, point_contact_t, set_point_moment
@@ -19,7 +18,6 @@ module point_errors
    use point_quantities, only: estimate_point_errors, summary_of_point
    use point_solver, only: point_run_t, tolerance_of
    use quantities, only: sliding_rows
-   use solver_settings, only: steady_tolerance
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private

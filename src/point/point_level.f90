@@ -2,13 +2,12 @@
 !>
 !> Fields are (0:nx, 0:ny), x fastest, the border included. Their elastic deflection is that of a
 !> pressure constant over the cell around each node, C times A. E. H. Love's integral (module
-!> half_space_response).
+!> half_space).
 module point_level
-   use constants, only: pi
    use errors, only: error_t
    use features, only: surface_height
-   use half_space_response, only: open_area_kernel
-   use kinds, only: wp
+   use half_space, only: open_area_kernel
+   use kinds, only: pi, wp
    use point_contact, only: point_contact_t
    use spectral_product, only: new_convolution, spectral_product_t
    implicit none (type, external)

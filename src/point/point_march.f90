@@ -5,23 +5,21 @@ module point_march
    use duty, only: span_of
    use ehl_line_transient, only: cut_at_kinks, judge_cycles, look_back
    use errors, only: error_t
-   use film_state, only: film_state_t
    use iteration_report, only: phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use line_contact, only: smoothen_both
+   use film_state, only: film_state_t
+   use line_contact, only: smoothen_both, step_tolerance
    use listener, only: listener_t, relay_t
    use lubricant, only: fluid_density
    use march_state, only: extrapolate, judge_part, keep_solution, march_state_t, most_parts, &
-      next_end, predictors, shortest_part, step_error, step_weights
+      least_part, next_end, part_ends, predictors, step_error, step_weights
    use point_contact, only: point_contact_t, set_point_moment
    use point_level, only: point_level_t, set_point_film, set_surfaces
    use point_newton, only: solve_point_newton
    use point_quantities, only: fill_heights, fill_point_state
    use point_solver, only: coarseness, pairs_of, point_run_t, solve_point_steady, tolerance_of
-   use solver_settings, only: step_tolerance
    use text, only: to_text
-   use time_scheme, only: part_ends
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -162,7 +160,7 @@ contains
                error = huge(error)
                if (report%converged) error = step_error(history, history%pressure(:, 1), 0.0_wp)
                call judge_part(history, error, length, time%tolerance, is_good)
-               if (.not. (is_good .or. length < shortest_part)) then
+               if (.not. (is_good .or. length < least_part)) then
                   start%next_length = history%next_length
                   history = start
                   level%film = film

@@ -1,24 +1,19 @@
 !> Main quantities of a point contact in the table of line contacts (module quantities), those of a
 !> line on y = 0, and their errors from the grids of its nested start and a longer domain.
 module point_quantities
-   use constants, only: pi
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use features, only: surface_height
-   use friction_sums, only: friction_t
    use grid_errors, only: error_on_grids, orders, safety
-   use kinds, only: wp
+   use kinds, only: exceeds, not_known, pi, wp
    use line_contact, only: finest_wave
-   use line_state, only: line_state_t
+   use line_state, only: friction_t, line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use lubricant, only: fluid_viscosity
-   use missing_value, only: exceeds, not_known
+   use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
    use point_level, only: load_on, point_level_t
-   use pressure_errors, only: allow_for_spike, shear_doubt
-   use pressure_spike, only: spike_law_t
+   use pressure_errors, only: allow_for_spike, shear_doubt, spike_law_t
    use quantities, only: friction_coefficient, h_min, h_min_node, quantity_count, quantity_rows, &
       rule_between, sliding_power, sliding_rows
-   use rheology, only: evaluate_stress, limited_stress, wall_stress
    implicit none (type, external)
    private
 

@@ -3,18 +3,17 @@
 module point_solver
    use errors, only: error_t
    use iteration_report, only: report_t
-   use kinds, only: wp
+   use kinds, only: exceeds, wp
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use missing_value, only: exceeds
    use point_contact, only: first_intervals, hertz_pressure_at, intervals_for, point_contact_t
    use point_cycle, only: new_hierarchy, point_hierarchy_t
    use point_level, only: deflect, load_on, point_level_t
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, summary_of_point
    use quantities, only: central_value, h_central, h_min
-   use rheology, only: eased_fluid, thins
-   use solver_settings, only: solver_settings_t, steady_tolerance, time_settings_t
+   use lubricant, only: eased_fluid, thins
+   use line_contact, only: solver_settings_t, steady_tolerance, time_settings_t
    use text, only: to_text
    use transfer, only: prolong_cubic
    implicit none (type, external)

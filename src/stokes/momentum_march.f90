@@ -6,21 +6,20 @@
 !> change of the Reynolds solution since; with delta = 0 it is the march of the Reynolds equation.
 module momentum_march
    use errors, only: error_t
-   use film_equation, only: set_film
    use film_fields, only: film_fields_t, stress_rise, copy_fields
-   use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: line_level_t
+   use line_level, only: line_level_t, set_film
    use line_state, only: line_state_t
-   use momentum_solver, only: missing_reason, solve_by_continuation
-   use momentum_history, only: excess_t, max_excesses, momentum_history_t, next_count, weights_of
+   use film_state, only: film_state_t
+   use momentum_solver, only: missing_reason, pose_level, pose_momentum, set_walls, &
+      solve_by_continuation, walls_t
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
-   use momentum_setup, only: pose_momentum, set_walls, pose_level, walls_t
    use listener, only: follower_t
-   use march_state, only: time_part_t
+   use march_state, only: excess_t, max_excesses, momentum_history_t, next_count, time_part_t, &
+      weights_of
    implicit none (type, external)
    private
 

@@ -5,7 +5,7 @@
 !> apart that no row depends on two. Changes with U outside the band are neglected: they are of
 !> fourth order in delta. The change by the mean pressure of the Reynolds part is not here.
 module momentum_matrix
-   use band_matrix, only: band_matrix_t, clear_band, factor_band, new_band, solve_band
+   use linear_systems, only: band_matrix_t, clear_band, factor_band, new_band, solve_band
    use errors, only: error_t
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, momentum_problem_t, new_flow

@@ -16,17 +16,15 @@
 !> those of E A^-1 once multiplied by its change with the pressure alone.
 module momentum_newton
    use errors, only: error_t
-   use film_equation, only: load_defect, set_film
    use gmres, only: gmres_t, krylov_system_t, solve_gmres
    use kinds, only: wp
-   use line_level, only: line_level_t
-   use momentum_history, only: newton_cost_t
+   use line_level, only: line_level_t, load_defect, set_film
+   use march_state, only: newton_cost_t
    use momentum_matrix, only: factor_momentum, momentum_matrix_t, solve_momentum
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
    use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t, &
       rows_change
-   use newton_work, only: linear_solver_t, new_jacobian, reynolds_jacobian_t
-   use reynolds_jacobian, only: evaluate_jacobian
+   use newton_work, only: evaluate_jacobian, linear_solver_t, new_jacobian, reynolds_jacobian_t
    use reynolds_part, only: change_of_profile, wedge_change
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    implicit none (type, external)

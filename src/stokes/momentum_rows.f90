@@ -13,14 +13,12 @@
 !>
 !>     along   N H rho ( U U_X + V/H U_zeta ),   across   N delta^2 H rho ( U W_X + V/H W_zeta ),
 module momentum_rows
-   use film_geometry, only: differentiate_geometry, evaluate_geometry, film_geometry_t, &
-      layer_centres, layer_edges
-   use film_kinematics, only: corner_means, differentiate_kinematics, evaluate_kinematics, &
-      film_kinematics_t, new_kinematics
-   use film_stresses, only: change_of_stresses, corner_values, evaluate_stresses, film_stresses_t, &
-      new_stresses, stress_change_t
+   use film_kinematics, only: change_of_stresses, corner_means, corner_values, &
+      differentiate_kinematics, evaluate_kinematics, evaluate_stresses, film_kinematics_t, &
+      film_stresses_t, new_kinematics, new_stresses, stress_change_t
    use kinds, only: wp
-   use momentum_problem, only: film_flow_t, inlet_parallel, inlet_thin, mean_pressure, &
+   use momentum_problem, only: differentiate_geometry, evaluate_geometry, film_flow_t, &
+      film_geometry_t, inlet_parallel, inlet_thin, layer_centres, layer_edges, mean_pressure, &
       momentum_problem_t
    use reynolds_part, only: change_of_profile, evaluate_reynolds_part, reynolds_part_t, &
       wedge_change

@@ -4,13 +4,11 @@
 !> With them the full equations at delta = 0 are the discrete Reynolds equation of the kappa scheme,
 !> on any number of layers, and a difference between the two is free of its errors.
 module reynolds_part
-   use face_mobility, only: fluid_face_mobility
-   use film_geometry, only: film_geometry_t
    use film_state, only: film_state_t
    use kinds, only: wp
    use lubricant, only: fluid_viscosity
-   use mobility, only: coefficients_t, mobility_slopes_t
-   use momentum_problem, only: momentum_problem_t
+   use mobility, only: coefficients_t, fluid_face_mobility, mobility_slopes_t
+   use momentum_problem, only: film_geometry_t, momentum_problem_t
    use reynolds_line, only: third_order_share, third_order_slope
    use thin_film_flow, only: face_flow_t, layer_flow, shear_differences
    implicit none (type, external)

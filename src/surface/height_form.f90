@@ -7,8 +7,7 @@
 !>
 !> whose terms are orthogonal on the grid, so each coefficient is a quotient of two sums.
 module height_form
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 

@@ -4,9 +4,8 @@
 !> moves. The profile does not depend on the window: the same heights at the same positions, to the
 !> bit.
 module profile
-   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 
@@ -27,7 +26,6 @@ module profile
       !> The same part always gives the same bits. Error: the source cannot provide it.
       subroutine get_interface(self, first, z, error)
          import :: error_t, height_source_t, int64, wp
-         implicit none (type, external)
          class(height_source_t), intent(in) :: self
          integer(int64), intent(in) :: first
          real(wp), intent(out) :: z(:)

@@ -1,10 +1,9 @@
 !> Resamples heights to another number of nodes: periodic ones by the same Fourier series, as far as
 !> both grids can carry it; those of an open surface, given at cell centres, by cubics.
 module resampling
-   use constants, only: pi
    use errors, only: error_t
    use grid_transform, only: transform_back, transform_field
-   use kinds, only: wp
+   use kinds, only: pi, wp
    implicit none (type, external)
    private
 

@@ -45,20 +45,17 @@ module c_library
       !> open(2) without a mode: only for files that exist. The descriptor; below 0: not opened.
       integer(c_int) function c_open(path, flags) bind(c, name='open')
          import
-         implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: flags
       end function c_open
       !> close(2).
       integer(c_int) function c_close(descriptor) bind(c, name='close')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
       end function c_close
       !> pread(2): bytes that were read; below 0: an error.
       integer(c_size_t) function c_pread(descriptor, bytes, count, place) bind(c, name='pread')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
          type(c_ptr), value :: bytes
          integer(c_size_t), value :: count
@@ -67,7 +64,6 @@ module c_library
       !> pwrite(2): bytes that were written; below 0: an error.
       integer(c_size_t) function c_pwrite(descriptor, bytes, count, place) bind(c, name='pwrite')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
          type(c_ptr), value :: bytes
          integer(c_size_t), value :: count
@@ -76,7 +72,6 @@ module c_library
       !> write(2): bytes that were written; below 0: an error.
       integer(c_size_t) function c_write(descriptor, text, bytes) bind(c, name='write')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
          character(kind=c_char), intent(in) :: text(*)
          integer(c_size_t), value :: bytes
@@ -84,34 +79,29 @@ module c_library
       !> lseek(2): the new place [bytes]; below 0: an error.
       integer(c_int64_t) function c_lseek(descriptor, offset, origin) bind(c, name='lseek')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor, origin
          integer(c_int64_t), value :: offset
       end function c_lseek
       !> fsync(2): everything written to a file reaches the disk.
       integer(c_int) function c_fsync(descriptor) bind(c, name='fsync')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
       end function c_fsync
       !> ftruncate(2): a file has this many bytes.
       integer(c_int) function c_ftruncate(descriptor, bytes) bind(c, name='ftruncate')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
          integer(c_int64_t), value :: bytes
       end function c_ftruncate
       !> fcntl(2) with a lock.
       integer(c_int) function c_fcntl(descriptor, operation, lock) bind(c, name='fcntl')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor, operation
          type(file_lock_t), intent(in) :: lock
       end function c_fcntl
       !> statx(2).
       integer(c_int) function c_statx(folder, path, flags, mask, answer) bind(c, name='statx')
          import
-         implicit none (type, external)
          integer(c_int), value :: folder, flags, mask
          character(kind=c_char), intent(in) :: path(*)
          type(statx_t), intent(inout) :: answer
@@ -119,7 +109,6 @@ module c_library
       !> strfromd(3): a number as `format` (%.17g) says, with a zero at its end; its length.
       integer(c_int) function c_strfromd(text, bytes, format, number) bind(c, name='strfromd')
          import
-         implicit none (type, external)
          type(c_ptr), value :: text
          integer(c_size_t), value :: bytes
          character(kind=c_char), intent(in) :: format(*)
@@ -128,32 +117,27 @@ module c_library
       !> rename(2): replaces `new` in one step.
       integer(c_int) function c_rename(old, new) bind(c, name='rename')
          import
-         implicit none (type, external)
          character(kind=c_char), intent(in) :: old(*), new(*)
       end function c_rename
       !> unlink(2).
       integer(c_int) function c_unlink(path) bind(c, name='unlink')
          import
-         implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
       end function c_unlink
       !> mkdir(2).
       integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
          import
-         implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: mode
       end function c_mkdir
       !> isatty(3): 1 for a terminal.
       integer(c_int) function c_isatty(descriptor) bind(c, name='isatty')
          import
-         implicit none (type, external)
          integer(c_int), value :: descriptor
       end function c_isatty
       !> poll(2): 1 if the descriptor of `place` is ready within `time` [ms]; `count` is 1.
       integer(c_int) function c_poll(place, count, time) bind(c, name='poll')
          import
-         implicit none (type, external)
          type(poll_t), intent(inout) :: place
          integer(c_long), value :: count
          integer(c_int), value :: time
@@ -161,14 +145,12 @@ module c_library
       !> signal(2): sets what a signal does; what it did before.
       type(c_funptr) function c_signal(number, action) bind(c, name='signal')
          import
-         implicit none (type, external)
          integer(c_int), value :: number
          type(c_funptr), value :: action
       end function c_signal
       !> setitimer(2): `setting` is interval and time to the first signal, in seconds, microseconds.
       integer(c_int) function c_setitimer(timer, setting, old) bind(c, name='setitimer')
          import
-         implicit none (type, external)
          integer(c_int), value :: timer
          integer(c_long), intent(in) :: setting(4)
          type(c_ptr), value :: old
@@ -176,46 +158,39 @@ module c_library
       !> time(2): seconds since 1970; `place` may be no address.
       integer(c_long) function c_time(place) bind(c, name='time')
          import
-         implicit none (type, external)
          type(c_ptr), value :: place
       end function c_time
       !> _exit(2): ends the process; nothing is flushed.
       subroutine c_exit(status) bind(c, name='_exit')
          import
-         implicit none (type, external)
          integer(c_int), value :: status
       end subroutine c_exit
       !> setenv(3), for libraries that read the environment.
       integer(c_int) function c_setenv(name, value, overwrite) bind(c, name='setenv')
          import
-         implicit none (type, external)
          character(kind=c_char), intent(in) :: name(*), value(*)
          integer(c_int), value :: overwrite
       end function c_setenv
       !> getrlimit(2).
       integer(c_int) function c_getrlimit(resource, limit) bind(c, name='getrlimit')
          import
-         implicit none (type, external)
          integer(c_int), value :: resource
          type(limit_t), intent(inout) :: limit
       end function c_getrlimit
       !> setrlimit(2).
       integer(c_int) function c_setrlimit(resource, limit) bind(c, name='setrlimit')
          import
-         implicit none (type, external)
          integer(c_int), value :: resource
          type(limit_t), intent(in) :: limit
       end function c_setrlimit
       !> sysconf(3).
       integer(c_long) function c_sysconf(name) bind(c, name='sysconf')
          import
-         implicit none (type, external)
          integer(c_int), value :: name
       end function c_sysconf
       !> mallopt(3) of the GNU C library.
       integer(c_int) function c_mallopt(parameter, value) bind(c, name='mallopt')
          import
-         implicit none (type, external)
          integer(c_int), value :: parameter, value
       end function c_mallopt
    end interface

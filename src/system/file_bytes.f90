@@ -6,11 +6,10 @@
 !> a program that changes the file takes the line away.
 module file_bytes
    use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_char, c_size_t
-   use, intrinsic :: iso_fortran_env, only: int64
    use c_library, only: c_close, c_open, c_pread, c_pwrite
    use disk_file, only: seal_bytes, seal_words
    use errors, only: error_t, fail, output_error
-   use kinds, only: wp
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 

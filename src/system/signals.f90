@@ -20,7 +20,7 @@ module signals
    use c_library, only: c_exit, c_poll, c_setitimer, c_signal, c_time, c_unlink, c_write, poll_t, &
       standard_error
    use disk_file, only: mark_of, no_mark
-   use quantity_text, only: shortened
+   use text, only: shortened
    implicit none (type, external)
    private
 
