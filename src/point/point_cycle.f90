@@ -100,32 +100,42 @@ contains
       type(point_hierarchy_t), intent(inout) :: hierarchy
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: di(bands) = [-2, -1, 0, 1, 0, 0], dj(bands) = [0, 0, 0, 0, -1, 1]
-      integer :: a, b, column, i, j, k, row
+      real(wp), allocatable :: kernel(:, :)
+      integer :: a, b, column, i, j, k, n, row
 
-      associate (level => hierarchy%levels(size(hierarchy%levels)), matrix => hierarchy%coarsest)
+      associate (level => hierarchy%levels(size(hierarchy%levels)), matrix => hierarchy%coarsest, &
+         h => hierarchy%levels(size(hierarchy%levels))%by_film)
+         n = level%nx - 1
+         allocate (kernel(-n - 1:n + 1, 0:level%ny))
+         do i = -n - 1, n + 1
+            kernel(i, :) = level%kernel(abs(i), :)
+         end do
          matrix = 0.0_wp
-         row = 0
-         do j = 1, level%ny - 1
-            rows: do i = 1, level%nx - 1
-               row = row + 1
-               if (.not. level%flowing(i, j) > 0.0_wp) then
-                  matrix(row, row) = 1.0_wp
-                  cycle rows
+         do b = 1, level%ny - 1
+            columns: do a = 1, n
+               column = a + (b - 1)*n
+               if (.not. level%flowing(a, b) > 0.0_wp) then
+                  matrix(column, column) = 1.0_wp
+                  cycle columns
                end if
-               column = 0
-               do b = 1, level%ny - 1
-                  columns: do a = 1, level%nx - 1
-                     column = column + 1
-                     if (.not. level%flowing(a, b) > 0.0_wp) cycle columns
-                     do k = merge(2, 1, i == 1), bands
-                        matrix(row, column) = matrix(row, column) + level%by_film(k, i, j) &
-                           *level%kernel(abs(i + di(k) - a), abs(j + dj(k) - b))
-                        if (i + di(k) == a .and. j + dj(k) == b) matrix(row, column) = &
-                           matrix(row, column) + level%by_pressure(k, i, j)
-                     end do
-                  end do columns
+               do j = 1, level%ny - 1
+                  row = (j - 1)*n
+                  do i = 1, n
+                     matrix(row + i, column) = level%flowing(i, j)*(h(i, 1, j)*kernel(i - 2 - a, &
+                        abs(j - b)) + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) &
+                        + h(i, 3, j)*kernel(i - a, abs(j - b)) + h(i, 4, j)*kernel(i + 1 - a, &
+                        abs(j - b)) + h(i, 5, j)*kernel(i - a, abs(j - 1 - b)) &
+                        + h(i, 6, j)*kernel(i - a, abs(j + 1 - b)))
+                  end do
                end do
-            end do rows
+               do k = 1, bands
+                  i = a - di(k)
+                  j = b - dj(k)
+                  row = i + (j - 1)*n
+                  if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) matrix(row, column) = &
+                     matrix(row, column) + level%flowing(i, j)*level%by_pressure(i, k, j)
+               end do
+            end do columns
          end do
          hierarchy%unknown = 0.0_wp
          call solve_dense(matrix, hierarchy%unknown, hierarchy%pivots, error)   ! error: handed up
@@ -136,12 +146,12 @@ contains
    !> where nothing flows.
    subroutine run_cycle(hierarchy, f, v)
       type(point_hierarchy_t), intent(inout) :: hierarchy
-      real(wp), intent(in) :: f((hierarchy%levels(1)%nx + 1)*(hierarchy%levels(1)%ny + 1))
-      real(wp), intent(out) :: v(size(f))
+      real(wp), intent(in) :: f(0:hierarchy%levels(1)%nx, 0:hierarchy%levels(1)%ny)
+      real(wp), intent(out) :: v(0:hierarchy%levels(1)%nx, 0:hierarchy%levels(1)%ny)
 
-      hierarchy%work(1)%right_side = reshape(f, shape(hierarchy%work(1)%v))
+      hierarchy%work(1)%right_side(:, :) = f
       call descend(hierarchy, 1)
-      v = reshape(hierarchy%work(1)%v, [size(f)])
+      v = hierarchy%work(1)%v
    end subroutine run_cycle
 
    !> The cycle from level `k` on.

@@ -63,6 +63,7 @@ contains
       integer, intent(in) :: first, last
       real(wp), intent(out) :: largest
       real(wp), allocatable :: nodes(:, :, :), along(:, :), across(:, :, :), before(:, :)
+      real(wp) :: fluidity(0:level%nx)
       integer :: j, new, old
 
       allocate (nodes(0:level%nx, node_columns, 0:1), across(0:level%nx, face_columns, 0:1))
@@ -84,8 +85,8 @@ contains
          call assemble_row(level, j, nodes(:, :, old), along, across(:, :, old), across(:, :, new))
          if (has_bands) call assemble_bands(level, j, nodes(:, :, old), along, across(:, :, old), &
             across(:, :, new))
-         largest = max(largest, maxval(nodes(:, of_e, old)*exp(-nodes(:, along_x, old)) &
-            *nodes(:, of_p, old)))
+         fluidity = exp(-nodes(:, along_x, old))
+         largest = max(largest, maxval(nodes(:, of_e, old)*fluidity*nodes(:, of_p, old)))
       end do
    end subroutine evaluate_rows
 
@@ -155,10 +156,11 @@ contains
       integer, intent(in) :: j
       real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
          below(0:level%nx, face_columns), above(0:level%nx, face_columns)
-      real(wp) :: ix, iy, mass(0:level%nx)
+      real(wp) :: ix, iy, mass(0:level%nx), own
       integer :: i, nx
 
       nx = level%nx
+      own = wedge_diagonal(level)
       ix = 1/level%hx**2
       iy = 1/level%hy**2
       mass = nodes(:, of_rho)*nodes(:, of_h)/level%hx
@@ -168,7 +170,7 @@ contains
                - below(i, flux))
             level%flow(i, j) = ix*(along(i, flow_1) + along(i - 1, flow_2)) &
                + iy*(above(i, flow_1) + below(i, flow_2))
-            d(i, j) = level%flow(i, j) + nodes(i, of_rho)*wedge_diagonal(level)
+            d(i, j) = level%flow(i, j) + nodes(i, of_rho)*own
          end do
          r(1, j) = r(1, j) - (mass(1) - mass(0))
          r(2:nx - 1, j) = r(2:nx - 1, j) - (1.5_wp*mass(2:nx - 1) - 2*mass(1:nx - 2) &
@@ -194,48 +196,59 @@ contains
       integer, intent(in) :: j
       real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
          below(0:level%nx, face_columns), above(0:level%nx, face_columns)
-      real(wp) :: ix, iy, strong, w(-2:0)
-      integer :: i, k
+      real(wp) :: ix, iy, strong
+      integer :: i
 
       ix = 1/level%hx**2
       iy = 1/level%hy**2
       strong = strong_flow*wedge_diagonal(level)
       level%rise(:, j) = nodes(:, along_x + 1)
-      w = wedge_weights(1)/level%hx
-      call set_flow(level%by_pressure(:, 1:level%nx - 1, j), by_p1, by_p2)
-      call set_flow(level%by_film(:, 1:level%nx - 1, j), by_h1, by_h2)
-      associate (p => level%by_pressure, h => level%by_film)
-         do i = 1, level%nx - 1
-            do k = merge(-1, -2, i == 1), 0
-               p(3 + k, i, j) = p(3 + k, i, j) - w(k)*nodes(i + k, of_drho)*nodes(i + k, of_h)
-               h(3 + k, i, j) = h(3 + k, i, j) - w(k)*nodes(i + k, of_rho)
-            end do
-            p(3, i, j) = p(3, i, j) - level%inverse_time_step*nodes(i, of_drho)*nodes(i, of_h)
-            h(3, i, j) = h(3, i, j) - level%inverse_time_step*nodes(i, of_rho)
-            if (i == 1) w = wedge_weights(2)/level%hx
-            level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
-               ix*along(i - 1, flow_2)) > strong)
-         end do
-      end associate
+      call set_flow(level%by_pressure(:, :, j), by_p1, by_p2)
+      call set_flow(level%by_film(:, :, j), by_h1, by_h2)
+      call set_wedge(level%by_pressure(:, :, j), nodes(:, of_drho)*nodes(:, of_h))
+      call set_wedge(level%by_film(:, :, j), nodes(:, of_rho))
+      do i = 1, level%nx - 1
+         level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
+            ix*along(i - 1, flow_2)) > strong)
+      end do
 
    contains
 
       !> Change of the flow of all nodes with P or H, by the columns of the two nodes of a face.
       pure subroutine set_flow(change, one, two)
-         real(wp), intent(out) :: change(:, :)
+         real(wp), intent(inout), contiguous :: change(0:, :)
          integer, intent(in) :: one, two
          integer :: i
 
-         do i = 1, size(change, 2)
-            change(1, i) = 0.0_wp
-            change(2, i) = -ix*along(i - 1, one)
-            change(3, i) = ix*(along(i, one) - along(i - 1, two)) + iy*(above(i, one) &
+         do i = 1, level%nx - 1
+            change(i, 2) = -ix*along(i - 1, one)
+            change(i, 3) = ix*(along(i, one) - along(i - 1, two)) + iy*(above(i, one) &
                - below(i, two))
-            change(4, i) = ix*along(i, two)
-            change(5, i) = -iy*below(i, one)
-            change(6, i) = iy*above(i, two)
+            change(i, 4) = ix*along(i, two)
+            change(i, 5) = -iy*below(i, one)
+            change(i, 6) = iy*above(i, two)
          end do
       end subroutine set_flow
+
+      !> Adds that of wedge and squeeze, of the rho H that changes by `mass` with P or H.
+      pure subroutine set_wedge(change, mass)
+         real(wp), intent(inout), contiguous :: change(0:, :)
+         real(wp), intent(in) :: mass(0:)
+         real(wp) :: w(-2:0)
+         integer :: i
+
+         w = wedge_weights(1)/level%hx
+         change(1, 2:3) = change(1, 2:3) - w(-1:0)*mass(0:1)
+         w = wedge_weights(2)/level%hx
+         do i = 2, level%nx - 1
+            change(i, 1) = -w(-2)*mass(i - 2)
+            change(i, 2) = change(i, 2) - w(-1)*mass(i - 1)
+            change(i, 3) = change(i, 3) - w(0)*mass(i)
+         end do
+         do i = 1, level%nx - 1
+            change(i, 3) = change(i, 3) - level%inverse_time_step*mass(i)
+         end do
+      end subroutine set_wedge
 
    end subroutine assemble_bands
 
@@ -245,29 +258,36 @@ contains
       type(point_level_t), intent(in) :: level
       real(wp), intent(in), dimension(0:level%nx, 0:level%ny) :: v, change
       real(wp), intent(out) :: y(0:level%nx, 0:level%ny)
-      integer :: i, j
+      integer :: j
 
       y(:, 0) = 0.0_wp
       y(:, level%ny) = 0.0_wp
-      associate (p => level%by_pressure, h => level%by_film, nx => level%nx)
-         !$omp parallel do num_threads(level%threads) private(i) schedule(static)
-         do j = 1, level%ny - 1
-            y(0, j) = 0.0_wp
-            y(nx, j) = 0.0_wp
-            y(1, j) = level%flowing(1, j)*(sum(p(2:4, 1, j)*v(0:2, j)) + p(5, 1, j)*v(1, j - 1) &
-               + p(6, 1, j)*v(1, j + 1) + sum(h(2:4, 1, j)*change(0:2, j)) &
-               + h(5, 1, j)*change(1, j - 1) + h(6, 1, j)*change(1, j + 1))
-            do i = 2, nx - 1
-               y(i, j) = level%flowing(i, j)*(p(1, i, j)*v(i - 2, j) + p(2, i, j)*v(i - 1, j) &
-                  + p(3, i, j)*v(i, j) + p(4, i, j)*v(i + 1, j) + p(5, i, j)*v(i, j - 1) &
-                  + p(6, i, j)*v(i, j + 1) + h(1, i, j)*change(i - 2, j) &
-                  + h(2, i, j)*change(i - 1, j) + h(3, i, j)*change(i, j) &
-                  + h(4, i, j)*change(i + 1, j) + h(5, i, j)*change(i, j - 1) &
-                  + h(6, i, j)*change(i, j + 1))
-            end do
-         end do
-         !$omp end parallel do
-      end associate
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do j = 1, level%ny - 1
+         call multiply_row(level%by_pressure(:, :, j), level%by_film(:, :, j), v(:, j - 1:j + 1), &
+            change(:, j - 1:j + 1), y(:, j))
+         y(:, j) = level%flowing(:, j)*y(:, j)
+      end do
+      !$omp end parallel do
    end subroutine multiply_bands
+
+   !> The row of J (v, change) that has the bands `p` and `h`; `v` and `change` on its three rows.
+   pure subroutine multiply_row(p, h, v, change, y)
+      real(wp), intent(in), contiguous :: p(0:, :), h(0:, :), v(0:, -1:), change(0:, -1:)
+      real(wp), intent(out), contiguous :: y(0:)
+      integer :: i, n
+
+      n = ubound(y, 1)
+      y(0) = 0.0_wp
+      y(n) = 0.0_wp
+      y(1) = sum(p(1, 2:4)*v(0:2, 0)) + p(1, 5)*v(1, -1) + p(1, 6)*v(1, 1) &
+         + sum(h(1, 2:4)*change(0:2, 0)) + h(1, 5)*change(1, -1) + h(1, 6)*change(1, 1)
+      do i = 2, n - 1
+         y(i) = p(i, 1)*v(i - 2, 0) + p(i, 2)*v(i - 1, 0) + p(i, 3)*v(i, 0) + p(i, 4)*v(i + 1, 0) &
+            + p(i, 5)*v(i, -1) + p(i, 6)*v(i, 1) + h(i, 1)*change(i - 2, 0) &
+            + h(i, 2)*change(i - 1, 0) + h(i, 3)*change(i, 0) + h(i, 4)*change(i + 1, 0) &
+            + h(i, 5)*change(i, -1) + h(i, 6)*change(i, 1)
+      end do
+   end subroutine multiply_row
 
 end module point_equations

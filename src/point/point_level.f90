@@ -48,7 +48,7 @@ module point_level
       !> Residual r, its diagonal, the part of the flow in it, and the round-off of r.
       real(wp), allocatable :: residual(:, :), diagonal(:, :), flow(:, :)
       real(wp) :: floor = 0.0_wp
-      !> Jacobian (bands, 0:nx, 0:ny): change of r with P and with H.
+      !> Jacobian (0:nx, bands, 0:ny): change of r with P and with H.
       real(wp), allocatable :: by_pressure(:, :, :), by_film(:, :, :)
       !> 1 where the flow is strong beside the wedge, else 0; d ln mu/dP along X.
       real(wp), allocatable :: is_local(:, :), rise(:, :)
@@ -88,7 +88,7 @@ contains
       level%flow = 0.0_wp
       level%rise = 0.0_wp
       level%is_local = 0.0_wp
-      allocate (level%by_pressure(bands, 0:nx, 0:ny), level%by_film(bands, 0:nx, 0:ny))
+      allocate (level%by_pressure(0:nx, bands, 0:ny), level%by_film(0:nx, bands, 0:ny))
       level%by_pressure = 0.0_wp
       level%by_film = 0.0_wp
       kernel = 2*pi*contact%ellipse%compliance*open_area_kernel(nx + 1, ny + 1, level%hx, level%hy)
