@@ -24,7 +24,7 @@ module point_newton
 
    !> GMRES leaves this share of the residual, the first far from the solution where steps do well,
    !> after at most so many iterations.
-   real(wp), parameter :: rough_tolerance = 0.1_wp, linear_tolerance = 1.0e-2_wp, &
+   real(wp), parameter :: rough_tolerance = 0.03_wp, linear_tolerance = 1.0e-2_wp, &
       far_residual = 1.0e-2_wp
    integer, parameter :: most_iterations = 40
    !> A step changes no pressure by more than the first share of max(1, P), no film below the second
@@ -38,9 +38,9 @@ module point_newton
    real(wp), parameter :: least_measure = 1.0e-13_wp
    !> The residual may stay above the tolerance by this many times its round-off.
    real(wp), parameter :: floors = 5.0_wp
-   !> A step need not be solved to less than the first share of the tolerance on the residual, nor
-   !> pressure on the border change by less than the second.
-   real(wp), parameter :: last_share = 0.3_wp, least_change = 0.01_wp
+   !> The last step is solved to the first share of the tolerance on the residual, at most to the
+   !> second one of the residual; pressure on the border changes by more than the third.
+   real(wp), parameter :: last_share = 0.5_wp, loosest = 0.3_wp, least_change = 0.01_wp
 
    !> The system of one step, and how the method went.
    type, extends(krylov_system_t), public :: point_newton_t
@@ -121,8 +121,8 @@ contains
                return
             end if
             call find_step(newton, border, max(merge(rough_tolerance, linear_tolerance, &
-               residual > far_residual .and. is_evaluated), min(rough_tolerance, &
-               last_share*report%tolerance_effective/residual)), step, step_h0)
+               residual > far_residual .and. is_evaluated), min(loosest, last_share &
+               *report%tolerance_effective/residual)), step, step_h0)
             call take_step(newton, contact, load, step, step_h0, is_taken, is_evaluated)
             report%reason = 'the film closes'
             if (.not. is_taken) return

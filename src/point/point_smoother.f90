@@ -1,5 +1,5 @@
 !> Line relaxation of the linear equations J v = f of a point contact: lines along X, one after the
-!> other from both sides to the middle, or back.
+!> other from both sides to the middle.
 !>
 !> Where the flow of a node is strong beside its wedge, its pressure changes alone. Elsewhere a
 !> change of 1 takes as much from the four neighbours, shared by the squares of the spacings: its
@@ -120,52 +120,37 @@ contains
       end do
    end subroutine factor_line
 
-   !> One sweep over all lines, from both sides to the middle or `outward`: adds the changes to `v`;
-   !> `r` is the residual of v on entry and is used up. Two threads have a half each; the lines in
-   !> the middle, which both would change, come one after the other.
-   subroutine sweep_lines(smoother, level, outward, r, v)
+   !> One sweep over all lines, from both sides to the middle: adds the changes to `v`; `r` is the
+   !> residual of v on entry and is used up. Two threads have a half each; the lines in the middle,
+   !> which both would change, come one after the other.
+   subroutine sweep_lines(smoother, level, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      logical, intent(in) :: outward
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      integer :: count, half, last, middle, step
+      integer :: count, half, middle
 
       middle = level%ny/2
-      last = level%ny - 1
-      if (outward) then
-         call relax_line(smoother, level, middle, [-1, 1], r, v)
-         do count = 1, between
-            call relax_line(smoother, level, middle - count, [-1], r, v)
-            call relax_line(smoother, level, middle + count, [1], r, v)
-         end do
-      end if
-      !$omp parallel do num_threads(min(level%threads, 2)) private(count, step) schedule(static)
+      !$omp parallel do num_threads(min(level%threads, 2)) private(count) schedule(static)
       do half = 1, 2
-         step = merge(1, -1, (half == 1) .neqv. outward)
          do count = 1, merge(middle, level%ny - middle, half == 1) - between - 1
-            if (outward) then
-               call relax_line(smoother, level, middle + step*(between + count), [step], r, v)
-            else
-               call relax_line(smoother, level, merge(count, level%ny - count, half == 1), [step], &
-                  r, v)
-            end if
+            call relax_line(smoother, level, merge(count, level%ny - count, half == 1), &
+               merge(1, -1, half == 1), r, v)
          end do
       end do
       !$omp end parallel do
-      if (outward) return
       do count = between, 1, -1
-         call relax_line(smoother, level, middle - count, [1], r, v)
-         call relax_line(smoother, level, middle + count, [-1], r, v)
+         call relax_line(smoother, level, middle - count, 1, r, v)
+         call relax_line(smoother, level, middle + count, -1, r, v)
       end do
-      call relax_line(smoother, level, middle, [integer ::], r, v)
+      call relax_line(smoother, level, middle, 0, r, v)
    end subroutine sweep_lines
 
-   !> Solves line `j` and changes the residuals of the next two lines in each of the directions
-   !> `steps`.
-   pure subroutine relax_line(smoother, level, j, steps, r, v)
+   !> Solves line `j` and changes the residuals of the next two lines in the direction of `step`, if
+   !> it is not 0.
+   pure subroutine relax_line(smoother, level, j, step, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      integer, intent(in) :: j, steps(:)
+      integer, intent(in) :: j, step
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
       real(wp) :: own(0:level%nx), parts(-far - 1:level%nx + far + 1, 0:1)
       integer :: i, nx
@@ -193,9 +178,7 @@ contains
       v(:, j) = v(:, j) + own
       v(:, j - 1) = v(:, j - 1) - smoother%across(:, j - 1)*parts(0:nx, 1)
       v(:, j + 1) = v(:, j + 1) - smoother%across(:, j + 1)*parts(0:nx, 1)
-      do i = 1, size(steps)
-         call pass_on(smoother, level, j, steps(i), own, parts, r)
-      end do
+      if (step /= 0) call pass_on(smoother, level, j, step, own, parts, r)
    end subroutine relax_line
 
    !> Changes the residuals of the lines at `step` and 2 `step` from line `j` by its change `own`;
