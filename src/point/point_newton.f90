@@ -24,7 +24,7 @@ module point_newton
 
    !> GMRES leaves this share of the residual, the first far from the solution where steps do well,
    !> after at most so many iterations.
-   real(wp), parameter :: rough_tolerance = 0.03_wp, linear_tolerance = 1.0e-2_wp, &
+   real(wp), parameter :: rough_tolerance = 0.03_wp, linear_tolerance = 5.0e-3_wp, &
       far_residual = 1.0e-2_wp
    integer, parameter :: most_iterations = 40
    !> A step changes no pressure by more than the first share of max(1, P), no film below the second
