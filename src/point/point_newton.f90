@@ -131,7 +131,7 @@ contains
       end associate
    end subroutine solve_point_newton
 
-   !> The pressure that stands on the border, 0 inside; the present one if it is as close as `least`.
+   !> The pressure that stands on the border, 0 inside; the present one if as close as `least`.
    pure subroutine set_border(contact, level, least, border)
       type(point_contact_t), intent(in) :: contact
       type(point_level_t), intent(in) :: level
