@@ -192,3 +192,26 @@ def mixed(source: random.Random, i: int) -> Member:
         groups["lubricant"]["thermal_viscosity"] = source.uniform(0.02, 0.06)
     groups["domain"] = {"intervals": source.choice((256, 512, 1024))}
     return Member(groups, finer_sample(groups, 2))
+
+
+def point(source: random.Random, i: int) -> Member:
+    """Circles and ellipses on 64 or 128 intervals: in turn by Moes' numbers, rolling, and in SI, sliding, one of two Eyring's.
+
+    Half of the ellipses in SI are turned. The truth has four times the intervals: a sixteenth of the error.
+    """
+    m, l, ratio = log_uniform(source, 1, 1000), source.uniform(0, 20), log_uniform(source, 0.1, 3)  # noqa: E741
+    law, n = source.choice(OILS), source.choice((64, 128))
+    if i % 2 == 0:
+        groups = plane(m, l, law)
+        groups["moes"] |= {"radius_ratio": 1.0 if i % 4 else ratio}
+    else:
+        m, l, stress = log_uniform(source, 1, 5000), max(l, 2.0), log_uniform(source, 2e6, 20e6)  # noqa: E741
+        groups = steel(m, l, source.uniform(0.05, 1.5), stress if i % 4 == 1 else None, law)
+        unit = groups["load"]["load_per_length"] / m  # sqrt(U) E' R
+        angle = source.uniform(0, 90) if source.random() < 0.5 else 0.0
+        axes = {"reduced_radius_x": namelists.RADIUS, "reduced_radius_y": namelists.RADIUS / ratio, "entrainment_angle": angle}
+        groups["bodies"] |= axes | {"reduced_radius": None}
+        # w = M U^(3/4) E' R^2
+        groups["load"] = {"load": m * unit**1.5 * math.sqrt(namelists.RADIUS / namelists.STEEL_MODULUS)}
+    groups |= {"case": {"problem": "ehl_point"}}
+    return beside(groups, {"intervals_x": n}, {"intervals_x": 4 * n})

@@ -199,7 +199,7 @@ def read(family: Family, file: h5py.File) -> Result:
         bar = sum(data.attrs.get(part, math.nan) for part in family.estimate.split("+"))
         values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], bar))
     domain, resolution = file["input/effective/domain"].attrs, None
-    if "x_inlet" in domain:
+    if "x_inlet" in domain and "intervals" in domain:
         (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain["intervals"])
         step = float(file["input/effective/time"].attrs.get("time_step", math.nan))
         resolution = Resolution((end - start) / n, step, start, end, n)

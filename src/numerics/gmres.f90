@@ -31,10 +31,12 @@ module gmres
       end subroutine precondition_interface
    end interface
 
-   !> Basis and preconditioned basis (n, most + 1), kept between calls; iterations of the last call.
+   !> Basis and preconditioned basis (n, most + 1), kept between calls; of the last call, iterations
+   !> and the weights in x of the vectors that `multiply` was given, by turn.
    type :: gmres_t
       integer :: max_iterations = 20
       integer :: iterations = 0
+      real(wp), allocatable :: weights(:)
       real(wp), allocatable, private :: basis(:, :), directions(:, :)
    end type gmres_t
 
@@ -61,6 +63,7 @@ contains
       if (.not. allocated(gmres%basis)) allocate (gmres%basis(size(x), gmres%max_iterations + 1), &
          gmres%directions(size(x), gmres%max_iterations))
       gmres%iterations = 0
+      gmres%weights = [real(wp) ::]
       size_of_b = norm2(x)
       is_solved = size_of_b <= 0.0_wp
       if (is_solved .or. .not. size_of_b < huge(1.0_wp)) return
@@ -83,6 +86,7 @@ contains
          rest(1:j - 1) = rest(1:j - 1) - rest(j)*hessenberg(1:j - 1, j)
          x = x + rest(j)*gmres%directions(:, j)
       end do
+      gmres%weights = rest(:gmres%iterations)
    end subroutine solve_gmres
 
    !> Orthogonalises the last vector against all before it (modified Gram-Schmidt); `column`

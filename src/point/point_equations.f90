@@ -23,7 +23,7 @@ module point_equations
    implicit none (type, external)
    private
 
-   public :: evaluate, multiply_bands
+   public :: evaluate
 
    !> What a row of nodes is made of, by column: P, H, E, rho, rho', then ln of the effective
    !> viscosity along x and its slopes by P and H; the same across; ln of the viscosity, its slope.
@@ -51,7 +51,7 @@ contains
       integer :: t
 
       if (thins(contact%fluid) .and. .not. allocated(level%corners)) allocate ( &
-         level%corners(4, 0:level%nx, 0:level%ny), source=0.0_wp)
+         level%corners(0:level%nx, 4, 0:level%ny), source=0.0_wp)
       !$omp parallel do num_threads(level%threads) schedule(static)
       do t = 1, level%threads
          call evaluate_rows(level, contact, has_bands, share_end(t - 1, level%threads, level%ny &
@@ -69,6 +69,7 @@ contains
       integer, intent(in) :: first, last
       real(wp), intent(out) :: largest
       real(wp), allocatable :: nodes(:, :, :), along(:, :), across(:, :, :), before(:, :)
+      real(wp) :: fluidity(0:level%nx)
       integer :: j, new, old
 
       allocate (nodes(0:level%nx, node_columns, 0:1), across(0:level%nx, face_columns, 0:1))
@@ -90,8 +91,8 @@ contains
          call assemble_row(level, j, nodes(:, :, old), along, across(:, :, old), across(:, :, new))
          if (has_bands) call assemble_bands(level, j, nodes(:, :, old), along, across(:, :, old), &
             across(:, :, new))
-         largest = max(largest, maxval(nodes(:, of_e, old)*exp(-nodes(:, along_x, old)) &
-            *nodes(:, of_p, old)))
+         fluidity = exp(-nodes(:, along_x, old))
+         largest = max(largest, maxval(nodes(:, of_e, old)*fluidity*nodes(:, of_p, old)))
       end do
    end subroutine evaluate_rows
 
@@ -240,10 +241,11 @@ contains
       integer, intent(in) :: j
       real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
          below(0:level%nx, face_columns), above(0:level%nx, face_columns)
-      real(wp) :: ix, iy, mass(0:level%nx)
+      real(wp) :: ix, iy, mass(0:level%nx), own
       integer :: i, nx
 
       nx = level%nx
+      own = wedge_diagonal(level)
       ix = 1/level%hx**2
       iy = 1/level%hy**2
       mass = nodes(:, of_rho)*nodes(:, of_h)/level%hx
@@ -253,7 +255,7 @@ contains
                - below(i, flux))
             level%flow(i, j) = ix*(along(i, flow_1) + along(i - 1, flow_2)) &
                + iy*(above(i, flow_1) + below(i, flow_2))
-            d(i, j) = level%flow(i, j) + nodes(i, of_rho)*wedge_diagonal(level)
+            d(i, j) = level%flow(i, j) + nodes(i, of_rho)*own
          end do
          r(1, j) = r(1, j) - level%entrainment*(mass(1) - mass(0))
          r(2:nx - 1, j) = r(2:nx - 1, j) - level%entrainment*(1.5_wp*mass(2:nx - 1) &
@@ -279,103 +281,83 @@ contains
       integer, intent(in) :: j
       real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
          below(0:level%nx, face_columns), above(0:level%nx, face_columns)
-      real(wp) :: ix, iy, strong, w(-2:0)
-      integer :: i, k
+      real(wp) :: ix, iy, strong
+      integer :: i
 
       ix = 1/level%hx**2
       iy = 1/level%hy**2
       strong = strong_flow*wedge_diagonal(level)
       level%rise(:, j) = nodes(:, along_x + 1)
-      w = level%entrainment*wedge_weights(1)/level%hx
-      call set_flow(level%by_pressure(:, 1:level%nx - 1, j), by_p1, by_p2)
-      call set_flow(level%by_film(:, 1:level%nx - 1, j), by_h1, by_h2)
-      associate (p => level%by_pressure, h => level%by_film)
-         do i = 1, level%nx - 1
-            do k = merge(-1, -2, i == 1), 0
-               p(3 + k, i, j) = p(3 + k, i, j) - w(k)*nodes(i + k, of_drho)*nodes(i + k, of_h)
-               h(3 + k, i, j) = h(3 + k, i, j) - w(k)*nodes(i + k, of_rho)
-            end do
-            p(3, i, j) = p(3, i, j) - level%inverse_time_step*nodes(i, of_drho)*nodes(i, of_h)
-            h(3, i, j) = h(3, i, j) - level%inverse_time_step*nodes(i, of_rho)
-            if (i == 1) w = level%entrainment*wedge_weights(2)/level%hx
-            if (allocated(level%corners)) call add_turns(i, p(:, i, j), level%corners(:, i, j))
-            level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
-               ix*along(i - 1, flow_2)) > strong)
-         end do
-      end associate
+      call set_flow(level%by_pressure(:, :, j), by_p1, by_p2)
+      call set_flow(level%by_film(:, :, j), by_h1, by_h2)
+      call set_wedge(level%by_pressure(:, :, j), nodes(:, of_drho)*nodes(:, of_h))
+      call set_wedge(level%by_film(:, :, j), nodes(:, of_rho))
+      if (allocated(level%corners)) call add_turns(level%by_pressure(:, :, j), level%corners(:, :, &
+         j))
+      do i = 1, level%nx - 1
+         level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
+            ix*along(i - 1, flow_2)) > strong)
+      end do
 
    contains
 
-      !> Adds the changes with the slopes of P across the faces of node `i` to those with its
-      !> neighbours, and sets those with the corners (i-1, j-1), (i+1, j-1), (i-1, j+1), (i+1, j+1).
-      pure subroutine add_turns(i, p, corners)
-         integer, intent(in) :: i
-         real(wp), intent(inout) :: p(:)
-         real(wp), intent(out) :: corners(:)
+      !> Adds the changes with the slopes of P across the faces to those with the neighbours of a
+      !> node, and sets those with the corners (i-1, j-1), (i+1, j-1), (i-1, j+1), (i+1, j+1).
+      pure subroutine add_turns(p, corners)
+         real(wp), intent(inout), contiguous :: p(0:, :)
+         real(wp), intent(out), contiguous :: corners(0:, :)
          real(wp) :: left, right, lower, upper
+         integer :: i
 
-         left = ix*along(i - 1, by_turn)/(4*level%hy)
-         right = ix*along(i, by_turn)/(4*level%hy)
-         lower = iy*below(i, by_turn)/(4*level%hx)
-         upper = iy*above(i, by_turn)/(4*level%hx)
-         p([2, 4]) = p([2, 4]) + (upper - lower)*[-1, 1]
-         p(5:6) = p(5:6) + (right - left)*[-1, 1]
-         corners = [left + lower, -right - lower, -left - upper, right + upper]
+         do i = 1, level%nx - 1
+            left = ix*along(i - 1, by_turn)/(4*level%hy)
+            right = ix*along(i, by_turn)/(4*level%hy)
+            lower = iy*below(i, by_turn)/(4*level%hx)
+            upper = iy*above(i, by_turn)/(4*level%hx)
+            p(i, 2) = p(i, 2) + lower - upper
+            p(i, 4) = p(i, 4) + upper - lower
+            p(i, 5) = p(i, 5) + left - right
+            p(i, 6) = p(i, 6) + right - left
+            corners(i, :) = [left + lower, -right - lower, -left - upper, right + upper]
+         end do
       end subroutine add_turns
 
       !> Change of the flow of all nodes with P or H, by the columns of the two nodes of a face.
       pure subroutine set_flow(change, one, two)
-         real(wp), intent(out) :: change(:, :)
+         real(wp), intent(inout), contiguous :: change(0:, :)
          integer, intent(in) :: one, two
          integer :: i
 
-         do i = 1, size(change, 2)
-            change(1, i) = 0.0_wp
-            change(2, i) = -ix*along(i - 1, one)
-            change(3, i) = ix*(along(i, one) - along(i - 1, two)) + iy*(above(i, one) &
+         do i = 1, level%nx - 1
+            change(i, 2) = -ix*along(i - 1, one)
+            change(i, 3) = ix*(along(i, one) - along(i - 1, two)) + iy*(above(i, one) &
                - below(i, two))
-            change(4, i) = ix*along(i, two)
-            change(5, i) = -iy*below(i, one)
-            change(6, i) = iy*above(i, two)
+            change(i, 4) = ix*along(i, two)
+            change(i, 5) = -iy*below(i, one)
+            change(i, 6) = iy*above(i, two)
          end do
       end subroutine set_flow
 
-   end subroutine assemble_bands
+      !> Adds that of wedge and squeeze, of the rho H that changes by `mass` with P or H.
+      pure subroutine set_wedge(change, mass)
+         real(wp), intent(inout), contiguous :: change(0:, :)
+         real(wp), intent(in) :: mass(0:)
+         real(wp) :: w(-2:0)
+         integer :: i
 
-   !> Computes y = J (v, dH) on the flowing nodes, 0 elsewhere: `v` the change of the pressure,
-   !> `change` that of the film.
-   subroutine multiply_bands(level, v, change, y)
-      type(point_level_t), intent(in) :: level
-      real(wp), intent(in), dimension(0:level%nx, 0:level%ny) :: v, change
-      real(wp), intent(out) :: y(0:level%nx, 0:level%ny)
-      integer :: i, j
-
-      y(:, 0) = 0.0_wp
-      y(:, level%ny) = 0.0_wp
-      associate (p => level%by_pressure, h => level%by_film, nx => level%nx)
-         !$omp parallel do num_threads(level%threads) private(i) schedule(static)
-         do j = 1, level%ny - 1
-            y(0, j) = 0.0_wp
-            y(nx, j) = 0.0_wp
-            y(1, j) = level%flowing(1, j)*(sum(p(2:4, 1, j)*v(0:2, j)) + p(5, 1, j)*v(1, j - 1) &
-               + p(6, 1, j)*v(1, j + 1) + sum(h(2:4, 1, j)*change(0:2, j)) &
-               + h(5, 1, j)*change(1, j - 1) + h(6, 1, j)*change(1, j + 1))
-            do i = 2, nx - 1
-               y(i, j) = level%flowing(i, j)*(p(1, i, j)*v(i - 2, j) + p(2, i, j)*v(i - 1, j) &
-                  + p(3, i, j)*v(i, j) + p(4, i, j)*v(i + 1, j) + p(5, i, j)*v(i, j - 1) &
-                  + p(6, i, j)*v(i, j + 1) + h(1, i, j)*change(i - 2, j) &
-                  + h(2, i, j)*change(i - 1, j) + h(3, i, j)*change(i, j) &
-                  + h(4, i, j)*change(i + 1, j) + h(5, i, j)*change(i, j - 1) &
-                  + h(6, i, j)*change(i, j + 1))
-            end do
-            if (.not. allocated(level%corners)) cycle
-            do i = 1, nx - 1
-               y(i, j) = y(i, j) + level%flowing(i, j)*(sum(level%corners(1:2, i, j)*v(i - 1:i &
-                  + 1:2, j - 1)) + sum(level%corners(3:4, i, j)*v(i - 1:i + 1:2, j + 1)))
-            end do
+         w = level%entrainment*wedge_weights(1)/level%hx
+         change(1, 2:3) = change(1, 2:3) - w(-1:0)*mass(0:1)
+         w = level%entrainment*wedge_weights(2)/level%hx
+         do i = 2, level%nx - 1
+            change(i, 1) = -w(-2)*mass(i - 2)
+            change(i, 2) = change(i, 2) - w(-1)*mass(i - 1)
+            change(i, 3) = change(i, 3) - w(0)*mass(i)
          end do
-         !$omp end parallel do
-      end associate
-   end subroutine multiply_bands
+         do i = 1, level%nx - 1
+            change(i, 3) = change(i, 3) - level%inverse_time_step*mass(i)
+         end do
+      end subroutine set_wedge
+
+   end subroutine assemble_bands
 
 end module point_equations

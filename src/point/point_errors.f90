@@ -24,9 +24,8 @@ module point_errors
 
    public :: find_quantities, measure_domain
 
-   !> The longer domain has an eighth more intervals on both sides together, on a grid with a
-   !> quarter of them.
-   integer, parameter :: coarsening = 4, extension = 8
+   !> The longer domain has half as many intervals more, on both sides together.
+   integer, parameter :: extension = 2
 
 contains
 
@@ -64,8 +63,8 @@ contains
       end if
       missing = 'no coarser grids are compared'
       if (.not. run%settings%wants_coarse_runs) return
-      missing = 'fewer than two coarser grids hold the film'
-      if (size(run%grids) < 3) return
+      missing = 'no coarser grid holds the film'
+      if (size(run%grids) < 2) return
       start = wall_seconds()
       call listener%on_stage('a longer domain')
       call measure_domain(run, contact, near, far, is_known, error)
@@ -120,9 +119,9 @@ contains
       end do
    end subroutine measure_passages
 
-   !> Quantities on a quarter of the intervals, `near`, which `run` must have, and with the same
-   !> spacing on a domain about 1.5 times as long, `far`. `is_known`: it has a solution. Error: as
-   !> above.
+   !> Quantities on a quarter of the intervals, or on half of them where that is the first grid,
+   !> `near`, which `run` must have, and with the same spacing on a domain 1.5 times as long, `far`.
+   !> `is_known`: it has a solution. Error: as above.
    subroutine measure_domain(run, contact, near, far, is_known, error)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
@@ -134,23 +133,24 @@ contains
       type(listener_t) :: nobody
       type(report_t) :: report
       real(wp) :: spacing
-      integer :: behind, more, n(2)
+      integer :: behind, coarsening, more, n(2)
 
       is_known = .false.
-      near = run%grids(size(run%grids) - 2)
+      near = run%grids(max(size(run%grids) - 2, 1))
+      coarsening = 2**min(size(run%grids) - 1, 2)
       longer = contact
       if (run%time%is_transient) call smoothen_both(longer)
       call set_point_moment(longer, 0.0_wp)
       n = [contact%domain%intervals, contact%domain%rows]/coarsening
       associate (domain => longer%domain)
-         more = contact%domain%intervals/extension
+         more = n(1)/extension
          spacing = (domain%x_outlet - domain%x_inlet)/n(1)
          behind = nint(more*domain%x_outlet/(domain%x_outlet - domain%x_inlet))
          domain%x_inlet = domain%x_inlet - (more - behind)*spacing
          domain%x_outlet = domain%x_outlet + behind*spacing
-         domain%y_half_width = domain%y_half_width*(1 + real(coarsening, wp)/extension)
+         domain%y_half_width = domain%y_half_width*(1 + 1.0_wp/extension)
          domain%intervals = n(1) + more
-         domain%rows = n(2) + contact%domain%rows/extension
+         domain%rows = n(2) + n(2)/extension
          call new_hierarchy(newton%hierarchy, longer, domain%intervals, domain%rows, &
             run%threads, error)
          if (allocated(error)) return

@@ -13,7 +13,7 @@ module point_level
    implicit none (type, external)
    private
 
-   public :: deflect, load_on, new_level, set_point_film, set_surfaces
+   public :: deflect, load_on, multiply_bands, new_level, set_point_film, set_surfaces
 
    !> Distance, in nodes, up to which the deflection is kept.
    integer, parameter :: reach = 64
@@ -49,7 +49,7 @@ module point_level
       !> Residual r, its diagonal, the part of the flow in it, and the round-off of r.
       real(wp), allocatable :: residual(:, :), diagonal(:, :), flow(:, :)
       real(wp) :: floor = 0.0_wp
-      !> Jacobian (bands, 0:nx, 0:ny): change of r with P and with H.
+      !> Jacobian (0:nx, bands, 0:ny): change of r with P and with H.
       real(wp), allocatable :: by_pressure(:, :, :), by_film(:, :, :)
       !> The same with P at (i-+1, j-1), (i-+1, j+1) of an oil that thins, else not allocated.
       real(wp), allocatable :: corners(:, :, :)
@@ -91,7 +91,7 @@ contains
       level%flow = 0.0_wp
       level%rise = 0.0_wp
       level%is_local = 0.0_wp
-      allocate (level%by_pressure(bands, 0:nx, 0:ny), level%by_film(bands, 0:nx, 0:ny))
+      allocate (level%by_pressure(0:nx, bands, 0:ny), level%by_film(0:nx, bands, 0:ny))
       level%by_pressure = 0.0_wp
       level%by_film = 0.0_wp
       kernel = 2*pi*contact%ellipse%compliance*open_area_kernel(nx + 1, ny + 1, level%hx, level%hy)
@@ -142,5 +142,57 @@ contains
 
       load = level%hx*level%hy*sum(p)
    end function load_on
+
+   !> Computes y = J (v, dH) on the flowing nodes, 0 elsewhere: `v` the change of the pressure,
+   !> `change` that of the film.
+   subroutine multiply_bands(level, v, change, y)
+      type(point_level_t), intent(in) :: level
+      real(wp), intent(in), dimension(0:level%nx, 0:level%ny) :: v, change
+      real(wp), intent(out) :: y(0:level%nx, 0:level%ny)
+      integer :: j
+
+      y(:, 0) = 0.0_wp
+      y(:, level%ny) = 0.0_wp
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do j = 1, level%ny - 1
+         call multiply_row(level%by_pressure(:, :, j), level%by_film(:, :, j), v(:, j - 1:j + 1), &
+            change(:, j - 1:j + 1), y(:, j))
+         if (allocated(level%corners)) call add_corners(level%corners(:, :, j), v(:, j - 1:j + 1), &
+            y(:, j))
+         y(:, j) = level%flowing(:, j)*y(:, j)
+      end do
+      !$omp end parallel do
+   end subroutine multiply_bands
+
+   !> The row of J (v, change) that has the bands `p` and `h`; `v` and `change` on its three rows.
+   pure subroutine multiply_row(p, h, v, change, y)
+      real(wp), intent(in), contiguous :: p(0:, :), h(0:, :), v(0:, -1:), change(0:, -1:)
+      real(wp), intent(out), contiguous :: y(0:)
+      integer :: i, n
+
+      n = ubound(y, 1)
+      y(0) = 0.0_wp
+      y(n) = 0.0_wp
+      y(1) = sum(p(1, 2:4)*v(0:2, 0)) + p(1, 5)*v(1, -1) + p(1, 6)*v(1, 1) &
+         + sum(h(1, 2:4)*change(0:2, 0)) + h(1, 5)*change(1, -1) + h(1, 6)*change(1, 1)
+      do i = 2, n - 1
+         y(i) = p(i, 1)*v(i - 2, 0) + p(i, 2)*v(i - 1, 0) + p(i, 3)*v(i, 0) + p(i, 4)*v(i + 1, 0) &
+            + p(i, 5)*v(i, -1) + p(i, 6)*v(i, 1) + h(i, 1)*change(i - 2, 0) &
+            + h(i, 2)*change(i - 1, 0) + h(i, 3)*change(i, 0) + h(i, 4)*change(i + 1, 0) &
+            + h(i, 5)*change(i, -1) + h(i, 6)*change(i, 1)
+      end do
+   end subroutine multiply_row
+
+   !> Adds what the `corners` of a row do to its product.
+   pure subroutine add_corners(corners, v, y)
+      real(wp), intent(in), contiguous :: corners(0:, :), v(0:, -1:)
+      real(wp), intent(inout), contiguous :: y(0:)
+      integer :: i
+
+      do i = 1, ubound(y, 1) - 1
+         y(i) = y(i) + corners(i, 1)*v(i - 1, -1) + corners(i, 2)*v(i + 1, -1) &
+            + corners(i, 3)*v(i - 1, 1) + corners(i, 4)*v(i + 1, 1)
+      end do
+   end subroutine add_corners
 
 end module point_level

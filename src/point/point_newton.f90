@@ -14,8 +14,8 @@ module point_newton
    use mobility, only: bent_step, flowing_share
    use point_contact, only: far_load, far_pressure, point_contact_t
    use point_cycle, only: point_hierarchy_t, prepare_cycle, run_cycle
-   use point_equations, only: evaluate, multiply_bands
-   use point_level, only: deflect, load_on, point_level_t, set_point_film
+   use point_equations, only: evaluate
+   use point_level, only: deflect, load_on, multiply_bands, point_level_t, set_point_film
    use text, only: to_text
    implicit none (type, external)
    private
@@ -24,7 +24,7 @@ module point_newton
 
    !> GMRES leaves this share of the residual, the first far from the solution where steps do well,
    !> after at most so many iterations.
-   real(wp), parameter :: rough_tolerance = 0.1_wp, linear_tolerance = 1.0e-2_wp, &
+   real(wp), parameter :: rough_tolerance = 0.03_wp, linear_tolerance = 5.0e-3_wp, &
       far_residual = 1.0e-2_wp
    integer, parameter :: most_iterations = 40
    !> A step changes no pressure by more than the first share of max(1, P), no film below the second
@@ -38,6 +38,9 @@ module point_newton
    real(wp), parameter :: least_measure = 1.0e-13_wp
    !> The residual may stay above the tolerance by this many times its round-off.
    real(wp), parameter :: floors = 5.0_wp
+   !> The last step is solved to the first share of the tolerance on the residual, at most to the
+   !> second one of the residual; pressure on the border changes by more than the third.
+   real(wp), parameter :: last_share = 0.5_wp, loosest = 0.3_wp, least_change = 0.01_wp
 
    !> The system of one step, and how the method went.
    type, extends(krylov_system_t), public :: point_newton_t
@@ -47,6 +50,9 @@ module point_newton
       real(wp), allocatable, private :: column(:), answer(:), inverse(:)
       real(wp), private :: load_of_answer = 1.0_wp, weight = 1.0_wp
       real(wp), allocatable, private :: change(:), product(:)
+      !> Deflection of each vector that was multiplied (n, most), and their number.
+      real(wp), allocatable, private :: deflections(:, :)
+      integer, private :: products = 0
       !> Newton steps and iterations of GMRES; load error.
       integer :: steps = 0, iterations = 0
       real(wp), private :: load_error = huge(1.0_wp)
@@ -84,7 +90,7 @@ contains
          is_evaluated = .false.
          do
             if (.not. is_evaluated) call evaluate(level, contact, .true.)
-            call set_border(contact, level, border)
+            call set_border(contact, level, least_change*tolerance, border)
             ! where oil flows under pressure: P + r/D > 0 inside
             level%flowing = 0.0_wp
             associate (m => level%nx - 1, n => level%ny - 1)
@@ -114,8 +120,9 @@ contains
                report%reason = error%message
                return
             end if
-            call find_step(newton, border, merge(rough_tolerance, linear_tolerance, &
-               residual > far_residual .and. is_evaluated), step, step_h0)
+            call find_step(newton, border, max(merge(rough_tolerance, linear_tolerance, &
+               residual > far_residual .and. is_evaluated), min(loosest, last_share &
+               *report%tolerance_effective/residual)), step, step_h0)
             call take_step(newton, contact, load, step, step_h0, is_taken, is_evaluated)
             report%reason = 'the film closes'
             if (.not. is_taken) return
@@ -124,10 +131,11 @@ contains
       end associate
    end subroutine solve_point_newton
 
-   !> The pressure that stands on the border, 0 inside.
-   pure subroutine set_border(contact, level, border)
+   !> The pressure that stands on the border, 0 inside; the present one if as close as `least`.
+   pure subroutine set_border(contact, level, least, border)
       type(point_contact_t), intent(in) :: contact
       type(point_level_t), intent(in) :: level
+      real(wp), intent(in) :: least
       real(wp), intent(out) :: border(0:, 0:)
 
       border = 0.0_wp
@@ -137,15 +145,17 @@ contains
          border(:, 0) = far_pressure(contact, level%x, level%y(0), h(:, 0))
          border(:, ny) = far_pressure(contact, level%x, level%y(ny), h(:, ny))
       end associate
+      where (border > 0.0_wp .and. abs(border - level%pressure) < least) border = level%pressure
    end subroutine set_border
 
-   !> Computes the plain step of the pressure and of H0, to a `tolerance` of its right side.
+   !> Computes the plain step of the pressure and of H0, to a `tolerance` of its right side; its
+   !> deflection is in `newton%change`.
    subroutine find_step(newton, border, tolerance, step, step_h0)
       type(point_newton_t), intent(inout) :: newton
       real(wp), intent(in) :: border(:, :), tolerance
       real(wp), intent(out) :: step(:, :), step_h0
       real(wp), allocatable :: fixed(:), right(:), x(:)
-      integer :: n
+      integer :: k, n
       logical :: is_solved
 
       n = size(border)
@@ -165,6 +175,7 @@ contains
             newton%load_of_answer = load_on(level, newton%answer)
          end if
          right = 0.0_wp
+         newton%change = 0.0_wp
          if (any(abs(fixed) > 0.0_wp)) then
             call deflect(level, fixed, newton%change)
             call multiply_bands(level, fixed, newton%change, right)
@@ -172,7 +183,17 @@ contains
          right = right + reshape(level%flowing*level%residual, [n])
          x(:n) = -newton%inverse*right
          x(n + 1) = -newton%weight*(newton%load_error + load_on(level, fixed))
+         if (allocated(newton%deflections)) then
+            if (size(newton%deflections, 1) /= n) deallocate (newton%deflections)
+         end if
+         if (.not. allocated(newton%deflections)) allocate (newton%deflections(n, most_iterations))
+         newton%products = 0
+         right = newton%change   ! now what is fixed deflects
          call solve_gmres(newton%gmres, newton, tolerance, x, is_solved)
+         newton%change = right
+         do k = 1, size(newton%gmres%weights)
+            newton%change = newton%change + newton%gmres%weights(k)*newton%deflections(:, k)
+         end do
          newton%iterations = newton%iterations + newton%gmres%iterations
          step = reshape(x(:n) + fixed, shape(step))
          step_h0 = x(n + 1)
@@ -188,8 +209,11 @@ contains
 
       n = size(x) - 1
       associate (level => self%hierarchy%levels(1))
-         call deflect(level, x(:n), self%change)
-         call multiply_bands(level, x(:n), self%change, self%product)
+         self%products = self%products + 1
+         associate (change => self%deflections(:, self%products))
+            call deflect(level, x(:n), change)
+            call multiply_bands(level, x(:n), change, self%product)
+         end associate
          y(:n) = self%inverse*(self%product + x(n + 1)*self%column)
          y(n + 1) = self%weight*load_on(level, x(:n))
       end associate
@@ -229,15 +253,15 @@ contains
          where (level%flowing > 0.0_wp) bent = bent_step(step, level%flow, -level%rise*level%flow, &
             flowing_share*(level%diagonal - level%flow))
          best_measure = huge(1.0_wp)
-         call try_step(step, 1.0_wp)
+         call try_step(step, 1.0_wp, .true.)
          before = max(before, least_measure*load/good_share)
          is_evaluated = best_measure <= good_share*before
          if (is_evaluated) then
             is_taken = .true.
             return
          end if
-         if (any(abs(bent - step) > 0.0_wp)) call try_step(bent, 1.0_wp)
-         if (best_measure > poor_share*before) call try_step(step, part_step)
+         if (any(abs(bent - step) > 0.0_wp)) call try_step(bent, 1.0_wp, .false.)
+         if (best_measure > poor_share*before) call try_step(step, part_step, .true.)
          is_taken = best_measure < huge(1.0_wp)
          if (.not. is_taken) return
          level%pressure = best
@@ -247,9 +271,10 @@ contains
 
    contains
 
-      !> Measures what a step leaves, and keeps the best.
-      subroutine try_step(change, longest)
+      !> Measures what a step leaves, and keeps the best; `is_plain`: its deflection is known.
+      subroutine try_step(change, longest, is_plain)
          real(wp), intent(in) :: change(0:, 0:), longest
+         logical, intent(in) :: is_plain
          real(wp) :: share
          integer :: halving
 
@@ -257,9 +282,14 @@ contains
             share = longest*min(1.0_wp, largest_step/max(maxval(abs(change)/max(1.0_wp, old)), &
                tiny(1.0_wp)))
             do halving = 1, max_halvings
-               level%pressure = max(old + share*change, 0.0_wp)
+               level%pressure = old + share*change
                level%rigid_displacement = old_h0 + share*step_h0
-               call set_point_film(level)
+               if (is_plain .and. all(level%pressure >= 0.0_wp)) then
+                  level%film = film + share*(step_h0 + reshape(newton%change, shape(film)))
+               else
+                  level%pressure = max(level%pressure, 0.0_wp)
+                  call set_point_film(level)
+               end if
                if (all(level%film > least_film*film)) exit
                share = 0.5_wp*share
             end do

@@ -1,5 +1,5 @@
 !> Line relaxation of the linear equations J v = f of a point contact: lines along X, one after the
-!> other from both sides to the middle, or back.
+!> other from both sides to the middle.
 !>
 !> Where the flow of a node is strong beside its wedge, its pressure changes alone. Elsewhere a
 !> change of 1 takes as much from the four neighbours, shared by the squares of the spacings: its
@@ -19,7 +19,7 @@ module point_smoother
    !> Lines on either side of the middle one that wait until both halves are done.
    integer, parameter :: between = 2
 
-   !> Factored lines (-2:2, nx-1, ny-1) and the films of both ways to change a node (0: alone), at
+   !> Factored lines (nx-1, -2:2, ny-1) and the films of both ways to change a node (0: alone), at
    !> distances along X, on its line and the next.
    type, public :: point_smoother_t
       real(wp), allocatable :: lines(:, :, :)
@@ -52,7 +52,7 @@ contains
             end associate
          end do
       end do
-      if (.not. allocated(smoother%lines)) allocate (smoother%lines(-2:2, level%nx - 1, &
+      if (.not. allocated(smoother%lines)) allocate (smoother%lines(level%nx - 1, -2:2, &
          level%ny - 1))
       !$omp parallel do num_threads(level%threads) schedule(static)
       do j = 1, level%ny - 1
@@ -67,124 +67,107 @@ contains
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       integer, intent(in) :: j
-      real(wp), intent(out) :: line(-2:, :)
-      real(wp) :: alone, spread, film(0:1)
-      integer :: c, i, k, m, nx
+      real(wp), intent(out), contiguous :: line(:, -2:)
+      real(wp), dimension(level%nx - 1, -3:3) :: h, p
+      real(wp) :: alone, spread
+      integer :: c, i, k
 
-      nx = level%nx
-      line = 0.0_wp
-      associate (p => level%by_pressure, h => level%by_film, flowing => level%flowing, &
-         kernel => smoother%pattern)
-         rows: do i = 1, nx - 1
-            if (.not. flowing(i, j) > 0.0_wp) then
-               line(0, i) = 1.0_wp
-               cycle rows
-            end if
-            unknowns: do k = max(-2, 1 - i), min(2, nx - 1 - i)
+      associate (flowing => level%flowing(:, j), n => level%nx - 1, film => smoother%pattern)
+         p = 0.0_wp
+         p(:, -2:1) = level%by_pressure(1:n, 1:4, j)
+         h(:, -2:1) = level%by_film(1:n, 1:4, j)
+         h(:, 2) = level%by_film(1:n, 5, j) + level%by_film(1:n, 6, j)
+         line = 0.0_wp
+         do k = -2, 2
+            do i = max(1, 1 - k), min(n, n - k)
                c = i + k
-               if (.not. flowing(c, j) > 0.0_wp) cycle unknowns
-               alone = 0.0_wp
-               spread = 0.0_wp
-               if (k < 2) alone = p(3 + k, i, j)
-               if (k > -2) spread = smoother%share_x*p(2 + k, i, j)*flowing(c - 1, j)
-               if (k < 1) spread = spread + smoother%share_x*p(4 + k, i, j)*flowing(c + 1, j)
-               if (k == 0) spread = spread + smoother%across(c, j - 1)*p(5, i, j) &
-                  + smoother%across(c, j + 1)*p(6, i, j)
-               film = (h(5, i, j) + h(6, i, j))*kernel(:, -k, 1)
-               do m = -2, 1
-                  film = film + h(3 + m, i, j)*kernel(:, m - k, 0)
-               end do
-               line(k, i) = alone + film(0)
-               if (level%is_local(c, j) < 0.5_wp) line(k, i) = alone - spread + film(1)
-            end do unknowns
-         end do rows
+               alone = p(i, k) + h(i, -2)*film(0, -2 - k, 0) + h(i, -1)*film(0, -1 - k, 0) &
+                  + h(i, 0)*film(0, -k, 0) + h(i, 1)*film(0, 1 - k, 0) + h(i, 2)*film(0, -k, 1)
+               spread = p(i, k) + h(i, -2)*film(1, -2 - k, 0) + h(i, -1)*film(1, -1 - k, 0) &
+                  + h(i, 0)*film(1, -k, 0) + h(i, 1)*film(1, 1 - k, 0) + h(i, 2)*film(1, -k, 1) &
+                  - smoother%share_x*(p(i, k - 1)*level%flowing(c - 1, j) &
+                  + p(i, k + 1)*level%flowing(c + 1, j))
+               line(i, k) = level%flowing(i, j)*level%flowing(c, j)*merge(spread, alone, &
+                  level%is_local(c, j) < 0.5_wp)
+            end do
+         end do
+         line(:, 0) = line(:, 0) + (1 - flowing(2:n + 1)) - flowing(2:n + 1)*(1 &
+            - level%is_local(1:n, j))*(smoother%across(1:n, j - 1)*level%by_pressure(1:n, 5, j) &
+            + smoother%across(1:n, j + 1)*level%by_pressure(1:n, 6, j))
       end associate
    end subroutine set_line
 
    !> Factors a pentadiagonal matrix in place: the factors of elimination, the inverse of the
-   !> diagonal, and what is above it.
+   !> diagonal, and what is above it over that.
    pure subroutine factor_line(a)
-      real(wp), intent(inout) :: a(-2:, :)
+      real(wp), intent(inout), contiguous :: a(:, -2:)
       integer :: i, n
 
-      n = size(a, 2)
+      n = size(a, 1)
       do i = 1, n
-         a(0, i) = 1/a(0, i)
+         a(i, 0) = 1/a(i, 0)
+         a(i, 1:2) = a(i, 1:2)*a(i, 0)
          if (i < n) then
-            a(-1, i + 1) = a(-1, i + 1)*a(0, i)
-            a(0, i + 1) = a(0, i + 1) - a(-1, i + 1)*a(1, i)
-            a(1, i + 1) = a(1, i + 1) - a(-1, i + 1)*a(2, i)
+            a(i + 1, 0) = a(i + 1, 0) - a(i + 1, -1)*a(i, 1)
+            a(i + 1, 1) = a(i + 1, 1) - a(i + 1, -1)*a(i, 2)
+            a(i + 1, -1) = a(i + 1, -1)*a(i, 0)
          end if
          if (i < n - 1) then
-            a(-2, i + 2) = a(-2, i + 2)*a(0, i)
-            a(-1, i + 2) = a(-1, i + 2) - a(-2, i + 2)*a(1, i)
-            a(0, i + 2) = a(0, i + 2) - a(-2, i + 2)*a(2, i)
+            a(i + 2, -1) = a(i + 2, -1) - a(i + 2, -2)*a(i, 1)
+            a(i + 2, 0) = a(i + 2, 0) - a(i + 2, -2)*a(i, 2)
+            a(i + 2, -2) = a(i + 2, -2)*a(i, 0)
          end if
       end do
    end subroutine factor_line
 
-   !> One sweep over all lines, from both sides to the middle or `outward`: adds the changes to `v`;
-   !> `r` is the residual of v on entry and is used up. Two threads have a half each; the lines in
-   !> the middle, which both would change, come one after the other.
-   subroutine sweep_lines(smoother, level, outward, r, v)
+   !> One sweep over all lines, from both sides to the middle: adds the changes to `v`; `r` is the
+   !> residual of v on entry and is used up. Two threads have a half each; the lines in the middle,
+   !> which both would change, come one after the other.
+   subroutine sweep_lines(smoother, level, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      logical, intent(in) :: outward
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      integer :: count, half, last, middle, step
+      integer :: count, half, middle
 
       middle = level%ny/2
-      last = level%ny - 1
-      if (outward) then
-         call relax_line(smoother, level, middle, [-1, 1], r, v)
-         do count = 1, between
-            call relax_line(smoother, level, middle - count, [-1], r, v)
-            call relax_line(smoother, level, middle + count, [1], r, v)
-         end do
-      end if
-      !$omp parallel do num_threads(min(level%threads, 2)) private(count, step) schedule(static)
+      !$omp parallel do num_threads(min(level%threads, 2)) private(count) schedule(static)
       do half = 1, 2
-         step = merge(1, -1, (half == 1) .neqv. outward)
          do count = 1, merge(middle, level%ny - middle, half == 1) - between - 1
-            if (outward) then
-               call relax_line(smoother, level, middle + step*(between + count), [step], r, v)
-            else
-               call relax_line(smoother, level, merge(count, level%ny - count, half == 1), [step], &
-                  r, v)
-            end if
+            call relax_line(smoother, level, merge(count, level%ny - count, half == 1), &
+               merge(1, -1, half == 1), r, v)
          end do
       end do
       !$omp end parallel do
-      if (outward) return
       do count = between, 1, -1
-         call relax_line(smoother, level, middle - count, [1], r, v)
-         call relax_line(smoother, level, middle + count, [-1], r, v)
+         call relax_line(smoother, level, middle - count, 1, r, v)
+         call relax_line(smoother, level, middle + count, -1, r, v)
       end do
-      call relax_line(smoother, level, middle, [integer ::], r, v)
+      call relax_line(smoother, level, middle, 0, r, v)
    end subroutine sweep_lines
 
-   !> Solves line `j` and changes the residuals of the next two lines in each of the directions
-   !> `steps`.
-   pure subroutine relax_line(smoother, level, j, steps, r, v)
+   !> Solves line `j` and changes the residuals of the next two lines in the direction of `step`, if
+   !> it is not 0.
+   pure subroutine relax_line(smoother, level, j, step, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      integer, intent(in) :: j, steps(:)
+      integer, intent(in) :: j, step
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      real(wp) :: own(0:level%nx), parts(-far:level%nx + far, 0:1)
+      real(wp) :: own(0:level%nx), parts(-far - 1:level%nx + far + 1, 0:1)
       integer :: i, nx
 
       nx = level%nx
       parts = 0.0_wp
       associate (a => smoother%lines, flowing => level%flowing, d => parts(1:nx - 1, 0))
+         ! written so that each value waits for one product and one difference
          d = r(1:nx - 1, j)*flowing(1:nx - 1, j)
-         d(2) = d(2) - a(-1, 2, j)*d(1)
+         d(2) = d(2) - a(2, -1, j)*d(1)
          do i = 3, nx - 1
-            d(i) = d(i) - a(-1, i, j)*d(i - 1) - a(-2, i, j)*d(i - 2)
+            d(i) = (d(i) - a(i, -2, j)*d(i - 2)) - a(i, -1, j)*d(i - 1)
          end do
-         d(nx - 1) = d(nx - 1)*a(0, nx - 1, j)
-         d(nx - 2) = (d(nx - 2) - a(1, nx - 2, j)*d(nx - 1))*a(0, nx - 2, j)
+         d = d*a(:, 0, j)
+         d(nx - 2) = d(nx - 2) - a(nx - 2, 1, j)*d(nx - 1)
          do i = nx - 3, 1, -1
-            d(i) = (d(i) - a(1, i, j)*d(i + 1) - a(2, i, j)*d(i + 2))*a(0, i, j)
+            d(i) = (d(i) - a(i, 2, j)*d(i + 2)) - a(i, 1, j)*d(i + 1)
          end do
          d = d*flowing(1:nx - 1, j)
          parts(1:nx - 1, 1) = d*(1 - level%is_local(1:nx - 1, j))
@@ -195,9 +178,7 @@ contains
       v(:, j) = v(:, j) + own
       v(:, j - 1) = v(:, j - 1) - smoother%across(:, j - 1)*parts(0:nx, 1)
       v(:, j + 1) = v(:, j + 1) - smoother%across(:, j + 1)*parts(0:nx, 1)
-      do i = 1, size(steps)
-         call pass_on(smoother, level, j, steps(i), own, parts, r)
-      end do
+      if (step /= 0) call pass_on(smoother, level, j, step, own, parts, r)
    end subroutine relax_line
 
    !> Changes the residuals of the lines at `step` and 2 `step` from line `j` by its change `own`;
@@ -206,39 +187,46 @@ contains
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       integer, intent(in) :: j, step
-      real(wp), intent(in) :: own(0:level%nx), parts(-far:level%nx + far, 0:1)
+      real(wp), intent(in) :: own(0:level%nx), parts(-far - 1:level%nx + far + 1, 0:1)
       real(wp), intent(inout) :: r(0:level%nx, 0:level%ny)
-      real(wp), dimension(-2:level%nx + 1) :: beside, next_film, own_film
+      real(wp), dimension(-1:level%nx) :: beside, next_film, own_film
+      real(wp) :: w(0:1, 0:far, 0:1)
       integer :: c, i, next, nx, side
 
       nx = level%nx
       next = j + step
       if (next < 1 .or. next > level%ny - 1) return
       side = merge(5, 6, step > 0)   ! the band of the next line with this one
-      beside = 0.0_wp
+      beside(-1) = 0.0_wp
       beside(0:nx) = -smoother%across(:, next)*parts(0:nx, 1)
-      next_film = 0.0_wp
-      own_film = 0.0_wp
-      do c = -far, far
-         do i = max(-2, c - far), min(nx + 1, nx + far + c)
-            next_film(i) = next_film(i) + smoother%pattern(0, c, 1)*parts(i - c, 0) &
-               + smoother%pattern(1, c, 1)*parts(i - c, 1)
-            own_film(i) = own_film(i) + smoother%pattern(0, c, 0)*parts(i - c, 0) &
-               + smoother%pattern(1, c, 0)*parts(i - c, 1)
+      w = smoother%pattern(:, 0:far, :)
+      associate (a => parts(:, 0), b => parts(:, 1))
+         do i = -1, nx
+            c = i + far + 2   ! of a and b
+            next_film(i) = w(0, 0, 1)*a(c) + w(0, 1, 1)*(a(c - 1) + a(c + 1)) &
+               + w(0, 2, 1)*(a(c - 2) + a(c + 2)) + w(0, 3, 1)*(a(c - 3) + a(c + 3)) &
+               + w(0, 4, 1)*(a(c - 4) + a(c + 4)) + w(1, 0, 1)*b(c) &
+               + w(1, 1, 1)*(b(c - 1) + b(c + 1)) + w(1, 2, 1)*(b(c - 2) + b(c + 2)) &
+               + w(1, 3, 1)*(b(c - 3) + b(c + 3)) + w(1, 4, 1)*(b(c - 4) + b(c + 4))
+            own_film(i) = w(0, 0, 0)*a(c) + w(0, 1, 0)*(a(c - 1) + a(c + 1)) &
+               + w(0, 2, 0)*(a(c - 2) + a(c + 2)) + w(0, 3, 0)*(a(c - 3) + a(c + 3)) &
+               + w(0, 4, 0)*(a(c - 4) + a(c + 4)) + w(1, 0, 0)*b(c) &
+               + w(1, 1, 0)*(b(c - 1) + b(c + 1)) + w(1, 2, 0)*(b(c - 2) + b(c + 2)) &
+               + w(1, 3, 0)*(b(c - 3) + b(c + 3)) + w(1, 4, 0)*(b(c - 4) + b(c + 4))
          end do
-      end do
+      end associate
       associate (p => level%by_pressure, h => level%by_film)
          do i = 1, nx - 1
-            r(i, next) = r(i, next) - p(side, i, next)*own(i) - h(side, i, next)*own_film(i) &
-               - p(1, i, next)*beside(i - 2) - p(2, i, next)*beside(i - 1) &
-               - p(3, i, next)*beside(i) - p(4, i, next)*beside(i + 1) &
-               - h(1, i, next)*next_film(i - 2) - h(2, i, next)*next_film(i - 1) &
-               - h(3, i, next)*next_film(i) - h(4, i, next)*next_film(i + 1)
+            r(i, next) = r(i, next) - p(i, side, next)*own(i) - h(i, side, next)*own_film(i) &
+               - p(i, 1, next)*beside(i - 2) - p(i, 2, next)*beside(i - 1) &
+               - p(i, 3, next)*beside(i) - p(i, 4, next)*beside(i + 1) &
+               - h(i, 1, next)*next_film(i - 2) - h(i, 2, next)*next_film(i - 1) &
+               - h(i, 3, next)*next_film(i) - h(i, 4, next)*next_film(i + 1)
          end do
          c = next + step
          if (c < 1 .or. c > level%ny - 1) return
          do i = 1, nx - 1
-            r(i, c) = r(i, c) - p(side, i, c)*beside(i)
+            r(i, c) = r(i, c) - p(i, side, c)*beside(i)
          end do
       end associate
    end subroutine pass_on

@@ -36,7 +36,8 @@ module point_solver
       type(time_settings_t) :: time
       integer :: threads = 1
       type(point_newton_t) :: newton
-      !> Quantities on each grid, the first one the coarsest; pressure and H0 of the last but two.
+      !> Quantities on each grid, the first one the coarsest; pressure and H0 of the last but two,
+      !> or but one if that is the first.
       type(line_summary_t), allocatable :: grids(:)
       real(wp), allocatable :: older(:, :)
       real(wp) :: older_h0 = 0.0_wp
@@ -86,10 +87,12 @@ contains
             if (.not. report%converged) exit
             run%grids = [run%grids, summary_of_point(level, contact)]
             if (nx == most .or. meets_target(run, contact)) exit
-            if (allocated(coarse)) then
-               run%older = coarse
-               run%older_h0 = h0
+            if (.not. allocated(coarse)) then
+               coarse = level%pressure
+               h0 = level%rigid_displacement
             end if
+            run%older = coarse
+            run%older_h0 = h0
             coarse = level%pressure
             h0 = level%rigid_displacement
             nx = 2*nx
