@@ -106,7 +106,7 @@ contains
       call fit_exponentials(distances, log(distances), fit, error)
       is_ready = .not. allocated(error)
       if (.not. is_ready) return
-      call element_exponentials(fit%rate/smallest, line%spacing, decay, near, far)
+      call element_exponentials(fit%rate/smallest, line%spacing, [(terms, i=1, n)], decay, near, far)
       onward = far(:, 2:) + decay(:, 2:)*near(:, :n - 1)
       backward = far(:, :n - 1) + decay(:, :n - 1)*near(:, 2:)
       call new_semiseparable(system%factors, n - 1, decay(:, 2:), onward, backward)
