@@ -21,7 +21,7 @@ module graded_kernel
 
    public :: element_exponentials, graded_kernel_t, new_graded_kernel
 
-   !> Accuracy of films: rounding.
+   !> Accuracy of final films: rounding.
    real(wp), parameter, public :: exact = 1.0e-12_wp
    !> Exponentials in place of all that decay by less than 1/e along the length, over the logarithm
    !> of the accuracy.
