@@ -24,7 +24,7 @@ module graded_errors
 
    public :: estimate_errors, has_flank, hidden_spike
 
-   !> Remainder of an adjoint over its right side: 0.1 changes bounds by 1 %.
+   !> Remainder of an adjoint over its right side; bounds change by about 1 %.
    real(wp), parameter :: adjoint_tolerance = 3.0e-2_wp
 
 contains
