@@ -19,7 +19,7 @@ module graded_kernel
 
    public :: element_exponentials, graded_kernel_t, new_graded_kernel
 
-   !> Accuracy of films: rounding.
+   !> Accuracy of final films: rounding.
    real(wp), parameter, public :: exact = 1.0e-12_wp
    !> Exponentials in place of all that decay by less than 1/e along the length, over the logarithm
    !> of the accuracy.
@@ -34,10 +34,11 @@ module graded_kernel
       !> K(j+d, j), (-4:4, 0:n); weights of Int P dX.
       real(wp), allocatable :: band(:, :), weights(:)
       real(wp), private :: factor = 0.0_wp, constant = 0.0_wp
-      !> Of every element: decay of the exponentials along it, and their integrals with the hats of
-      !> its near and its far end, times w_l (terms, n); its own deflection at the end of a hat, and
-      !> at the other one, without the constant.
-      real(wp), allocatable, private :: decay(:, :), near(:, :), far(:, :), own(:), other(:)
+      !> Of every element: exponentials that reach across it or a neighbour; their decay along it,
+      !> and what the hats of its left node and of its right one add to them beyond it, times w_l
+      !> (terms, n); its own deflection at the end of a hat, and at the other one.
+      integer, allocatable, private :: active(:)
+      real(wp), allocatable, private :: decay(:, :), onward(:, :), backward(:, :), own(:), other(:)
    contains
       procedure :: multiply, multiply_transposed
    end type graded_kernel_t
@@ -49,29 +50,35 @@ contains
       type(graded_kernel_t), intent(out) :: kernel
       real(wp), intent(in), contiguous :: x(0:)
       real(wp), intent(in) :: elasticity, accuracy
-      real(wp), allocatable :: rate(:), weight(:)
+      real(wp), allocatable :: rate(:), weight(:), near(:, :), far(:, :)
       real(wp) :: spacing(ubound(x, 1))
-      integer :: e, n
+      integer :: e, m, n
 
       n = ubound(x, 1)
       spacing = x(1:) - x(:n - 1)
       call sum_exponentials(minval(spacing), x(n) - x(0), accuracy, rate, weight)
-      allocate (kernel%decay(size(rate), n), kernel%near(size(rate), n), &
-         kernel%far(size(rate), n), kernel%band(-band_width:band_width, 0:n), &
-         kernel%weights(0:n), source=0.0_wp)
-      call element_exponentials(rate, spacing, kernel%decay, kernel%near, kernel%far)
+      m = size(rate)
+      allocate (kernel%decay(m, n), near(m, 0:n + 1), far(m, n), kernel%onward(m, n), &
+         kernel%backward(m, n), kernel%band(-band_width:band_width, 0:n), kernel%weights(0:n), &
+         source=0.0_wp)
+      kernel%active = [(count(rate*minval(spacing(max(e - 1, 1):min(e + 1, n))) &
+         < -log(accuracy)), e=1, n)]
+      call element_exponentials(rate, spacing, kernel%active, kernel%decay, near(:, 1:n), far)
+      kernel%factor = elasticity/pi
+      kernel%constant = sum(weight*exp(-rate))
+      kernel%own = spacing*(0.5_wp*log(spacing) - 0.75_wp - 0.5_wp*kernel%constant)
+      kernel%other = kernel%own + 0.5_wp*spacing
       do e = 1, n
-         kernel%near(:, e) = weight*kernel%near(:, e)
-         kernel%far(:, e) = weight*kernel%far(:, e)
+         m = kernel%active(e)
+         kernel%onward(:m, e) = weight(:m)*(far(:m, e) + kernel%decay(:m, e)*near(:m, e - 1))
+         kernel%backward(:m, e) = weight(:m)*(far(:m, e) + kernel%decay(:m, e)*near(:m, e + 1))
+         ! the exponentials of an element in itself are no part of K
+         kernel%other(e) = kernel%other(e) + dot_product(weight(:m), far(:m, e))
       end do
       call element_deflections(x, band_width, kernel%band)
       kernel%band = elasticity*kernel%band
-      kernel%factor = elasticity/pi
-      kernel%constant = sum(weight*exp(-rate))
       kernel%weights(1:) = 0.5_wp*spacing
       kernel%weights(:n - 1) = kernel%weights(:n - 1) + 0.5_wp*spacing
-      kernel%own = spacing*(0.5_wp*log(spacing) - 0.75_wp - 0.5_wp*kernel%constant)
-      kernel%other = spacing*(0.5_wp*log(spacing) - 0.25_wp - 0.5_wp*kernel%constant)
    end subroutine new_graded_kernel
 
    !> Rising rates a_l and weights w_l of ln d between `nearest` and `farthest`.
@@ -103,25 +110,27 @@ contains
    end subroutine sum_exponentials
 
    !> Along elements of the given spacing (n): exp(-a h), and the integrals of exp(-a d) with the
-   !> hat that is 1 where d = 0, and with that which is 1 at the other end (size(rate), n), for
-   !> rising rates a.
-   pure subroutine element_exponentials(rate, spacing, decay, near, far)
+   !> hat that is 1 where d = 0, and with that which is 1 at the other end (size(rate), n), for the
+   !> first `active` (n) of rising rates a; others are left as they are.
+   pure subroutine element_exponentials(rate, spacing, active, decay, near, far)
       real(wp), intent(in) :: rate(:), spacing(:)
-      real(wp), intent(out), contiguous, dimension(:, :) :: decay, near, far
+      integer, intent(in) :: active(:)
+      real(wp), intent(inout), contiguous, dimension(:, :) :: decay, near, far
       real(wp) :: a(size(rate))
-      integer :: e, l, series
+      integer :: e, l, m, series
 
       do e = 1, size(spacing)
-         a = rate*spacing(e)
-         decay(:, e) = exp(-a)
-         series = count(a < small)
+         m = active(e)
+         a(:m) = rate(:m)*spacing(e)
+         decay(:m, e) = exp(-a(:m))
+         series = count(a(:m) < small)
          do l = 1, series
             near(l, e) = spacing(e)*(1/2.0_wp - a(l)*(1/6.0_wp - a(l)*(1/24.0_wp - a(l) &
                *(1/120.0_wp - a(l)*(1/720.0_wp - a(l)*(1/5040.0_wp - a(l)/40320))))))
             far(l, e) = spacing(e)*(1/2.0_wp - a(l)*(1/3.0_wp - a(l)*(1/8.0_wp - a(l) &
                *(1/30.0_wp - a(l)*(1/144.0_wp - a(l)*(1/840.0_wp - a(l)/5760))))))
          end do
-         do l = series + 1, size(rate)
+         do l = series + 1, m
             near(l, e) = spacing(e)*(a(l) - 1 + decay(l, e))/a(l)**2
             far(l, e) = spacing(e)*(1 - decay(l, e)*(1 + a(l)))/a(l)**2
          end do
@@ -135,27 +144,31 @@ contains
       real(wp), intent(in), contiguous :: p(0:)
       real(wp), intent(out), contiguous :: d(0:)
       real(wp) :: state(size(self%decay, 1)), total
-      integer :: e, from, k, l, n, side, to
+      integer :: e, l, n
 
       n = ubound(p, 1)
       d = self%constant*dot_product(self%weights, p)
       d(1:) = d(1:) + self%own*p(1:) + self%other*p(:n - 1)
       d(:n - 1) = d(:n - 1) + self%own*p(:n - 1) + self%other*p(1:)
-      do side = 0, 1
-         state = 0.0_wp
-         do k = 1, n
-            e = merge(k, n + 1 - k, side == 0)
-            from = e - 1 + side
-            to = e - side
-            total = 0.0_wp
-            !$omp simd reduction(+:total)
-            do l = 1, size(state)
-               state(l) = self%decay(l, e)*state(l)
-               total = total + state(l)
-               state(l) = state(l) + self%far(l, e)*p(from) + self%near(l, e)*p(to)
-            end do
-            d(to) = d(to) - total
+      state = 0.0_wp   ! what is left of exponentials that an element ends is as good as 0
+      do e = 1, n
+         total = 0.0_wp
+         !$omp simd reduction(+:total)
+         do l = 1, self%active(e)
+            state(l) = self%decay(l, e)*state(l) + self%onward(l, e)*p(e - 1)
+            total = total + state(l)
          end do
+         d(e) = d(e) - total
+      end do
+      state = 0.0_wp
+      do e = n, 1, -1
+         total = 0.0_wp
+         !$omp simd reduction(+:total)
+         do l = 1, self%active(e)
+            state(l) = self%decay(l, e)*state(l) + self%backward(l, e)*p(e)
+            total = total + state(l)
+         end do
+         d(e - 1) = d(e - 1) - total
       end do
       d = self%factor*d
    end subroutine multiply
@@ -166,30 +179,32 @@ contains
       class(graded_kernel_t), intent(in) :: self
       real(wp), intent(in), contiguous :: d(0:)
       real(wp), intent(out), contiguous :: p(0:)
-      real(wp) :: state(size(self%decay, 1)), by_far, by_near
-      integer :: e, from, k, l, n, side, to
+      real(wp) :: state(size(self%decay, 1)), total
+      integer :: e, l, n
 
       n = ubound(d, 1)
       p = self%constant*sum(d)*self%weights
       p(1:) = p(1:) + self%own*d(1:) + self%other*d(:n - 1)
       p(:n - 1) = p(:n - 1) + self%own*d(:n - 1) + self%other*d(1:)
-      do side = 0, 1
-         state = 0.0_wp
-         do k = 1, n
-            e = merge(n + 1 - k, k, side == 0)
-            from = e - 1 + side
-            to = e - side
-            by_far = 0.0_wp
-            by_near = 0.0_wp
-            !$omp simd reduction(+:by_far, by_near)
-            do l = 1, size(state)
-               by_far = by_far + self%far(l, e)*state(l)
-               by_near = by_near + self%near(l, e)*state(l)
-               state(l) = self%decay(l, e)*(state(l) + d(to))
-            end do
-            p(from) = p(from) - by_far
-            p(to) = p(to) - by_near
+      state = 0.0_wp
+      do e = n, 1, -1
+         total = 0.0_wp
+         !$omp simd reduction(+:total)
+         do l = 1, self%active(e)
+            state(l) = self%decay(l, min(e + 1, n))*state(l) + d(e)
+            total = total + self%onward(l, e)*state(l)
          end do
+         p(e - 1) = p(e - 1) - total
+      end do
+      state = 0.0_wp
+      do e = 1, n
+         total = 0.0_wp
+         !$omp simd reduction(+:total)
+         do l = 1, self%active(e)
+            state(l) = self%decay(l, max(e - 1, 1))*state(l) + d(e - 1)
+            total = total + self%backward(l, e)*state(l)
+         end do
+         p(e) = p(e) - total
       end do
       p = self%factor*p
    end subroutine multiply_transposed

@@ -70,13 +70,14 @@ module graded_line
 contains
 
    !> Prepares the problem of a contact at rest on rising nodes `x` (0:n) with zero unknowns; the
-   !> scheme is the safe one in all elements, or where `pressure` (0:n) rises steeply.
-   subroutine new_graded_line(line, contact, fluid, x, pressure)
+   !> scheme is the safe one in all elements, or where `pressure` (0:n) rises steeply. ln d of the
+   !> film is good to an absolute `accuracy`; without one to rounding.
+   subroutine new_graded_line(line, contact, fluid, x, pressure, accuracy)
       type(graded_line_t), intent(out) :: line
       type(line_contact_t), intent(in) :: contact
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: x(0:)
-      real(wp), intent(in), optional :: pressure(0:)
+      real(wp), intent(in), optional :: pressure(0:), accuracy
       integer :: n
 
       n = ubound(x, 1)
@@ -89,7 +90,11 @@ contains
       line%gap = 0.5_wp*x**2 - surface_height(contact%surface_1, x, 0.0_wp) &
          - surface_height(contact%surface_2, x, 0.0_wp)
       line%elasticity = contact%elasticity
-      call new_graded_kernel(line%elastic, line%x, line%elasticity, exact)
+      if (present(accuracy)) then
+         call new_graded_kernel(line%elastic, line%x, line%elasticity, accuracy)
+      else
+         call new_graded_kernel(line%elastic, line%x, line%elasticity, exact)
+      end if
       allocate (line%state%pressure(0:n), line%state%film(0:n), line%oil%density(0:n), &
          line%oil%ln_mu(0:n), line%slopes%rho_p(0:n), source=0.0_wp)
       allocate (line%oil%face_mobility(n), line%slopes%by_p_left(n), line%slopes%by_p_right(n), &
@@ -208,31 +213,26 @@ contains
    !> with the slope of P in the element.
    pure subroutine take_safe_mobility(line)
       type(graded_line_t), intent(inout) :: line
-      real(wp) :: slope(line%n), e(line%n), by(line%n, 3)
-      integer :: side
+      real(wp), dimension(count(line%is_safe)) :: e, slope
+      real(wp) :: by(size(e), 3)
+      integer :: i, safe(size(e)), side
 
-      associate (p => line%state%pressure, h => line%state%film, n => line%n, &
-         slopes => line%slopes, mean => line%oil%face_mobility, is_safe => line%is_safe)
-         slope = (p(1:) - p(:n - 1))/line%spacing
-         where (is_safe)
-            mean = 0.0_wp
-            slopes%by_p_left = 0.0_wp
-            slopes%by_p_right = 0.0_wp
-         end where
+      safe = pack([(i, i=1, line%n)], line%is_safe)
+      associate (p => line%state%pressure, h => line%state%film, mean => line%oil%face_mobility, &
+         slopes => line%slopes)
+         slope = (p(safe) - p(safe - 1))/line%spacing(safe)
+         mean(safe) = 0.0_wp
+         slopes%by_p_left(safe) = 0.0_wp
+         slopes%by_p_right(safe) = 0.0_wp
          do side = 0, 1
-            call point_mobility(line%fluid, p(side:n - 1 + side), h(side:n - 1 + side), slope, &
-               e, by)
-            by(:, 3) = by(:, 3)/line%spacing
-            where (is_safe)
-               mean = mean + 0.5_wp*e
-               slopes%by_p_left = slopes%by_p_left + 0.5_wp*((1 - side)*by(:, 1) - by(:, 3))
-               slopes%by_p_right = slopes%by_p_right + 0.5_wp*(side*by(:, 1) + by(:, 3))
-            end where
-            if (side == 0) then
-               where (is_safe) slopes%by_h_left = 0.5_wp*by(:, 2)
-            else
-               where (is_safe) slopes%by_h_right = 0.5_wp*by(:, 2)
-            end if
+            call point_mobility(line%fluid, p(safe - 1 + side), h(safe - 1 + side), slope, e, by)
+            by(:, 3) = by(:, 3)/line%spacing(safe)
+            mean(safe) = mean(safe) + 0.5_wp*e
+            slopes%by_p_left(safe) = slopes%by_p_left(safe) + 0.5_wp*((1 - side)*by(:, 1) &
+               - by(:, 3))
+            slopes%by_p_right(safe) = slopes%by_p_right(safe) + 0.5_wp*(side*by(:, 1) + by(:, 3))
+            if (side == 0) slopes%by_h_left(safe) = 0.5_wp*by(:, 2)
+            if (side == 1) slopes%by_h_right(safe) = 0.5_wp*by(:, 2)
          end do
       end associate
    end subroutine take_safe_mobility

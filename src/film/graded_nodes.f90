@@ -106,14 +106,14 @@ contains
    pure real(wp) function threshold(errors, worst)
       real(wp), intent(in) :: errors(:, :), worst(:)
       real(wp) :: bounds(2), sums(size(errors, 2))
-      integer :: i, j
+      integer :: i
 
       threshold = max(least_share/(size(worst) + 1), min(share_of_largest*maxval(worst), 2.0_wp))
       bounds = [0.0_wp, 2*maxval(worst)]
+      sums = sum(errors, 1)
       do i = 1, 30   ! the largest threshold that leaves all sums small enough
-         sums = [(sum(errors(:, j)) - gain*sum(errors(:, j), worst >= sum(bounds)/2), j=1, &
-            size(sums))]
-         if (maxval(sums) < enough) then
+         if (maxval(sums - gain*matmul(merge(1.0_wp, 0.0_wp, worst >= sum(bounds)/2), errors)) &
+            < enough) then
             bounds(1) = sum(bounds)/2
          else
             bounds(2) = sum(bounds)/2
