@@ -186,3 +186,22 @@ def test_a_program_that_dies_or_does_not_start_is_said(words, tmp_path, monkeypa
         assert done.stderr.startswith("asperity: ")
         assert words in done.stderr
         assert done.stderr.count("\n") == 1
+
+
+def test_many_cases_in_one_process(tmp_path, monkeypatch):
+    """Rows in the order of the cases, with the numbers of their results; a relative path of a text; what cannot be a case."""
+    monkeypatch.chdir(tmp_path)
+    Path("h.csv").write_text(HEIGHTS, encoding="utf-8")
+    text = TEXT + "&case problem = 'dry_line' /\n&surface_1 shape = 'file', file = 'h.csv' /\n"
+    rows = asperity.run_many([DRY, text, DRY | {"domain": {"length": 1e-3, "intervals": 128}}, DRY])
+    assert list(rows["outcome"]) == ["converged"] * 4
+    assert list(rows["domain.intervals [1]"]) == [64, 64, 128, 64]
+    areas, one = rows["contact_area_fraction [1]"], asperity.run(DRY).sweep
+    assert areas[0] == areas[3] == float(one.contact_area_fraction[-1])
+    assert areas[1] != areas[0]
+    assert rows["p_max [Pa]"][0] == float(one.p_max[-1])
+    assert asperity.run_many([]).empty
+    bad = DRY | {"bodies": {"reduced_modulus": -1.0}}
+    with pytest.raises(asperity.InputError, match=r"case 1: found -1\.0") as refused:
+        asperity.run_many([DRY, bad])
+    assert [finding.key for finding in refused.value.findings] == ["reduced_modulus"]

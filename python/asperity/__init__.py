@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .calls import NotConvergedWarning, Progress, check, run
+    from .calls import NotConvergedWarning, Progress, check, run, run_many
     from .errors import AsperityError, Finding, InputError
     from .program import example, version
     from .result import Result, read
@@ -30,12 +30,13 @@ __all__ = [
     "read",
     "read_part",
     "run",
+    "run_many",
     "version",
 ]
 
 # Where each name is: modules are loaded when a name of theirs is asked for, so that `asperity.seal` costs no xarray.
 _MODULES = {
-    "calls": ("NotConvergedWarning", "Progress", "check", "run"),
+    "calls": ("NotConvergedWarning", "Progress", "check", "run", "run_many"),
     "errors": ("AsperityError", "Finding", "InputError"),
     "program": ("example", "version"),
     "result": ("Result", "read"),

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
+import csv
 import re
 import tempfile
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from .case_file import Case, namelist_of
+from .case_file import Case, namelist_of, read_namelist
 from .errors import AsperityError, Finding, InputError, findings_in
 from .program import call, end_of, printable
 from .result import Result, read
 
-CONVERGED, BAD_INPUT, NOT_CONVERGED = 0, 1, 2
+if TYPE_CHECKING:
+    import pandas as pd
+
+CONVERGED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 4
 # Lines that are kept for the message of an error and the name of the result.
 LAST_LINES = 500
 _COUNT = re.compile(r"\b(\d+)/(\d+)\b")
@@ -83,6 +89,55 @@ def run(
     if result.outcome != "converged":
         warnings.warn(result.reason, NotConvergedWarning, stacklevel=2)
     return result
+
+
+def run_many(cases: Iterable[Case], progress: Callable[[Progress], None] | bool | None = None) -> pd.DataFrame:
+    """Computes cases of one kind in one process, without result files: a row of numbers and words for each, in their order.
+
+    `cases`: each as for `check`. Columns are those of `--summary` that any case has; `outcome` is 'failed' where the program gave
+    up, and `reason` says why. `progress`: as for `run`. Raises InputError with all findings, before anything is computed, and
+    AsperityError if the program ends early.
+    """
+    import pandas as pd  # noqa: PLC0415 -- only for those who want a table
+
+    with contextlib.ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="asperity-")))
+        paths = []
+        for number, case in enumerate(cases):
+            place = folder / str(number)
+            place.mkdir()
+            arguments = stack.enter_context(namelist_of(case, place))
+            if len(arguments) > 1:  # paths of this case alone
+                arguments = stack.enter_context(namelist_of(read_namelist(str(case)), place))
+            paths.append(arguments[0])
+        if not paths:
+            return pd.DataFrame()
+        table = folder / "table.csv"
+        options = ["--summary", str(table), "--outcomes"]
+        status, lines = call([*dict.fromkeys(paths), *options], _listener(progress))
+        if not table.exists() or status < 0 or status >= INTERRUPTED:
+            findings = [
+                replace(finding, text=f"case {number}: {finding.text}")
+                for number, path in enumerate(paths)
+                for finding in findings_in([line for line in lines if line.startswith(f"{path}:")], path)
+            ]
+            raise InputError(findings) if status == BAD_INPUT and findings else AsperityError(end_of(status, lines[-LAST_LINES:]))
+        with table.open(encoding="utf-8", newline="") as file:
+            cells = [{name: _value(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+    rows = pd.DataFrame(cells).set_index("case").drop(columns=["input", "program"]).reindex(paths)
+    reasons = {words[1]: words[2] for words in (line.split("\t") for line in lines) if len(words) == 3}
+    has_failed = rows["outcome"].isna()
+    rows.loc[has_failed, "outcome"] = "failed"
+    rows.loc[has_failed, "reason"] = [reasons.get(path, "") for path in rows.index[has_failed]]
+    return rows.dropna(axis="columns", how="all").reset_index(drop=True)
+
+
+def _value(cell: str) -> float | str | None:
+    """What a cell of a table holds: a number, a text, or nothing."""
+    try:
+        return float(cell)
+    except ValueError:
+        return cell or None
 
 
 def _listener(progress: Callable[[Progress], None] | bool | None) -> Callable[[str], None]:

@@ -307,6 +307,7 @@ contains
       logical :: is_sound
 
       pressure = monotone_cubic(start%x, start%pressure, x)
+      pressure(size(x)) = 0.0_wp   ! of an outlet that is cut it would be rounding
       allocate (line)
       accuracy = merge(exact, rounds%accuracy, rounds%is_done)
       if (rounds%is_safe) then

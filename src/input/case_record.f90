@@ -191,14 +191,18 @@ contains
       real(wp), intent(in), optional :: reals(:)
       integer, intent(in), optional :: integer
       character(*), intent(in), optional :: text
+      type(effective_t) :: new
       integer :: place
 
       if (.not. allocated(case%effective)) allocate (case%effective(0))
+      new%group = group   ! of equal lengths they are compared without a call
+      new%key = key
       do place = 1, size(case%effective)
-         if (case%effective(place)%group == group .and. case%effective(place)%key == key) exit
+         if (case%effective(place)%key == new%key .and. case%effective(place)%group &
+            == new%group) exit
       end do
       if (place > size(case%effective)) call make_room(case%effective)
-      case%effective(place) = effective_t(group, key)
+      case%effective(place) = new
       associate (entry => case%effective(place))
          if (present(reals)) entry%reals = reals
          if (present(integer)) entry%integer = integer
@@ -227,15 +231,23 @@ contains
    subroutine list_effective(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
-      integer :: i
+      logical :: is_of_use
+      integer :: asked, i
 
+      asked = 1
+      is_of_use = is_used(values, key_rows(asked))
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
             if (.not. slot%has_value) then
                if (row%default /= is_chosen .or. row%key == 'output') cycle
             end if
             if (.not. has_word(row%problems, trim(values%problem))) cycle
-            if (.not. is_used(values, row)) cycle
+            ! a rule takes long, and rows of one group often have the same
+            if (row%used /= key_rows(asked)%used .or. row%group /= key_rows(asked)%group) then
+               asked = i
+               is_of_use = is_used(values, row)
+            end if
+            if (.not. is_of_use) cycle
             if (slot%has_value) then
                call list_value(case, row, slot)
             else

@@ -15,7 +15,7 @@ module dry_case
    !> From what the heights are made on any grid.
    type :: dry_bodies_t
       !> What its namelist says, from which the heights are made on any grid, and the findings.
-      type(input_values_t) :: values
+      type(input_values_t), allocatable :: values
       !> Folder of the namelist, with its slash.
       character(:), allocatable :: folder
       !> Heights of the files of both surfaces, once they are read.

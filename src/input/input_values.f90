@@ -218,11 +218,12 @@ contains
       type(value_t) :: amplitude, position, shape, wavelength
       integer :: i
 
-      shape = values%slot(group, 'shape')
       amplitude = values%slot(group, 'amplitude')
+      allocate (features(size(amplitude%reals)))
+      if (size(features) == 0) return
+      shape = values%slot(group, 'shape')
       wavelength = values%slot(group, 'wavelength')
       position = values%slot(group, 'position')
-      allocate (features(size(amplitude%reals)))
       do i = 1, size(features)
          features(i) = feature_t(merge(feature_sinusoid, feature_ridge, &
             shape%words(min(i, size(shape%words))) == 'sinusoid'), amplitude%reals(i), &

@@ -95,6 +95,8 @@ contains
       type(condition_t), allocatable :: conditions(:)
       integer :: i
 
+      is_used = row%used == ''
+      if (is_used) return
       conditions = conditions_of(row%used, row%group)
       is_used = all([(truth(values, conditions(i)) /= no, i=1, size(conditions))])
    end function is_used

@@ -46,7 +46,7 @@ contains
       character(*), intent(in) :: content
       type(findings_t), intent(inout) :: findings
       integer :: i, opened, line
-      character(len=1) :: mark
+      character(len=1) :: byte, mark
       logical :: in_comment
 
       source%text = without_returns(content) // line_feed
@@ -59,32 +59,32 @@ contains
       if (index(content, byte_order_mark) == 1) source%text(1:3) = ' '
       do i = 1, len(source%text)
          source%line(i) = line
-         associate (byte => source%text(i:i))
-            if (byte == line_feed) then
-               if (mark /= ' ') then
-                  call findings%add(line, '', '', 'found the string '// &
-                     '' // quoted(source%text(opened:i - 1)) &
-                     // ', expected its closing ' // mark // ' on the same line')
-                  source%in_string(i) = .true.
-               end if
-               byte = mark
-               mark = ' '
-               in_comment = .false.
-               line = line + 1
-            else if (mark /= ' ') then
-               source%in_string(i) = .true.
-               if (byte == mark) mark = ' '
-            else if (in_comment .or. byte == tab .or. byte == form_feed) then
-               byte = ' '
-            else if (byte == '!') then
-               in_comment = .true.
-               byte = ' '
-            else if (byte == "'" .or. byte == '"') then
-               mark = byte
-               opened = i
+         byte = source%text(i:i)
+         if (byte == line_feed) then
+            if (mark /= ' ') then
+               call findings%add(line, '', '', 'found the string '// &
+                  '' // quoted(source%text(opened:i - 1)) &
+                  // ', expected its closing ' // mark // ' on the same line')
                source%in_string(i) = .true.
             end if
-         end associate
+            byte = mark
+            mark = ' '
+            in_comment = .false.
+            line = line + 1
+         else if (mark /= ' ') then
+            source%in_string(i) = .true.
+            if (byte == mark) mark = ' '
+         else if (in_comment .or. byte == tab .or. byte == form_feed) then
+            byte = ' '
+         else if (byte == '!') then
+            in_comment = .true.
+            byte = ' '
+         else if (byte == "'" .or. byte == '"') then
+            mark = byte
+            opened = i
+            source%in_string(i) = .true.
+         end if
+         source%text(i:i) = byte
       end do
    end subroutine new_source
 

@@ -68,7 +68,7 @@ contains
       character(:), allocatable :: fault
       integer :: bad, position
 
-      allocate (pieces%groups(max_groups), pieces%entries(max_entries))
+      allocate (pieces%groups(max_groups), pieces%entries(min(count_of('=', content), max_entries)))
       if (index(content, char(137)//'HDF') == 1) then
          call findings%add(1, '', '', 'found an HDF5 file, expected a namelist (results are '// &
             'shown by asperity table)')

@@ -11,12 +11,14 @@ module summary_row
 
    public :: csv_cell, summary_row_t, table_place_t
 
+   !> Longest name of a column.
+   integer, parameter :: name_length = 64
    !> Column of the limits that are passed.
    character(*), parameter :: passed = 'limits_passed'
 
    !> A column, and what the row has there; not allocated: nothing.
    type :: column_t
-      character(len=64) :: name = ''
+      character(len=name_length) :: name = ''
       character(:), allocatable :: text
    end type column_t
 
@@ -57,7 +59,7 @@ contains
       character(*), intent(in), optional :: text
       real(wp), intent(in), optional, contiguous, target :: numbers(..)
       real(wp), pointer :: number
-      character(:), allocatable :: name
+      character(len=name_length) :: name
       character(kind=c_char, len=32), target :: buffer
       integer :: k, length, slash
 
@@ -70,7 +72,7 @@ contains
       select case (path(:slash)//attribute)
       case ('/summary/', '/sweep/')
       case ('/summary/error_estimate', '/sweep/error_estimate')
-         name = name//'_error'
+         name = trim(name)//'_error'
       case ('/report/')
          name = 'report_'//name
       case ('/adequacy/validity/')
@@ -80,15 +82,15 @@ contains
          if (.not. number > 0.0_wp) return
          k = self%find(passed)
          associate (column => self%columns(k))
-            if (allocated(column%text)) name = column%text//' '//name
-            column%text = name
+            if (allocated(column%text)) column%text = column%text//' '//trim(name)
+            if (.not. allocated(column%text)) column%text = trim(name)
          end associate
          return
       case ('/outcome', '/reason')
          name = attribute
       case default
          if (path(:slash) == '/input/effective/') then
-            name = name//'.'//attribute
+            name = trim(name)//'.'//attribute
          else if (path == '/scaling' .and. present(numbers)) then
             name = 'scaling_'//attribute
          else
@@ -116,12 +118,12 @@ contains
          if (unit /= '=') self%unit = unit
          if (k > 0) return
          self%columns = [self%columns, column_t(name)]
-         self%first_line = self%first_line//','//name
+         self%first_line = self%first_line//','//trim(name)
          if (self%unit /= '') self%first_line = self%first_line//' ['//self%unit//']'
       else if (k > 0) then
          if (.not. allocated(self%columns(k)%text)) self%columns(k)%text = text
       else if (index(name, '.') == 0) then
-         self%homeless = name
+         self%homeless = trim(name)
       end if
    end subroutine set
 
@@ -129,11 +131,13 @@ contains
    integer function find(self, name) result(k)
       class(summary_row_t), intent(inout) :: self
       character(*), intent(in) :: name
+      character(len=name_length) :: padded
       integer :: i
 
+      padded = name   ! of equal lengths they are compared without a call
       do i = 1, size(self%columns)
          k = modulo(self%last + i - 1, size(self%columns)) + 1
-         if (self%columns(k)%name /= name) cycle
+         if (self%columns(k)%name /= padded) cycle
          self%last = k
          return
       end do
@@ -145,12 +149,19 @@ contains
       class(summary_row_t), intent(in) :: self
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault, line
-      integer :: i
+      integer :: i, last, length
 
-      line = self%place%cells
+      length = size(self%columns)
       do i = 1, size(self%columns)
-         if (allocated(self%columns(i)%text)) line = line//self%columns(i)%text
-         line = line//','
+         if (allocated(self%columns(i)%text)) length = length + len(self%columns(i)%text)
+      end do
+      line = self%place%cells//repeat(',', length)
+      last = len(self%place%cells) - 1   ! without the commas
+      do i = 1, size(self%columns)
+         if (.not. allocated(self%columns(i)%text)) cycle
+         length = len(self%columns(i)%text)
+         line(last + i + 1:last + i + length) = self%columns(i)%text
+         last = last + length
       end do
       line(len(line):) = new_line('a')
       if (allocated(self%homeless)) then
