@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Draws a lubricated point contact: interferogram, map of the film, film and pressure along and across the flow.
 
-Of a passage also a strip: the film, and cuts along y = 0, where a feature enters, passes and leaves the contact.
+Of a passage also a strip: the film, and cuts along y = 0, where a feature enters, passes and leaves the contact; of a history
+load, speeds, film, pressure and friction over time.
 
 The interferogram is what a camera sees through a glass disc, by light of three wavelengths and without loss of contrast
 (R. Gohar and A. Cameron, Nature 200, 1963, 458). Dimensionless results (&moes) have a map of the pressure in its place.
@@ -20,7 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from result_file import Axis, Result, inputs_of, opened, read_result
-from transient import STRIP_CENTRES, strip_steps
+from transient import STRIP_CENTRES, draw_history, strip_steps
 
 PROGRAM = "point.py"
 EXAMPLE = "python postproc/point.py results/ball.h5 --output results"
@@ -121,6 +122,9 @@ def draw_cut(panel: Axes, contact: Contact, along: str) -> list:
     lines = panel.plot(place, pressure * p_axis.factor, label="pressure", **style.PRESSURE)
     lines += panel.plot(place, hertz * p_axis.factor, label="Hertz", **HERTZ)
     lines += twin.plot(place, film * h_axis.factor, label="film", **style.FILM)
+    if along == "y":  # where the film is least along the flow: the horseshoe
+        least = contact.field("film_thickness", contact.window()[0], y).min(axis=1)
+        lines += twin.plot(place, least * h_axis.factor, label="least film along x", **style.FILM | {"linestyle": ":"})
     panel.set(xlabel=axis.plain_label, ylabel=p_axis.plain_label, title="$y = 0$" if along == "x" else "$x = 0$")
     panel.set(xlim=(place[0], place[-1]), ylim=(0, 1.08 * max(pressure.max(), 1.0) * p_axis.factor))
     twin.set(ylim=(0, style.film_limit(film, pressure) * h_axis.factor), ylabel=h_axis.plain_label)
@@ -169,15 +173,17 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     contact = read_contact(path)
     figure_command.warn_not_converged(PROGRAM, contact.result)
     passage = draw_passage(contact, options) if "film_thickness" in contact.result.transient else []
+    has_si = contact.result.solution["x"].has_si
+    if "load" in contact.result.transient:
+        passage += draw_history(contact.result, argparse.Namespace(**vars(options) | {"si": has_si}))
     figure, panels = style.new_figure(style.TWO_COLUMNS, 140, nrows=2, ncols=2)
     axis, films = contact.axis("film_thickness"), contact.result.summary
     h_min, h_central = (f"{films[name] / (axis.unit_size or 1):.4g} {axis.unit}".rstrip() for name in ("h_min", "h_central"))
     panels[0, 1].set_title(f"Film: smallest {h_min}, central {h_central}")
-    has_si = contact.result.solution["x"].has_si
     draw_map(panels[0, 0], contact, "film_thickness" if has_si else "pressure", is_light=has_si)
     draw_map(panels[0, 1], contact, "film_thickness")
     draw_cut(panels[1, 0], contact, "x")
-    style.legend_below(figure, draw_cut(panels[1, 1], contact, "y"), 3)
+    style.legend_below(figure, draw_cut(panels[1, 1], contact, "y"), 4)
     style.mark_not_converged(figure, [contact.result])
     return style.save_figure(figure, figure_command.targets(options, contact.result.stem, "point")) + passage
 

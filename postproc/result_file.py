@@ -40,6 +40,7 @@ SYMBOLS = {
     "time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
     "profile_time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
     "load_per_length": ("Load", "w/w_\\mathrm{ref}", "w"),
+    "load": ("Load", "w/w_\\mathrm{ref}", "w"),
     "reduced_radius": ("Radius", "R/R_\\mathrm{ref}", "R"),
     "asperity_load_share": ("Asperity load", "w_\\mathrm{a}/w", "w_\\mathrm{a}/w"),
 }

@@ -259,29 +259,33 @@ def strip_title(passage: Passage, step: int, feature: Feature | None) -> str:
 def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
     """Left load, radius and speeds over time, right film, pressure with that of Hertz, and friction.
 
-    Asperities have the place of the radius, and their part of the friction.
+    Asperities have the place of the radius, and their part of the friction; of points rolling friction has that place.
     """
     series = result.transient
     t_axis, time = series["time"].axis(options.si), series["time"].values
     figure, axes = style.new_figure(style.TWO_COLUMNS, 110, nrows=3, ncols=2, sharex=True)
-    speeds, load, radius = [series[f"speed_{i}"].values for i in (1, 2)], series["load_per_length"], series["reduced_radius"]
+    is_point = "load" in series
+    speeds, load = [series[f"speed_{i}"].values for i in (1, 2)], series["load" if is_point else "load_per_length"]
+    radius = series["rolling_friction_coefficient" if is_point else "reduced_radius"]
+    hertz = np.cbrt(load.values) if is_point else np.sqrt(load.values / radius.values)
     second = series.get("asperity_load_share", radius)
+    names = ("", "Rolling friction" if is_point else "", "Speed", "Film", "Pressure")
     rows = (
         ((load, "", load.values),),
-        ((second, "", second.values),),
+        ((second, "", second.values * (second.si_scale if is_point else 1.0)),),
         (
             (series["speed_1"], "mean", (speeds[0] + speeds[1]) / 2),
             (series["speed_1"], "sliding, $u_2 - u_1$", speeds[1] - speeds[0]),
         ),
         ((series["h_min"], "smallest", series["h_min"].values), (series["h_central"], "central", series["h_central"].values)),
-        ((series["p_max"], "largest", series["p_max"].values), (series["p_max"], "Hertz", np.sqrt(load.values / radius.values))),
+        ((series["p_max"], "largest", series["p_max"].values), (series["p_max"], "Hertz", hertz)),
     )
-    for panel, curves, name in zip(axes.T.flat, rows, ("", "", "Speed", "Film", "Pressure"), strict=False):
+    for panel, curves, name in zip(axes.T.flat, rows, names, strict=False):
         axis = replace(curves[0][0], largest=max(np.nanmax(np.abs(values)) for *_, values in curves)).axis(options.si)
         for (_, label, values), look in zip(curves, style.SERIES, strict=False):
             panel.plot(time * t_axis.factor, values * axis.factor, label=label, **{**look, "marker": ""})
         panel.set(ylabel=f"{name} [{axis.unit or '-'}]" if name else axis.plain_label)
-        if name:
+        if len(curves) > 1:
             panel.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, borderpad=0.1)
         if name not in ("Speed", "Pressure"):
             panel.set_ylim(0, 1.05 * panel.dataLim.y1)

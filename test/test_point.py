@@ -1,9 +1,12 @@
 """Lubricated point contacts from the namelist on: SI and Moes, bodies, grids, targets, ends of runs."""
 
+import sys
+
 import h5py
 import numpy as np
 import pytest
-from cases import ended, write
+from cases import called, ended, write
+from conftest import ROOT
 
 BALL = """&case problem = 'ehl_point' /
 &bodies plane = .true., radius_x_1 = 12.7e-3, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
@@ -131,7 +134,8 @@ def test_passages_have_bars_and_honest_ones(solved_case):
             assert name == "p_max" or bar < 0.1 * value, name  # a spike may grow
 
 
-HISTORY = BALL.replace(", speed_1 = 0.5, speed_2 = 0.7", "").replace("&load load = 30.0 /\n", "&history file = 'h.csv' /\n&time transient = .true. /\n")
+TABLE = "&history file = 'h.csv' /\n&time transient = .true. /\n"
+HISTORY = BALL.replace(", speed_1 = 0.5, speed_2 = 0.7", "").replace("&load load = 30.0 /\n", TABLE)
 
 
 def test_a_history_ends_as_the_steady_contact(solved_case, tmp_path):
@@ -143,6 +147,8 @@ def test_a_history_ends_as_the_steady_contact(solved_case, tmp_path):
         assert file["transient/load"].attrs["si_units"] == b"N"
         films = [file[f"si/transient/{name}"][()] for name in ("h_central", "h_min", "p_max")]
         unit = file["scaling"].attrs["half_width_x"]
+    drawn = called([sys.executable, ROOT / "postproc/point.py", "case.h5", "--format", "png"], cwd=tmp_path)
+    assert "case_history.png" in ended(drawn).stdout
     steady = BALL.replace("load = 30.0", "load = 5.0").replace("speed_1 = 0.5, speed_2 = 0.7", "speed_1 = 0.9, speed_2 = 0.8")
     with solved_case(steady + domain) as file:
         assert file["scaling"].attrs["half_width_x"] == pytest.approx(unit)
