@@ -133,10 +133,13 @@ module validity
       type(line_summary_t) :: summary
       !> Share of the film lost by starvation.
       real(wp) :: film_loss = 0.0_wp
-      !> Whether the full momentum equations of the film are solved too.
-      logical :: has_momentum = .false.
+      !> Whether the full momentum equations of the film are solved too; it is a point contact.
+      logical :: has_momentum = .false., is_point = .false.
    end type circumstances_t
 
+   !> Limits that know point contacts.
+   integer, parameter :: of_points(*) = [viscosity_data, limiting_stress, inlet_heating, &
+      film_over_wave, turbulence]
    !> Largest pressure at which Barus' law is realistic [Pa], see module lubricant.
    real(wp), parameter :: barus_data = 0.3e9_wp
    !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
@@ -177,6 +180,10 @@ contains
       type(line_state_t), intent(in) :: state
       type(limit_t), intent(inout) :: limit
 
+      if (of%is_point .and. all(i /= of_points)) then
+         limit%missing = 'not judged of a point contact'
+         return
+      end if
       select case (i)
       case (starvation)
          limit%value = of%film_loss
@@ -224,9 +231,10 @@ contains
          case (hardness, shakedown)
             call compare_strength(i, of, limit)
          case (limiting_stress)
-            limit%value = larger(summary%limits%stress_share, maxval(abs(mean_stresses(of, &
-               state))/state%pressure, state%pressure > stressed_share*maxval(state%pressure))) &
-               *scaling%slope
+            limit%value = summary%limits%stress_share
+            if (.not. of%is_point) limit%value = larger(limit%value, maxval(abs(mean_stresses(of, &
+               state))/state%pressure, state%pressure > stressed_share*maxval(state%pressure)))
+            limit%value = limit%value*scaling%slope
          case (shear_heating)
             if (allocated(of%contact%heating)) then
                limit%missing = 'the model has it: temperature_rise_film'

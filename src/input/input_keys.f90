@@ -273,10 +273,10 @@ module input_keys
          range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500', problems=film), &
       key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
          'for temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
-         used=in_metres, typical='0.05 to 2'), &
+         used=in_metres, typical='0.05 to 2', problems=film), &
       key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
          '-d ln(viscosity)/dT, for what heat does; with temperature that of the oil', &
-         range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2'), &
+         range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2', problems=film), &
       key_row_t('asperities', 'law', word_kind, '', is_required, &
          'pressure of the asperities over the separation of the mean planes: exponential '// &
          'A exp(-h/l), greenwood_tripp, table', words='exponential greenwood_tripp table', &

@@ -70,7 +70,8 @@ contains
          log)
       body = ''
       if (log%in_seconds) call add_words(body, 'power     '//prefixed_text(mean_power(summary) &
-         *log%scaling%power, 'W/m')//' of sliding and rolling on average')
+         *log%scaling%power, trim(merge('W  ', 'W/m', allocated(log%scaling%ellipse))))// &
+         ' of sliding and rolling on average')
       if (exceeds(summary%of(asperity_share)%value, 0.0_wp)) call add_words(body, &
          'asperities bear '//number_text(100*summary%of(asperity_share)%value, 3) &
          //' % of the load; friction '// &
@@ -88,7 +89,8 @@ contains
       call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
       call add_words(body, words%model)
-      if (present(limits) .and. log%scaling%is_dimensional .and. .not. ieee_is_finite(ratio) &
+      if (present(limits) .and. log%scaling%is_dimensional .and. .not. (ieee_is_finite(ratio) &
+         .or. allocated(log%scaling%ellipse)) &
          .and. lines_of(head//body) < most_lines - 1) call add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
       if (.not. log%is_verbose) call shorten(body, most_lines - 1 - lines_of(head))

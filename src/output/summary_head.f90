@@ -12,7 +12,7 @@ module summary_head
    use hdf5_file, only: hdf5_file_t
    use input_keys, only: key_rows
    use iteration_report, only: report_t
-   use key_row, only: has_word, lubricated, point
+   use key_row, only: film, has_word, lubricated, point
    use kinds, only: wp
    use line_summary, only: line_summary_t, quantity_t
    use result_sections, only: write_breakdown, write_mean_power, write_report, write_scaling, &
@@ -137,10 +137,12 @@ contains
          outcome%scaling%pressure = 1.0_wp
          call write_dry_result(file, whole%dry, outcome, error)   ! error: nothing is computed
       end if
-      if (case%problem == lubricated) then
-         call write_mean_power(file, summary, [line_summary_t ::], whole%scaling, '')
+      if (has_word(film, trim(case%problem))) then
          limits%value = 1.0_wp
          call write_validity(file, limits)
+      end if
+      if (case%problem == lubricated) then
+         call write_mean_power(file, summary, [line_summary_t ::], whole%scaling, '')
          report%breakdown%count = 1
          call write_breakdown(file, report%breakdown, whole%scaling)
       else if (case%problem == point) then

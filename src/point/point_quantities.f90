@@ -6,7 +6,7 @@ module point_quantities
    use grid_errors, only: error_on_grids, orders, safety
    use kinds, only: exceeds, not_known, pi, wp
    use line_contact, only: finest_wave
-   use line_state, only: friction_t, line_state_t
+   use line_state, only: friction_t, line_state_t, stressed_share, unknown_limits
    use line_summary, only: line_summary_t, summary_of
    use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
@@ -38,6 +38,8 @@ contains
       state%moment = contact%moment
       state%friction = forces_of(level, contact, 1, level%ny - 1)
       state%friction%load = 2/pi*load_on(level, level%pressure)
+      state%limits = unknown_limits()
+      state%limits%stress_share = state%friction%stress_share
    end subroutine fill_point_state
 
    !> Adds the heights of the surfaces at the time of a `state`, unless they are smooth.
@@ -90,11 +92,12 @@ contains
       integer, intent(in) :: first, last
       type(friction_t) :: forces
       real(wp), dimension(0:level%nx) :: ln_mu, stress
-      real(wp) :: flow, sigma(2), slope(2)
+      real(wp) :: flow, sigma(2), slope(2), stressed
       type(plane_flow_t) :: plane
       integer :: i, j
 
       forces%sliding_speed = 0.5_wp*contact%slide_to_roll
+      stressed = stressed_share*maxval(level%pressure)
       associate (p => level%pressure, h => level%film, dx => level%hx, dy => level%hy)
          each_row: do j = first, last
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
@@ -113,8 +116,10 @@ contains
                   if (abs(stress(i)) > 0.0_wp) stress(i) = sign(0.5_wp*plane%stress(1) &
                      /contact%fluid%rheology%sigma_scale, stress(i))
                end if
-               forces%sliding = forces%sliding + dx*dy*limited_stress(contact%fluid, p(i, j), &
-                  stress(i))
+               stress(i) = limited_stress(contact%fluid, p(i, j), stress(i))
+               forces%sliding = forces%sliding + dx*dy*stress(i)
+               if (p(i, j) > stressed) forces%stress_share = max(forces%stress_share, &
+                  abs(stress(i))/p(i, j))
                forces%rolling = forces%rolling + dx*dy*0.5_wp*h(i, j)*slope(1)
                forces%rolling_power = forces%rolling_power + dx*dy*flow
             end do each_node
