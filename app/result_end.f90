@@ -13,6 +13,7 @@ module result_end
    use inlet_errors, only: film_loss
    use iteration_report, only: is_outside, report_t
    use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
    use kinds, only: exceeds
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
@@ -21,7 +22,7 @@ module result_end
    implicit none (type, external)
    private
 
-   public :: end_result, suspend_result
+   public :: end_result, judge_point_limits, suspend_result
 
 contains
 
@@ -79,6 +80,24 @@ contains
       if (case%time%is_transient .or. case%contact%supply < huge(case%contact%supply)) return
       listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits
+
+   !> Hands the limits of a converged point contact to the writer of its result.
+   subroutine judge_point_limits(case, state, summary, listener)
+      type(case_t), intent(in) :: case
+      type(line_state_t), intent(in) :: state
+      type(line_summary_t), intent(in) :: summary
+      type(run_observer_t), intent(inout) :: listener
+      type(circumstances_t) :: of
+
+      of%scaling = case%scaling
+      of%bodies = case%bodies
+      of%lubricant = case%lubricant
+      of%materials = case%materials
+      of%contact%rough_contact_t = case%point%rough_contact_t
+      of%summary = summary
+      of%is_point = .true.
+      listener%writer%limits = limits_of(of, state)
+   end subroutine judge_point_limits
 
    !> Writes the result and prints its closing table.
    subroutine finish_result(case, listener, state, report, outcome)

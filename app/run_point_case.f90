@@ -15,11 +15,10 @@ module run_point_case
    use point_result, only: write_point_result
    use point_solver, only: point_run_t
    use progress_log, only: progress_log_t
-   use result_end, only: suspend_result
+   use result_end, only: judge_point_limits, suspend_result
    use result_start, only: start_result
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory, processors
-   use validity, only: circumstances_t, limits_of
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -81,7 +80,7 @@ contains
       end if
       call move_alloc(note, report%note)
       call note_target(case, summary, report)
-      if (report%converged) call judge_limits(case, state, summary, listener)
+      if (report%converged) call judge_point_limits(case, state, summary, listener)
       call list_chosen(case)
       call list_passage(case, case%point, listener%writer%run%passage%times)
       associate (writer => listener%writer)
@@ -94,24 +93,6 @@ contains
       end associate
       ending = outcome_of(report)
    end subroutine solve_point_case
-
-   !> Hands the limits of a converged solution to the writer of its result.
-   subroutine judge_limits(case, state, summary, listener)
-      type(case_t), intent(in) :: case
-      type(line_state_t), intent(in) :: state
-      type(line_summary_t), intent(in) :: summary
-      type(run_observer_t), intent(inout) :: listener
-      type(circumstances_t) :: of
-
-      of%scaling = case%scaling
-      of%bodies = case%bodies
-      of%lubricant = case%lubricant
-      of%materials = case%materials
-      of%contact%rough_contact_t = case%point%rough_contact_t
-      of%summary = summary
-      of%is_point = .true.
-      listener%writer%limits = limits_of(of, state)
-   end subroutine judge_limits
 
    !> Lists what the program has chosen among the effective values.
    subroutine list_chosen(case)

@@ -2,14 +2,16 @@
 !> that is not known, a NaN, which cannot be mistaken for a result; and its long integers.
 module kinds
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_fortran_env, only: int64, real64
+   use, intrinsic :: iso_fortran_env, only: long => int64, real64
    implicit none (type, external)
    private
 
-   public :: exceeds, int64, larger, not_known, quotient
+   public :: exceeds, larger, not_known, quotient
 
    !> Working precision: IEEE 754 double.
    integer, parameter, public :: wp = real64
+   !> Long integers, of 64 bits.
+   integer, parameter, public :: int64 = long
    !> Circle constant [-].
    real(wp), parameter, public :: pi = 3.14159265358979323846264338327950288_wp
 

@@ -9,7 +9,6 @@
 !> of J_true - J. tau: error of its flux against better values of P, H and dP/dX in its middle, by
 !> second differences. beta = -h^3/12 P'': load that the straight line misses; g: what that does to
 !> J by the film. quadrature: what the sum for J itself misses. The bound of the error of J is
-!> sum |s|/2 + 2 |sum s|; of the pressure of a spike as long as an element has the safe scheme, 3/2
 !> sum |s| + 2 |sum s|.
 module graded_errors
    use graded_line, only: graded_line_t, point_mobility, steep_elements
@@ -23,23 +22,22 @@ module graded_errors
 
    public :: estimate_errors, has_flank, hidden_spike
 
-   !> Remainder of an adjoint over its right side; bounds change by about 1 %.
-   real(wp), parameter :: adjoint_tolerance = 3.0e-2_wp
+   !> Remainder of an adjoint over its right side.
+   real(wp), parameter :: adjoint_tolerance = 1.0e-3_wp
 
 contains
 
-   !> Evaluates the quantities of a solved line, `values`, and the share of every element in the
-   !> errors of those that are `wanted` (n, functional_count); 0 where there is no such quantity.
-   subroutine estimate_errors(line, slide_to_roll, wanted, factors, values, shares)
+   !> Evaluates the quantities of a solved line, `values`, and the share of every element in their
+   !> errors (n, functional_count); 0 where there is no such quantity.
+   subroutine estimate_errors(line, slide_to_roll, factors, values, shares)
       type(graded_line_t), intent(in) :: line
       real(wp), intent(in) :: slide_to_roll
-      logical, intent(in) :: wanted(functional_count)
       type(graded_factors_t), intent(inout) :: factors
       real(wp), intent(out) :: values(functional_count)
       real(wp), allocatable, intent(out) :: shares(:, :)
       type(functional_t) :: list(functional_count)
       real(wp) :: z(line%n)
-      real(wp), dimension(0:line%n) :: y, at_nodes
+      real(wp), dimension(0:line%n) :: y, by_film, at_nodes
       real(wp), dimension(line%n) :: flux_error, lost_load, power_error
       integer :: i, j, n, o
 
@@ -54,25 +52,21 @@ contains
       end if
       call find_sources(line, flux_error, lost_load, power_error)
       do j = 1, functional_count
-         if (.not. (wanted(j) .and. abs(values(j)) > 0.0_wp)) cycle   ! or there is none
-         at_nodes = 0.0_wp
-         if (any(abs(list(j)%by_film) > 0.0_wp)) call line%elastic%multiply_transposed( &
-            list(j)%by_film, at_nodes)
-         z = [list(j)%by_pressure(1:n - 1) - at_nodes(1:n - 1), sum(list(j)%by_film)]
+         if (.not. abs(values(j)) > 0.0_wp) cycle   ! there is none
+         by_film = list(j)%by_film
+         call factors%system%kernel%multiply_transposed(by_film, at_nodes)
+         z = [list(j)%by_pressure(1:n - 1) - at_nodes(1:n - 1), sum(by_film)]
          call solve_system(factors, adjoint_tolerance, z, is_transposed=.true.)
          y = [0.0_wp, merge(0.0_wp, z(:n - 1)/line%diagonal, line%is_cavitated), 0.0_wp]
-         at_nodes = list(j)%by_pressure
-         where (line%is_cavitated) at_nodes(1:n - 1) = at_nodes(1:n - 1) - z(:n - 1)
          do i = 1, n - 1
             o = max(-2, -i)
-            at_nodes(i + o:i + 1) = at_nodes(i + o:i + 1) - y(i)*line%by_pressure(o:1, i)
+            by_film(i + o:i + 1) = by_film(i + o:i + 1) - y(i)*line%by_film(o:, i)
          end do
-         at_nodes = at_nodes/line%elastic%weights
-         at_nodes([0, n]) = at_nodes([1, n - 1])
+         call factors%system%kernel%multiply(by_film/line%elastic%weights, at_nodes)
          shares(:, j) = (y(1:) - y(:n - 1))*flux_error + list(j)%quadrature &
-            - 0.5_wp*(at_nodes(1:) + at_nodes(:n - 1))*lost_load
+            - (0.5_wp*(at_nodes(1:) + at_nodes(:n - 1)) + z(n))*lost_load
       end do
-      if (wanted(rolling_power)) shares(:, rolling_power) = shares(:, rolling_power) + power_error
+      shares(:, rolling_power) = shares(:, rolling_power) + power_error
       call bound_spike(line, shares)
    end subroutine estimate_errors
 
@@ -124,8 +118,8 @@ contains
          j = merge(top, spike, p(summit) >= maxval(p))
          ahead = count(x <= x(summit) - 4*h(summit)) - 1
          shares(max(first - 2, 1):min(last + 2, line%n), j) = 0.0_wp
-         ! a sum that the bound counts 3.5 times, at the elements to halve
-         shares(summit:min(summit + 1, line%n), j) = (p(summit) - p(ahead))/7
+         ! a sum that the bound counts three times, at the elements to halve
+         shares(summit:min(summit + 1, line%n), j) = (p(summit) - p(ahead))/6
       end associate
    end subroutine bound_spike
 

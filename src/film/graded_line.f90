@@ -70,14 +70,13 @@ module graded_line
 contains
 
    !> Prepares the problem of a contact at rest on rising nodes `x` (0:n) with zero unknowns; the
-   !> scheme is the safe one in all elements, or where `pressure` (0:n) rises steeply. ln d of the
-   !> film is good to an absolute `accuracy`; without one to rounding.
-   subroutine new_graded_line(line, contact, fluid, x, pressure, accuracy)
+   !> scheme is the safe one in all elements, or where `pressure` (0:n) rises steeply.
+   subroutine new_graded_line(line, contact, fluid, x, pressure)
       type(graded_line_t), intent(out) :: line
       type(line_contact_t), intent(in) :: contact
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: x(0:)
-      real(wp), intent(in), optional :: pressure(0:), accuracy
+      real(wp), intent(in), optional :: pressure(0:)
       integer :: n
 
       n = ubound(x, 1)
@@ -90,11 +89,7 @@ contains
       line%gap = 0.5_wp*x**2 - surface_height(contact%surface_1, x, 0.0_wp) &
          - surface_height(contact%surface_2, x, 0.0_wp)
       line%elasticity = contact%elasticity
-      if (present(accuracy)) then
-         call new_graded_kernel(line%elastic, line%x, line%elasticity, accuracy)
-      else
-         call new_graded_kernel(line%elastic, line%x, line%elasticity, exact)
-      end if
+      call new_graded_kernel(line%elastic, line%x, line%elasticity, exact)
       allocate (line%state%pressure(0:n), line%state%film(0:n), line%oil%density(0:n), &
          line%oil%ln_mu(0:n), line%slopes%rho_p(0:n), source=0.0_wp)
       allocate (line%oil%face_mobility(n), line%slopes%by_p_left(n), line%slopes%by_p_right(n), &

@@ -10,7 +10,6 @@ module graded_solver
       ieee_usual
    use contact_moment, only: newtonian_film
    use graded_errors, only: estimate_errors, has_flank, hidden_spike
-   use graded_kernel, only: exact, new_graded_kernel
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
    use graded_nodes, only: first_nodes, monotone_cubic, refined_nodes
@@ -32,8 +31,6 @@ module graded_solver
    real(wp), parameter :: way_tolerance = 1.0e-3_wp, way_bound = 3.0e-2_wp, &
       end_tolerance = 1.0e-9_wp
    real(wp), parameter, public :: end_bound = 1.0e-6_wp
-   !> Accuracy of ln d on the way: at most the first, and this share of the expected film.
-   real(wp), parameter :: loosest_kernel = 1.0e-5_wp, kernel_share = 1.0e-3_wp
    !> Most Newton steps of the first grid, of one on the way, of the last or with the safe scheme.
    integer, parameter :: first_steps = 30, way_steps = 15, end_steps = 40
    !> Most grids, nodes, and failures before a spike counts as unbounded.
@@ -41,9 +38,8 @@ module graded_solver
    !> Least spacing over the smallest film; growth of the largest pressure behind which its spike
    !> counts as unbounded.
    real(wp), parameter :: least_spacing = 5.0e-4_wp, unbounded_growth = 3.0_wp
-   !> Largest bound of the relative error of a spike that is not resolved any further, and share of
-   !> its bound that is kept: a twentieth of the spacing changes it by a tenth in the median.
-   real(wp), parameter :: widest_bar = 0.1_wp, end_share = 0.6_wp
+   !> Largest bound of the relative error of a spike that is not resolved any further.
+   real(wp), parameter :: widest_bar = 0.1_wp
    !> A spike below the crest needs to be known to this share of its distance from it.
    real(wp), parameter :: spike_share = 0.3_wp
    !> First factor of the stress of a shear-thinning oil, and by what it is divided; a ratio below
@@ -76,8 +72,8 @@ module graded_solver
       !> Largest pressure of the first grid; least spacings in front of X = 0 and behind it.
       real(wp) :: first_top = 0.0_wp, least_front = 0.0_wp, least_behind = 0.0_wp
       integer :: failures = 0
-      !> Accuracy of the kernel on the way, and of the present grid; most Newton steps.
-      real(wp) :: accuracy = exact, tolerance = way_tolerance
+      !> Accuracy of the present grid, and most Newton steps.
+      real(wp) :: tolerance = way_tolerance
       integer :: max_steps = first_steps
       !> The safe scheme is kept; the present grid is the last.
       logical :: is_safe = .false., is_done = .false.
@@ -118,8 +114,6 @@ contains
       report%converged = .false.
       report%reason = 'no first grid has a solution, or the waves need more than '// &
          to_text(max_nodes)//' nodes'
-      rounds%accuracy = max(exact, min(loosest_kernel, min(kernel_share, target) &
-         *newtonian_film(contact)))
       call solve_first(contact, ends, rounds, solution)
       if (.not. allocated(solution%line)) return
       rounds%first_top = maxval(solution%line%state%pressure)
@@ -165,23 +159,19 @@ contains
       integer :: j
 
       associate (line => solution%line, values => solution%values, bounds => solution%bounds)
-         counts = .true.
-         counts(rolling_power) = rounds%is_done   ! a spike holds most of it: never a goal
-         call estimate_errors(line, contact%slide_to_roll, counts, rounds%factors, values, shares)
-         bounds = 0.5_wp*sum(abs(shares), 1) + 2*abs(sum(shares, 1))
-         if (any(line%is_safe)) bounds([top, spike]) = bounds([top, spike]) &
-            + sum(abs(shares(:, [top, spike])), 1)
+         call estimate_errors(line, contact%slide_to_roll, rounds%factors, values, shares)
+         bounds = sum(abs(shares), 1) + 2*abs(sum(shares, 1))
          goals = target*abs(values)
          goals(spike) = max(target*values(top), spike_share*(values(top) - values(spike)))
          if (.not. solution%is_limited) call judge_spike(bounds(top) > goals(top), rounds, solution)
          counts = abs(values) > 0.0_wp   ! known
-         counts(rolling_power) = .false.
+         counts(rolling_power) = .false.   ! a spike holds most of it
          if (solution%is_limited) counts([top, spike]) = .false.
          if (solution%is_limited .and. .not. thins(line%fluid)) counts(sliding) = .false.
          is_marked = hidden_spike(line) .and. .not. solution%is_limited
          rounds%is_done = all(bounds < goals .or. .not. counts) .and. .not. any(is_marked)
          do j = 1, functional_count
-            shares(:, j) = merge(abs(shares(:, j))*(bounds(j)/(goals(j)*sum(abs(shares(:, j))))), &
+            shares(:, j) = merge(abs(shares(:, j))/sum(abs(shares(:, j)))*bounds(j)/goals(j), &
                0.0_wp, counts(j))
          end do
          if (.not. rounds%is_done) call refined_nodes(line%x, shares, is_marked, &
@@ -218,10 +208,9 @@ contains
          if (values(spike) > 0.0_wp) bounds(top) = max(bounds(top), values(spike) + bounds(spike) &
             - values(top))
          if (.not. solution%is_limited) return
-         if (has_flank(solution%line)) bounds([top, spike, sliding]) = [end_share*bounds([top, &
-            spike]), not_known()]
          solution%is_lost = solution%is_lost .or. .not. bounds(top) < widest_bar*values(top)
          if (solution%is_lost) bounds([top, spike]) = not_known()
+         if (has_flank(solution%line)) bounds(sliding) = not_known()
       end associate
    end subroutine bound_top
 
@@ -249,9 +238,7 @@ contains
       integer :: kept
 
       start = start_of(solution%line)
-      if (rounds%is_done .and. size(x) == size(start%x)) then   ! on the same grid, the exact film
-         call new_graded_kernel(solution%line%elastic, start%x, contact%elasticity, exact)
-         call set_pressure(solution%line, start%pressure, start%rigid_displacement)
+      if (rounds%is_done .and. size(x) == size(start%x)) then   ! on the same grid
          call solve_graded_newton(solution%line, end_tolerance, end_steps, rounds%factors, kept, &
             is_sound)
          if (is_sound .and. solution%line%error < end_bound) return
@@ -302,18 +289,17 @@ contains
       type(start_t), intent(in) :: start
       type(rounds_t), intent(inout) :: rounds
       type(graded_line_t), allocatable, intent(out) :: line
-      real(wp) :: accuracy, pressure(size(x))
+      real(wp) :: pressure(size(x))
       integer :: steps
       logical :: is_sound
 
       pressure = monotone_cubic(start%x, start%pressure, x)
       pressure(size(x)) = 0.0_wp   ! of an outlet that is cut it would be rounding
       allocate (line)
-      accuracy = merge(exact, rounds%accuracy, rounds%is_done)
       if (rounds%is_safe) then
-         call new_graded_line(line, contact, fluid, x, accuracy=accuracy)
+         call new_graded_line(line, contact, fluid, x)
       else
-         call new_graded_line(line, contact, fluid, x, pressure, accuracy)
+         call new_graded_line(line, contact, fluid, x, pressure)
       end if
       call set_pressure(line, pressure, start%rigid_displacement)
       call solve_graded_newton(line, rounds%tolerance, rounds%max_steps, rounds%factors, steps, &

@@ -4,7 +4,7 @@ module graded_system
    use bordered_system, only: bordered_system_t, factor_bordered, solve_first
    use errors, only: error_t
    use gmres, only: gmres_t, solve_gmres
-   use graded_kernel, only: element_exponentials, graded_kernel_t
+   use graded_kernel, only: element_exponentials, graded_kernel_t, new_graded_kernel
    use graded_line, only: graded_line_t
    use kinds, only: pi, wp
    use semiseparable, only: exponential_sum_t, fit_exponentials, new_semiseparable, terms
@@ -18,7 +18,7 @@ module graded_system
    !> Distances at which the kernel is fitted.
    integer, parameter :: points = 80
 
-   !> The system, with the kernel of the first line on its nodes.
+   !> The system, with a kernel that is as good as linear solutions have to be.
    type, extends(bordered_system_t) :: graded_system_t
       type(graded_kernel_t) :: kernel
    contains
@@ -28,6 +28,8 @@ module graded_system
    !> Factors, and what they need. `is_sound`: they exist.
    type :: graded_factors_t
       logical :: is_sound = .false.
+      !> Accuracy of the kernel in the products.
+      real(wp) :: accuracy = 1.0e-5_wp
       !> Nodes for which the rows of the kernel are ready (0:n).
       real(wp), allocatable, private :: x(:)
       real(wp), allocatable, private :: by_pressure(:, :), by_film(:, :)
@@ -49,7 +51,7 @@ contains
       if (is_ready) is_ready = size(factors%x) == size(line%x)
       if (is_ready) is_ready = all(abs(factors%x - line%x) <= 0.0_wp)
       if (.not. is_ready) then
-         call prepare_rows(line, factors%system, factors%is_sound)
+         call prepare_rows(line, factors%accuracy, factors%system, factors%is_sound)
          if (.not. factors%is_sound) return
          factors%x = line%x(:)
          factors%by_pressure = line%by_pressure
@@ -83,8 +85,9 @@ contains
    end subroutine solve_system
 
    !> Fits ln d between the smallest spacing and the length, and fills the rows of the kernel.
-   subroutine prepare_rows(line, system, is_ready)
+   subroutine prepare_rows(line, accuracy, system, is_ready)
       type(graded_line_t), intent(in) :: line
+      real(wp), intent(in) :: accuracy
       type(graded_system_t), intent(inout) :: system
       logical, intent(out) :: is_ready
       type(exponential_sum_t) :: fit
@@ -107,7 +110,7 @@ contains
       backward = far(:, :n - 1) + decay(:, :n - 1)*near(:, 2:)
       call new_semiseparable(system%factors, n - 1, decay(:, 2:), onward, backward)
       system%n = n
-      system%kernel = line%elastic
+      call new_graded_kernel(system%kernel, line%x, line%elasticity, accuracy)
       system%weights = line%elastic%weights(1:n - 1)
       system%constant = -line%elasticity/pi*(fit%constant + log(smallest))
       if (allocated(system%rows)) deallocate (system%rows)

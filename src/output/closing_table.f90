@@ -89,9 +89,9 @@ contains
       call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
       call add_words(body, words%model)
-      if (present(limits) .and. log%scaling%is_dimensional .and. .not. (ieee_is_finite(ratio) &
-         .or. allocated(log%scaling%ellipse)) &
-         .and. lines_of(head//body) < most_lines - 1) call add_words(body, &
+      if (all([present(limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), .not. &
+         allocated(log%scaling%ellipse), lines_of(head//body) < most_lines - 1])) call &
+         add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
       if (.not. log%is_verbose) call shorten(body, most_lines - 1 - lines_of(head))
       call log%print_summary(head//body//'  result    '//path)

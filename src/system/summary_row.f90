@@ -74,10 +74,10 @@ contains
       case ('/summary/error_estimate', '/sweep/error_estimate')
          name = trim(name)//'_error'
       case ('/report/')
-         name = 'report_'//name
+         name = 'report_'//trim(name)
       case ('/adequacy/validity/')
          if (.not. allocated(self%place%path)) call self%set(passed, '', '')
-         name = 'validity_'//name
+         name = 'validity_'//trim(name)
       case ('/adequacy/validity/exceeded')
          if (.not. number > 0.0_wp) return
          k = self%find(passed)
