@@ -208,6 +208,7 @@ def content_of(path: Path, folder: Path) -> dict[str, object]:
             raise ResultError(f"{path}: not a result of asperity (problem is '{problem}')")
         scaling = file["scaling"].attrs
         is_transient = "transient" in file
+        needs = needs_of(file["adequacy"]) if "adequacy" in file else []
         limits = limits_of(file["adequacy/validity"]) if "adequacy/validity" in file else []
         content = {
             "name": path.name,
@@ -226,8 +227,8 @@ def content_of(path: Path, folder: Path) -> dict[str, object]:
             "results": results_of(file["summary"]),
             "limits": limits,
             "passed": [limit["name"] for limit in limits if limit["is_passed"]],
-            "needs": needs_of(file["adequacy"]) if "adequacy" in file else [],
-            "accuracy": percent(float(file["adequacy"].attrs["accuracy"])) if "adequacy" in file else "",
+            "needs": needs,
+            "accuracy": percent(float(file["adequacy"].attrs["accuracy"])) if needs else "",
             "namelist": text_of(values_of(file["input/namelist"])),
             "inputs": {group: inputs_of(file, group) for group in file["input/effective"]},
             "version": f"{attribute(file, 'version')}, commit {attribute(file, 'git_commit')}",
