@@ -137,7 +137,6 @@ contains
       do k = 1, parts
          call add_part(m, x, sigma, eight, (2*k - 1.0_wp)/parts - 1, 1.0_wp/parts)
       end do
-
    end subroutine set_moments
 
    !> Adds the part of the film within `half` of zeta = `middle` by a `rule`.

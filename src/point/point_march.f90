@@ -118,7 +118,6 @@ contains
 
       !> Passes the state after a step and that of the march to the listener.
       subroutine hand_out()
-
          if (run%time%may_lengthen) call look_back(state, nint(span_of(contact%duty) &
             /run%time%time_step), history, steps)
          call listener%on_step(history%step, steps, state, history, report)
@@ -150,10 +149,12 @@ contains
          first = 0.0_wp
          i = 1
          do parts = 1, most_parts
-            start = history
-            film = level%film
             last = ends(i)
-            if (time%tolerance > 0.0_wp) last = next_end(history, first, ends(i), time%time_step)
+            if (time%tolerance > 0.0_wp) then   ! it may be made once more
+               start = history
+               film = level%film
+               last = next_end(history, first, ends(i), time%time_step)
+            end if
             length = (last - first)*time%time_step
             call solve_part(run, contact, listener, [first, last], history, report)
             if (time%tolerance > 0.0_wp) then
@@ -171,8 +172,9 @@ contains
             first = last
             if (.not. first < ends(i)) i = i + 1
             if (i > size(ends)) return
+            if (.not. time%tolerance > 0.0_wp) cycle
             call fill_point_state(level, contact, (history%step + first)*time%time_step, between)
-            if (time%tolerance > 0.0_wp) call listener%on_part(between)
+            call listener%on_part(between)
          end do
       end associate
       report%converged = .false.
