@@ -97,7 +97,7 @@ FAMILIES = [
     Family("kappa", "wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, steady.wide),
     Family("kappa", "stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, steady.stiff, 48),
     Family("mixed", "mixed", "Asperities, starved, warm, given grids", MIXED, steady.mixed, 144, NUMERICAL),
-    Family("point", "point", "Circles and ellipses, given grids", FIGURES + FRICTION[:2], steady.point, 60),
+    Family("point", "point", "Circles and ellipses, given grids", FIGURES + FRICTION[:1], steady.point, 60, GRID),
     Family("pressure", "pressure_grids", "Largest pressure, grids of 64 to 4096 intervals", P_MAX, steady.pressure_on_a_grid, 60),
     Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling, 60),
     Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, in_time.pressure_in_time, 40, GRID),

@@ -197,7 +197,8 @@ def mixed(source: random.Random, i: int) -> Member:
 def point(source: random.Random, i: int) -> Member:
     """Circles and ellipses on 64 or 128 intervals: in turn by Moes' numbers, rolling, and in SI, sliding, one of two Eyring's.
 
-    Half of the ellipses in SI are turned. The truth has four times the intervals: a sixteenth of the error.
+    Half of the ellipses in SI are turned. The truth has four times the intervals: a sixteenth of the error; on the same domain,
+    with which rolling friction grows.
     """
     m, l, ratio = log_uniform(source, 1, 1000), source.uniform(0, 20), log_uniform(source, 0.1, 3)  # noqa: E741
     law, n = source.choice(OILS), source.choice((64, 128))

@@ -64,6 +64,13 @@ def test_two_ways_to_give_the_same_bodies(solved_cases):
     np.testing.assert_allclose(frictions, frictions[0], rtol=1e-12)
 
 
+def test_friction_counts_the_load_beyond_the_domain(solved_case):
+    # of a light contact 4 % of the load lies there
+    with solved_case(BALL.replace("load = 30.0", "load = 3.0") + "&domain intervals_x = 64 /\n") as file:
+        film, power = (file[f"summary/{name}"][()] for name in ("friction_coefficient", "sliding_power"))
+        assert film * 3.0 * 0.2 == pytest.approx(power, rel=1e-9)
+
+
 def test_a_long_ellipse_is_a_line_in_its_middle(solved_cases):
     long = BALL.replace("radius_x_1 = 12.7e-3", "radius_x_1 = 12.7e-3, radius_y_1 = 0.5").replace(
         "load = 30.0", "hertz_pressure = 0.7e9"

@@ -74,7 +74,7 @@ module pressure_errors
    end type spike_law_t
 
    !> Factor on an estimate, in place of `safety`.
-   real(wp), parameter :: pressure_safety = 2.0_wp
+   real(wp), parameter, public :: pressure_safety = 2.0_wp
    !> Sliding friction errs by up to this many times what a spike may add to it; not known if that
    !> exceeds the second share of it.
    real(wp), parameter :: shear_safety = 12.0_wp, largest_shear_growth = 0.02_wp

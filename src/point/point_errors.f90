@@ -42,7 +42,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: far, near
       type(line_summary_t), allocatable :: coarser(:)
-      real(wp) :: start
+      real(wp) :: by_spike(size(sliding_rows)), start
       logical :: is_known
 
       missing = 'no solution'
@@ -61,6 +61,8 @@ contains
       else
          summary = run%grids(size(run%grids))
       end if
+      by_spike = summary%of(sliding_rows)%error_grid
+      summary%of(sliding_rows)%error_grid = not_known()
       missing = 'no coarser grids are compared'
       if (.not. run%settings%wants_coarse_runs) return
       missing = 'no coarser grid holds the film'
@@ -78,6 +80,7 @@ contains
       report%cost%phase_seconds(phase_error_bars) = wall_seconds() - start
       missing = 'a longer domain has no solution to compare with'
       if (.not. is_known) return
+      summary%of(sliding_rows)%error_grid = by_spike
       call estimate_point_errors(summary, contact, coarser, report%residual, near, far)
       missing = 'a pressure spike that this grid does not resolve'
       if (size(coarser) == 0) missing = 'the passage has no solution on half the intervals'

@@ -222,6 +222,7 @@ contains
                   - minval(level%film), 0.0_wp)
             end if
             before = pairs_of(run%newton)
+            run%newton%is_near = .true.
             call solve_point_newton(run%newton, contact, tolerance_of(run, step_tolerance), &
                run%settings%max_cycles, relay, report)
             report%cost%fft_pairs = report%cost%fft_pairs + pairs_of(run%newton) - before

@@ -32,7 +32,8 @@ module point_newton
    real(wp), parameter :: largest_step = 0.6_wp, least_film = 0.4_wp
    integer, parameter :: max_halvings = 14
    !> The bent step is tried where the plain one leaves more than the first share of the residual,
-   !> the second share of the plain one where both leave more than the third.
+   !> the second share of the plain one where both leave more than the third; near the solution also
+   !> its square where what is left grows. (Far from it that ends beside the solution.)
    real(wp), parameter :: good_share = 0.5_wp, part_step = 0.4_wp, poor_share = 0.9_wp
    !> A residual below this, as pressures, over the load is round-off: the plain step is taken.
    real(wp), parameter :: least_measure = 1.0e-13_wp
@@ -53,6 +54,8 @@ module point_newton
       !> Deflection of each vector that was multiplied (n, most), and their number.
       real(wp), allocatable, private :: deflections(:, :)
       integer, private :: products = 0
+      !> Whether the start is a solution: of a coarser grid, or of the time before.
+      logical :: is_near = .false.
       !> Newton steps and iterations of GMRES; load error.
       integer :: steps = 0, iterations = 0
       real(wp), private :: load_error = huge(1.0_wp)
@@ -262,6 +265,7 @@ contains
          end if
          if (any(abs(bent - step) > 0.0_wp)) call try_step(bent, 1.0_wp, .false.)
          if (best_measure > poor_share*before) call try_step(step, part_step, .true.)
+         if (newton%is_near .and. best_measure > before) call try_step(step, part_step**2, .true.)
          is_taken = best_measure < huge(1.0_wp)
          if (.not. is_taken) return
          level%pressure = best

@@ -1,6 +1,7 @@
 !> Main quantities of a point contact in the table of line contacts (module quantities), those of a
 !> line on y = 0, and their errors from the grids of its nested start and a longer domain.
 module point_quantities
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use features, only: surface_height
    use grid_errors, only: error_on_grids, orders, safety
@@ -10,14 +11,18 @@ module point_quantities
    use line_summary, only: line_summary_t, summary_of
    use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
-   use point_level, only: load_on, point_level_t
-   use pressure_errors, only: allow_for_spike, shear_doubt, spike_law_t
-   use quantities, only: friction_coefficient, h_min, h_min_node, quantity_count, quantity_rows, &
-      rule_between, sliding_power, sliding_rows
+   use point_level, only: point_level_t
+   use pressure_errors, only: allow_for_spike, pressure_safety, shear_doubt, spike_law_t
+   use quantities, only: exit_between_nodes, friction_coefficient, h_min, h_min_node, &
+      quantity_count, quantity_rows, rolling_coefficient, rule_between, rule_crest, &
+      sliding_power, sliding_rows
    implicit none (type, external)
    private
 
    public :: estimate_point_errors, fill_heights, fill_point_state, summary_of_point
+
+   !> Rows of forces.
+   integer, parameter :: forces(*) = [sliding_rows, rolling_coefficient]
 
 contains
 
@@ -36,8 +41,8 @@ contains
       state%rigid_displacement = level%rigid_displacement
       state%time = time
       state%moment = contact%moment
-      state%friction = forces_of(level, contact, 1, level%ny - 1)
-      state%friction%load = 2/pi*load_on(level, level%pressure)
+      state%friction = forces_of(level, contact, 0, level%ny)
+      state%friction%load = 2/pi*contact%load*contact%moment%load
       state%limits = unknown_limits()
       state%limits%stress_share = state%friction%stress_share
    end subroutine fill_point_state
@@ -84,17 +89,18 @@ contains
          friction_coefficient)
    end function shear_on_middle
 
-   !> Forces and the power of flow by the pressure, over the nodes with pressure of the rows `first`
-   !> to `last`.
+   !> Forces and the power of flow by the pressure, by the trapezoidal rule over the nodes with
+   !> pressure of the rows `first` to `last`, those on the border with differences to one side;
+   !> sliding up to the exit between the nodes of each row.
    pure function forces_of(level, contact, first, last) result(forces)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
       integer, intent(in) :: first, last
       type(friction_t) :: forces
       real(wp), dimension(0:level%nx) :: ln_mu, stress
-      real(wp) :: flow, sigma(2), slope(2), stressed
+      real(wp) :: cell, flow, rest, sigma(2), slope(2), stressed
       type(plane_flow_t) :: plane
-      integer :: i, j
+      integer :: i, j, x(2), y(2)
 
       forces%sliding_speed = 0.5_wp*contact%slide_to_roll
       stressed = stressed_share*maxval(level%pressure)
@@ -103,10 +109,14 @@ contains
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
             call evaluate_stress(contact%fluid, contact%lambda/12*contact%slide_to_roll, 0*ln_mu, &
                1/h(:, j), ln_mu, stress)
-            each_node: do i = 1, level%nx - 1
+            y = [max(j - 1, 0), min(j + 1, level%ny)]
+            each_node: do i = 0, level%nx
+               x = [max(i - 1, 0), min(i + 1, level%nx)]
+               cell = 0.25_wp*(x(2) - x(1))*(y(2) - y(1))*dx*dy
+               slope = [(p(x(2), j) - p(x(1), j))/((x(2) - x(1))*dx), &
+                  (p(i, y(2)) - p(i, y(1)))/((y(2) - y(1))*dy)]
+               forces%rolling = forces%rolling + cell*0.5_wp*h(i, j)*slope(1)
                if (.not. p(i, j) > 0.0_wp) cycle each_node
-               slope = [0.5_wp*(p(i + 1, j) - p(i - 1, j))/dx, 0.5_wp*(p(i, j + 1) - p(i, j &
-                  - 1))/dy]
                flow = 0.5_wp*h(i, j)**3*exp(-ln_mu(i))/contact%lambda*sum(slope**2)
                sigma = wall_stress(contact%fluid, h(i, j)*slope)
                if (norm2(sigma) > least_sigma) then
@@ -117,12 +127,15 @@ contains
                      /contact%fluid%rheology%sigma_scale, stress(i))
                end if
                stress(i) = limited_stress(contact%fluid, p(i, j), stress(i))
-               forces%sliding = forces%sliding + dx*dy*stress(i)
+               forces%sliding = forces%sliding + cell*stress(i)
                if (p(i, j) > stressed) forces%stress_share = max(forces%stress_share, &
                   abs(stress(i))/p(i, j))
-               forces%rolling = forces%rolling + dx*dy*0.5_wp*h(i, j)*slope(1)
-               forces%rolling_power = forces%rolling_power + dx*dy*flow
+               forces%rolling_power = forces%rolling_power + cell*flow
             end do each_node
+            i = findloc(p(:, j) > 0.0_wp, .true., 1, back=.true.) - 1
+            rest = exit_between_nodes(level%x, p(:, j)) - (level%x(max(i, 0)) + 0.5_wp*dx)
+            if (ieee_is_finite(rest)) forces%sliding = forces%sliding + 0.5_wp*(y(2) - y(1))*dy &
+               *rest*stress(i)
          end do each_row
       end associate
    end function forces_of
@@ -147,7 +160,9 @@ contains
             do k = 1, min(size(coarser), 3)
                values(1 + k) = coarser(k)%of(i)%between
             end do
-            both = error_on_grids(values, orders, lasts=.true.)
+            ! with the edge of the cavity forces may err to first order
+            both = error_on_grids(values, merge(orders, orders(1), all(i /= forces)), lasts=.true.)
+            if (quantity_rows(i)%rule == rule_crest) both(1) = pressure_safety/safety*both(1)
             spike = 0.0_wp
             if (any(i == sliding_rows)) spike = of%error_grid
             of%error_grid = quantity_rows(i)%widening*both(1) + abs(of%value - of%between)

@@ -70,7 +70,8 @@ contains
          call new_hierarchy(run%newton%hierarchy, contact, nx, ny, run%threads, error)
          if (allocated(error)) return
          associate (level => run%newton%hierarchy%levels(1), newton => run%newton)
-            if (allocated(coarse)) then
+            newton%is_near = allocated(coarse)
+            if (newton%is_near) then
                level%rigid_displacement = h0
                call interpolate(coarse, level%pressure)
             else
@@ -78,7 +79,7 @@ contains
             end if
             call solve_point_newton(newton, contact, tolerance_of(run, steady_tolerance), &
                run%settings%max_cycles, listener, report)
-            if (thins(contact%fluid) .and. .not. (report%converged .or. allocated(coarse))) call &
+            if (thins(contact%fluid) .and. .not. (report%converged .or. newton%is_near)) call &
                ease_in(run, contact, listener, report)
             run%work = reshape([run%work, newton%steps, newton%iterations], [2, size(run%work, 2) &
                + 1])
