@@ -560,7 +560,7 @@ module input_keys
       key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
          'most iterations for one load', range='>= 1, <= 10000000', &
          problems=dry, is_expert=.true.), &
-      key_row_t('solver', 'max_cycles', integer_kind, '-', '60', 'most Newton steps on a grid', &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', '120', 'most Newton steps on a grid', &
          range='>= 1, <= 1000', problems=point, is_expert=.true.)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &

@@ -24,7 +24,7 @@ module point_solver
    !> The start lies this many times the expected film above the dry contact.
    real(wp), parameter :: start_film = 1.5_wp
    !> Most Newton steps on a grid.
-   integer, parameter :: most_steps = 60
+   integer, parameter :: most_steps = 120
    !> Stress scales, each twice the next, of a start that fails with that of the fluid.
    integer, parameter :: easings = 5
 
