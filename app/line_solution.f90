@@ -4,7 +4,6 @@ module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_target, note_unusual, &
       time_text
    use case_record, only: case_t, list_passage, set_effective
-   use closing_table, only: breakdown_sentence
    use coarse_runs, only: side_runs_t
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
@@ -153,9 +152,7 @@ contains
       real(wp), intent(in) :: seconds
       type(report_t), intent(inout) :: report
 
-      if (index(report%reason, 'film breakdown') == 1 &
-         .and. listener%log%scaling%is_dimensional) report%reason = &
-         breakdown_sentence(report%breakdown, listener%film_floor, listener%log%scaling)
+      call listener%name_breakdown(report)
       associate (phases => report%cost%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
          phases(phase_output) = listener%output_seconds

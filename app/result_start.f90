@@ -11,6 +11,7 @@ module result_start
    use iteration_report, only: phase_output
    use key_row, only: point
    use kinds, only: not_known, wp
+   use point_contact, only: dry_border
    use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
    use run_observer, only: run_observer_t
@@ -39,6 +40,7 @@ contains
 
       listener%start = wall_seconds()
       listener%last_checkpoint = listener%start
+      listener%film_floor = case%solver%film_floor
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
       listener%writer%profile_stride = case%output_settings%profile_stride
       inquire (file=path//'.ckpt', exist=has_checkpoint)
@@ -59,6 +61,7 @@ contains
          if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
             statistics = new_statistics(thresholds/listener%log%scaling%film)
          end if
+         if (case%problem == point) statistics%border = dry_border(case%point)
       end associate
       listener%writer%heating = new_heating(listener%log%scaling, case%bodies, &
          case%materials%effusivity, case%materials%conductivity)

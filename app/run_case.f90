@@ -100,7 +100,6 @@ contains
       listener%log = log
       listener%threads = threads
       rough = case%contact
-      listener%film_floor = case%solver%film_floor
       listener%log%in_seconds = allocated(case%duty)
       call listener%log%start_case(case%file, case%scaling)
       call prepare_momentum(case, listener)

@@ -73,6 +73,7 @@ contains
          seconds(phase_output) = listener%output_seconds
          seconds(phase_transient) = max(seconds(phase_transient) - listener%output_seconds, 0.0_wp)
       end associate
+      call listener%name_breakdown(report)
       report%cost%wall_seconds = listener%earlier_seconds + wall_seconds() - listener%start
       if (listener%is_stopping .and. .not. listener%writer%has_failed()) then
          call suspend_result(listener, ending)
@@ -85,7 +86,7 @@ contains
       call list_passage(case, case%point, listener%writer%run%passage%times)
       associate (writer => listener%writer)
          call writer%begin_end(case)
-         call write_point_result(writer, case, run, state, summary, missing)
+         call write_point_result(writer, case, run, state, summary, report, missing)
          call writer%publish(report, error)
          if (allocated(error)) return
          call close_case(listener%log, summary, report, writer%name%path, &

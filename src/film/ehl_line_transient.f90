@@ -38,7 +38,7 @@ module ehl_line_transient
    implicit none (type, external)
    private
 
-   public :: cut_at_kinks, judge_cycles, look_back, march
+   public :: cut_at_kinks, judge_cycles, look_back, march, turn_history
 
    !> A time step and how it is solved.
    type :: step_plan_t
@@ -109,8 +109,6 @@ contains
             call set_film(level)
             call check_breakdown(level%direction*level%x, level%state%film, settings, 0, &
                0.0_wp, report)
-            if (any(level%state%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the ' &
-               //'surfaces at their start are higher than the smooth film; '//report%reason
             if (.not. report%converged) return
             call remember(history, level, 0.0_wp)
             call evaluate_coefficients(level)

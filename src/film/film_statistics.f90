@@ -2,12 +2,12 @@
 !> share of the contact the film is thinner than given values, distributions of the smallest film
 !> and the largest pressure, lambda ratio.
 !>
-!> The contact is -1 <= X <= 1. T = 0 counts only for the smooth film: there the surfaces have
-!> entered it without a new solve.
+!> The contact is the dry one of the reference load: -1 <= X <= 1 of a line. T = 0 counts only for
+!> the smooth film: there the surfaces have entered it without a new solve.
 module film_statistics
    use kinds, only: wp
    use line_state, only: line_state_t
-   use quantities, only: central_value, parabola_minimum
+   use quantities, only: central_value, smallest_film
    implicit none (type, external)
    private
 
@@ -22,6 +22,8 @@ module film_statistics
    type :: film_statistics_t
       !> Thresholds H (k) in any order; none: nothing is gathered.
       real(wp), allocatable :: thresholds(:)
+      !> The contact is where q1 X^2 + 2 q2 X Y + q3 Y^2 <= 1.
+      real(wp) :: border(3) = [1.0_wp, 0.0_wp, 0.0_wp]
       !> Number of time steps.
       real(wp) :: times = 0.0_wp
       !> Time steps with a film below each threshold, and sum of the shares of the contact below it
@@ -54,23 +56,30 @@ contains
       type(film_statistics_t), intent(inout) :: statistics
       type(line_state_t), intent(in) :: state
 
-      statistics%smooth_film = central_value(state%x, state%film_thickness + state%roughness_1 &
-         + state%roughness_2)
+      associate (smooth => state%film_thickness + heights_of(state), n => size(state%x))
+         associate (middle => n*(size(smooth)/n/2))   ! row
+            statistics%smooth_film = central_value(state%x, smooth(middle + 1:middle + n))
+         end associate
+      end associate
    end subroutine add_start
 
    !> Adds a time step.
    pure subroutine add_time(statistics, state)
       type(film_statistics_t), intent(inout) :: statistics
       type(line_state_t), intent(in) :: state
-      integer :: first, last, k
+      logical :: inside(size(state%film_thickness))
+      real(wp), allocatable :: y(:)
+      integer :: j, k
       real(wp) :: share, smallest
 
-      first = count(state%x < -1.0_wp) + 1
-      last = count(state%x <= 1.0_wp)
-      smallest = parabola_minimum(state%x, state%film_thickness)
-      share = 1.0_wp/max(last - first + 1, 1)
-      associate (h => state%film_thickness(first:last), psi => state%roughness_1(first:last) &
-         + state%roughness_2(first:last))
+      y = [0.0_wp]
+      if (allocated(state%y)) y = state%y
+      associate (x => state%x, q => statistics%border)
+         inside = [(q(1)*x**2 + 2*q(2)*x*y(j) + q(3)*y(j)**2 <= 1.0_wp, j=1, size(y))]
+      end associate
+      smallest = smallest_film(state%x, state%film_thickness)
+      share = 1.0_wp/max(count(inside), 1)
+      associate (h => pack(state%film_thickness, inside), psi => pack(heights_of(state), inside))
          do k = 1, size(statistics%thresholds)
             if (smallest < statistics%thresholds(k)) statistics%times_below(k) = &
                statistics%times_below(k) + 1.0_wp
@@ -85,6 +94,15 @@ contains
       call add_to_bin(statistics%pressure_bins, maxval(state%pressure), pressure_first)
       statistics%times = statistics%times + 1.0_wp
    end subroutine add_time
+
+   !> Psi_1 + Psi_2 on all nodes.
+   pure function heights_of(state) result(heights)
+      type(line_state_t), intent(in) :: state
+      real(wp) :: heights(size(state%film_thickness))
+
+      heights = 0.0_wp
+      if (allocated(state%roughness_1)) heights = state%roughness_1 + state%roughness_2
+   end function heights_of
 
    !> Adds one to the bin of `value`.
    pure subroutine add_to_bin(bins, value, first)

@@ -128,12 +128,15 @@ contains
 
       turned = state
       turned%moment%speeds = -state%moment%speeds
-      associate (last => size(state%x))
-         turned%x(:) = -state%x(last:1:-1)
+      associate (last => size(state%pressure))
+         turned%x(:) = -state%x(size(state%x):1:-1)
+         if (allocated(state%y)) turned%y(:) = -state%y(size(state%y):1:-1)
          turned%pressure(:) = state%pressure(last:1:-1)
          turned%film_thickness(:) = state%film_thickness(last:1:-1)
-         turned%roughness_1(:) = state%roughness_1(last:1:-1)
-         turned%roughness_2(:) = state%roughness_2(last:1:-1)
+         if (allocated(state%roughness_1)) then
+            turned%roughness_1(:) = state%roughness_1(last:1:-1)
+            turned%roughness_2(:) = state%roughness_2(last:1:-1)
+         end if
          if (allocated(state%saturation)) turned%saturation(:) = state%saturation(last:1:-1)
          if (allocated(state%separation)) turned%separation(:) = state%separation(last:1:-1)
          if (allocated(state%separation)) turned%asperity_pressure(:) = &

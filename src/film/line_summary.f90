@@ -8,8 +8,8 @@ module line_summary
    use line_state, only: friction_t, line_state_t, reynolds_limits_t, turned, unknown_limits, &
       widen_limits
    use quantities, only: central_value, h_central, h_min, h_min_node, p_central, p_max, &
-      parabola_extreme, paraboloid_minimum, quantity_count, quantity_rows, quantity_values, &
-      rolling_power, rule_between, rule_crest, rule_first, rule_node, rule_value, sliding_power
+      parabola_extreme, quantity_count, quantity_rows, quantity_values, rolling_power, &
+      rule_between, rule_crest, rule_first, rule_node, rule_value, sliding_power, smallest_film
    implicit none (type, external)
    private
 
@@ -81,12 +81,12 @@ contains
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
 
-      if (allocated(state%y)) then
-         summary = summary_of_area(state)
-         return
-      end if
       if (sum(state%moment%speeds) < 0.0_wp) then   ! the exit is where the oil flows to
          summary = summary_of(turned(state))
+         return
+      end if
+      if (allocated(state%y)) then
+         summary = summary_of_area(state)
          return
       end if
       summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time, &
@@ -106,8 +106,7 @@ contains
       associate (h => state%film_thickness, time => state%time)
          summary = summary_of_fields(state%x, state%pressure(first:last), h(first:last), time, &
             state%friction)
-         summary%of(h_min) = new_quantity(h_min, spread(paraboloid_minimum(reshape(h, &
-            [size(state%x), size(state%y)])), 1, 2), time)
+         summary%of(h_min) = new_quantity(h_min, spread(smallest_film(state%x, h), 1, 2), time)
          summary%of(h_min_node) = new_quantity(h_min_node, [minval(h), &
             summary%of(h_min)%value], time)
          summary%of(h_central) = new_quantity(h_central, spread(central_value(state%x, &

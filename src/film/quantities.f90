@@ -13,7 +13,7 @@ module quantities
 
    public :: bend_of, central_by_cubic, central_value, exit_between_nodes, exit_position, &
       is_chance, node_minimum, node_spacings, parabola_extreme, parabola_minimum, &
-      paraboloid_minimum, peak_value, quantity_values
+      paraboloid_minimum, peak_value, quantity_values, smallest_film
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
@@ -192,6 +192,18 @@ contains
       if (all(abs(vertex) < 1.0_wp)) smallest = sum(z)/9 - 2*sum(bend)/3 + 0.5_wp &
          *dot_product(slope, vertex)
    end function paraboloid_minimum
+
+   !> Smallest film between the nodes, of a line on nodes x (nx) or of an area on (nx, ny), x
+   !> fastest.
+   pure real(wp) function smallest_film(x, h) result(smallest)
+      real(wp), intent(in) :: x(:), h(:)
+
+      if (size(h) == size(x)) then
+         smallest = parabola_minimum(x, h)
+      else
+         smallest = paraboloid_minimum(reshape(h, [size(x), size(h)/size(x)]))
+      end if
+   end function smallest_film
 
    !> Vertex of the parabola through three values on rising nodes, the middle one the smallest or
    !> the largest; on a line the middle value.

@@ -132,13 +132,15 @@ contains
       call plan_line_case(values, case)
    end subroutine fill_line_case
 
-   !> &time, &output, &accuracy and the tolerance of lines and points; 0 where the program chooses.
+   !> &time, &output, &accuracy, tolerance and film floor of lines and points; 0 where the program
+   !> chooses.
    subroutine fill_common(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
-      type(value_t) :: fields
+      type(value_t) :: fields, thresholds
 
       fields = values%slot('output', 'fields')
+      thresholds = values%slot('output', 'film_thresholds')
       associate (time => case%time, solver => case%solver, output => case%output_settings)
          time%is_transient = values%logical_value('time', 'transient')
          time%end_time = values%real_value('time', 'end_time')
@@ -147,13 +149,15 @@ contains
          time%statistics_from = values%real_value('time', 'statistics_from', time%statistics_from)
          solver%tolerance = values%real_value('solver', 'tolerance')
          solver%max_cycles = values%integer_value('solver', 'max_cycles')
+         solver%film_floor = values%real_value('solver', 'film_floor')   ! [m] before it is planned
+         solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
          solver%target = values%real_value('accuracy', 'target')
          solver%wants_coarse_runs = values%logical_value('accuracy', 'error_bars')
          output%profile_stride = values%integer_value('output', 'profile_stride')
          output%fields = fields%words
          output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
          output%has_si = values%logical_value('output', 'si_copies')
-         allocate (output%film_thresholds(0))
+         output%film_thresholds = thresholds%reals
       end associate
    end subroutine fill_common
 
@@ -161,7 +165,6 @@ contains
    subroutine fill_numerics(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
-      type(value_t) :: thresholds
 
       associate (domain => case%domain)
          domain%has_inlet = values%has_value('domain', 'x_inlet')
@@ -192,17 +195,13 @@ contains
          solver%coarse_sweeps = values%integer_value('solver', 'coarse_sweeps')
          solver%relaxation = values%real_value('solver', 'relaxation')
          solver%load_relaxation = values%real_value('solver', 'load_relaxation')
-         solver%film_floor = values%real_value('solver', 'film_floor')   ! [m] before it is planned
-         solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
       end associate
       if (values%word_value('case', 'equations') == 'stokes') then
          case%layers = values%integer_value('film', 'layers')
          case%has_inertia = values%logical_value('film', 'inertia')
          case%solver%space_scheme = 'kappa'
       end if
-      thresholds = values%slot('output', 'film_thresholds')
       associate (output => case%output_settings)
-         output%film_thresholds = thresholds%reals
          output%adequacy = values%word_value('output', 'adequacy')
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate

@@ -171,11 +171,6 @@ contains
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the '// &
                'first row, expected a history that begins in motion, or a periodic one without '// &
                'an end: at rest no film is known')
-         else if (values%problem == point .and. .not. (sum(1) > 0.0_wp .and. minval(sum) &
-            >= 0.0_wp)) then
-            call values%refuse('history', 'file', file//': found speed_1 + speed_2 = ' &
-               //to_text(minval(sum))//' m/s, expected for a point contact a history that '// &
-               'begins in motion and goes forwards, at most to rest')
          end if
       end associate
       do i = 1, merge(2, 0, never)   ! one finding is enough

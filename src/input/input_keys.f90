@@ -547,10 +547,12 @@ module input_keys
          example='! 0.5', is_expert=.true.), &
       key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, &
          'a film below it is a film breakdown, reported with place and time', &
-         range='> 0, <= 1e-3', used=in_metres, typical=typical_film, example='! 5e-9'), &
+         range='> 0, <= 1e-3', used=in_metres, problems=film, typical=typical_film, &
+         example='! 5e-9'), &
       key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", &
          'at a film breakdown: end as not converged, or continue with a mark; a film that ' &
-         //'closes always ends', words='stop continue', used='film_floor', example='!'), &
+         //'closes always ends', words='stop continue', used='film_floor', problems=film, &
+         example='!'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', &
          words='auto conjugate_gradient steepest_descent', problems=dry, is_expert=.true.), &
@@ -588,8 +590,8 @@ module input_keys
          range='>= 0, <= 1e9', used=in_time, problems=film, example='!'), &
       key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, &
          'films for /statistics: how often and on how much of the contact the film is thinner', &
-         range='> 0, <= 1', used=in_time//', '//in_metres, typical=typical_film, &
-         example='! 50e-9, 100e-9'), &
+         range='> 0, <= 1', used=in_time//', '//in_metres, problems=film, &
+         typical=typical_film, example='! 50e-9, 100e-9'), &
       key_row_t('output', 'adequacy', logical_kind, '', '.true.', &
          'measures the effect of each ingredient, for /adequacy: at most a tenth of the cost; '// &
             'full: everything', words='full', problems=other_than_point), &

@@ -69,8 +69,6 @@ contains
       given = case%time
       call plan_times(values, case%contact, case)
       given%end_time = case%time%end_time
-      if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
-         /case%scaling%film
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
 
@@ -93,13 +91,15 @@ contains
          "reverses, expected 'bdf2': at rest there is no steady film")
    end subroutine plan_duty
 
-   !> End and step of a transient of a `contact`, line or point. Findings: nothing tells when it
-   !> ends; waves too fine for grid or step.
+   !> Film floor, end and step of a transient of a `contact`, line or point. Findings: nothing tells
+   !> when it ends; waves too fine for grid or step.
    subroutine plan_times(values, contact, case)
       type(input_values_t), intent(inout) :: values
       class(rough_contact_t), intent(in) :: contact
       type(case_t), intent(inout) :: case
 
+      if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
+         /case%scaling%film
       associate (time => case%time)
          if (values%is_given('time', 'duration')) time%end_time = values%real_value('time', &
             'duration')/case%scaling%time

@@ -34,9 +34,9 @@ module iteration_report
       integer :: count = 0
       !> Whether the present one is.
       logical :: is_now = .false.
-      !> The first of them: time step, T, X of its smallest film, that film.
+      !> The first of them: time step, T, X of its smallest film, of a point contact Y, that film.
       integer :: step = 0
-      real(wp) :: time = 0.0_wp, position = 0.0_wp, film = 0.0_wp
+      real(wp) :: time = 0.0_wp, position = 0.0_wp, across = 0.0_wp, film = 0.0_wp
       !> Smallest film of all of them.
       real(wp) :: smallest_film = huge(1.0_wp)
    end type breakdown_t

@@ -32,7 +32,7 @@ module checkpoint
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 21
+   integer, parameter :: format_number = 22
 
    !> What a run has gathered and chosen, and goes on with from its checkpoint.
    type :: run_record_t
@@ -379,6 +379,7 @@ contains
          call file%visit('/breakdown/step', films%step)
          call file%visit('/breakdown/time', films%time)
          call file%visit('/breakdown/position', films%position)
+         call file%visit('/breakdown/across', films%across)
          call file%visit('/breakdown/film', films%film)
          call file%visit('/breakdown/smallest_film', films%smallest_film)
       end associate

@@ -391,8 +391,10 @@ contains
       character(:), allocatable :: sentence
 
       sentence = 'film breakdown at x = '//prefixed_text(breakdown%position*scaling%half_width, &
-         'm')//' (X = '//number_text(breakdown%position, 4) &
-         //'), t = '//prefixed_text(breakdown%time*scaling%time, 's') &
+         'm')//' (X = '//number_text(breakdown%position, 4)//')'
+      if (allocated(scaling%ellipse)) sentence = sentence//', y = '//prefixed_text( &
+         breakdown%across*scaling%half_width, 'm')//' (Y = '//number_text(breakdown%across, 4)//')'
+      sentence = sentence//', t = '//prefixed_text(breakdown%time*scaling%time, 's') &
          //' (T = '//number_text(breakdown%time, 4) &
          //', time step '//number_text(real(breakdown%step, wp), 9)//'): '
       if (breakdown%film > 0.0_wp) then

@@ -216,7 +216,8 @@ contains
          call file%create_group('/statistics')
          call write_attribute(file, '/statistics', 'about', &
             'over the times that count, from T = statistics_from on; the contact is '// &
-            'one half-width to either side of X = 0')
+            trim(merge('the dry one at the reference load     ', &
+            'one half-width to either side of X = 0', allocated(scaling%ellipse))))
          call write_attribute(file, '/statistics', 'statistics_from', max(from, 0.0_wp))
          call write_field(file, '/statistics/film_threshold', s%thresholds*film, &
             new_label('stated films', 'm'), '=')

@@ -2,14 +2,15 @@
 module point_result
    use adequacy_section, only: write_validity
    use case_record, only: case_t
-   use field_sections, only: write_solution
+   use field_sections, only: write_solution, write_statistics
    use hdf5_axes, only: make_counter, name_axes
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
+   use iteration_report, only: report_t
    use kinds, only: not_known, wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use point_solver, only: point_run_t
-   use result_sections, only: write_scaling, write_summary, write_times
+   use result_sections, only: write_breakdown, write_scaling, write_summary, write_times
    use result_writer, only: result_writer_t
    implicit none (type, external)
    private
@@ -20,12 +21,13 @@ contains
 
    !> Writes /scaling, /solution, /transient, /summary and what the grids of the steady solution
    !> have taken; `missing`: why a quantity whose error is NaN has none.
-   subroutine write_point_result(writer, case, run, state, summary, missing)
+   subroutine write_point_result(writer, case, run, state, summary, report, missing)
       type(result_writer_t), intent(inout) :: writer
       type(case_t), intent(in) :: case
       type(point_run_t), intent(in) :: run
       type(line_state_t), intent(in) :: state
       type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
       character(*), intent(in) :: missing
 
       associate (file => writer%file)
@@ -35,6 +37,10 @@ contains
          call writer%copy_steps(writer%has_si, [size(state%x), size(state%y)])
          call write_summary(file, summary, case%scaling, writer%is_transient, missing, not_known())
          if (writer%is_transient) call write_times(file, writer%run%passage%times)
+         call write_statistics(file, writer%run%statistics, case%scaling, &
+            writer%run%passage%times%statistics_from())
+         if (case%solver%film_floor > 0.0_wp) call write_breakdown(file, report%breakdown, &
+            case%scaling)
          if (allocated(writer%limits)) call write_validity(file, writer%limits)
          call make_counter(file, '/report/grid', size(run%work, 2), 'number of the grid')
          call make_counter(file, '/report/kind_of_work', 2, &

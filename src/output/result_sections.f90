@@ -286,6 +286,8 @@ contains
          scaled_label('time of the first of them', 'time', scaling))
       call write_dataset(file, path//'position', breakdown%position, &
          scaled_label('place of the smallest film of the first of them', 'half_width', scaling))
+      if (allocated(scaling%ellipse)) call write_dataset(file, path//'position_y', &
+         breakdown%across, scaled_label('the same across', 'half_width', scaling))
       call write_dataset(file, path//'film', breakdown%film, &
          scaled_label('smallest film of the first of them', 'film', scaling))
       call write_dataset(file, path//'smallest_film', breakdown%smallest_film, &

@@ -43,7 +43,7 @@ module run_observer
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step, on_part, on_stage, wants_stop
+      procedure :: on_step, on_part, on_stage, wants_stop, name_breakdown
       procedure, private :: keep
    end type run_observer_t
 
@@ -108,6 +108,16 @@ contains
          call begin_activity(words)
       end if
    end subroutine on_stage
+
+   !> Gives a film breakdown in SI as the reason of a report that ends with one.
+   subroutine name_breakdown(self, report)
+      class(run_observer_t), intent(in) :: self
+      type(report_t), intent(inout) :: report
+
+      if (index(report%reason, 'film breakdown') /= 1) return
+      if (self%log%scaling%is_dimensional) report%reason = breakdown_sentence(report%breakdown, &
+         self%film_floor, self%log%scaling)
+   end subroutine name_breakdown
 
    !> Writes a checkpoint. A failure is reported and stops nothing: the last one is still there.
    subroutine keep(self, state, history, report)

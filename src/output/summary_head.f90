@@ -140,11 +140,11 @@ contains
       if (has_word(film, trim(case%problem))) then
          limits%value = 1.0_wp
          call write_validity(file, limits)
+         report%breakdown%count = 1
+         call write_breakdown(file, report%breakdown, whole%scaling)
       end if
       if (case%problem == lubricated) then
          call write_mean_power(file, summary, [line_summary_t ::], whole%scaling, '')
-         report%breakdown%count = 1
-         call write_breakdown(file, report%breakdown, whole%scaling)
       else if (case%problem == point) then
          call write_attribute(file, '/scaling', 'radius_ratio', 1.0_wp, '1')
       end if

@@ -14,13 +14,13 @@ module point_contact
       point_film_unit, point_lambda
    use contact_moment, only: thinned_central_film
    use kinds, only: pi, wp
-   use line_contact, only: rough_contact_t
+   use line_contact, only: rough_contact_t, smoothen_both
    use lubricant, only: fluid_t
    implicit none (type, external)
    private
 
-   public :: far_load, far_pressure, fit_duty, first_intervals, hertz_pressure_at, &
-      intervals_for, new_point_contact, rows_for, set_point_moment
+   public :: dry_border, far_load, far_pressure, fit_duty, first_intervals, hertz_pressure_at, &
+      intervals_for, new_point_contact, rows_for, set_point_moment, start_of
 
    !> The contact.
    type, public, extends(rough_contact_t) :: point_contact_t
@@ -96,14 +96,14 @@ contains
       real(wp), intent(in) :: moes_l
       type(point_contact_t) :: own
       type(fluid_t) :: fluid
-      real(wp) :: film, speed, width
+      real(wp) :: ends(2), film, speed, width
       integer :: i
 
       associate (times => contact%duty%samples(sample_count), domain => contact%domain)
          do i = 1, size(times)
             associate (moment => contact%duty%at(times(i)))
                width = moment%load**(1.0_wp/3)
-               speed = max(sum(moment%speeds), least_speed)
+               speed = max(abs(sum(moment%speeds)), least_speed)
                fluid = contact%fluid
                fluid%alpha_bar = fluid%alpha_bar*width
                fluid%p0 = fluid%p0/width
@@ -115,13 +115,15 @@ contains
                end if
                own = new_point_contact(contact%radius_ratio, contact%moes_m*moment%load &
                   /speed**0.75_wp, moes_l*speed**0.25_wp, contact%angle, fluid)
+               ends = width*[own%domain%x_inlet, own%domain%x_outlet]
+               if (sum(moment%speeds) < 0.0_wp) ends = -ends([2, 1])
             end associate
             film = width**2*own%expected_film
             if (i == 1) contact%first_film = film
             contact%expected_film = min(contact%expected_film, film*(max(contact%moes_m, 1.0_wp) &
                /max(own%moes_m, 1.0_wp))**0.4_wp)
-            domain%x_inlet = min(domain%x_inlet, width*own%domain%x_inlet)
-            domain%x_outlet = max(domain%x_outlet, width*own%domain%x_outlet)
+            domain%x_inlet = min(domain%x_inlet, ends(1))
+            domain%x_outlet = max(domain%x_outlet, ends(2))
             domain%y_half_width = max(domain%y_half_width, width*own%domain%y_half_width)
          end do
       end associate
@@ -138,16 +140,30 @@ contains
       call set_sliding(contact%fluid, contact%lambda, contact%moment)
    end subroutine set_point_moment
 
+   !> The smooth contact of T = 0, from whose steady state a passage starts: of one at rest, as if
+   !> it moved.
+   pure function start_of(contact) result(start)
+      type(point_contact_t), intent(in) :: contact
+      type(point_contact_t) :: start
+
+      start = contact
+      call smoothen_both(start)
+      call set_point_moment(start, 0.0_wp)
+      associate (speeds => start%moment%speeds)
+         if (.not. abs(sum(speeds)) > 0.0_wp) speeds = 0.5_wp*least_speed
+      end associate
+   end function start_of
+
    !> Pressure of rigid bodies and an oil of constant viscosity far from the contact, of the film
-   !> `h` at (x, y): a paraboloid gap has P = (g1 X + g2 Y)/H^2 (P. L. Kapitza, Zh. Tekh. Fiz. 25,
-   !> 1955, 747), where that is positive.
+   !> `h` at (x, y), x with the flow: a paraboloid gap has P = (g1 X + g2 Y)/H^2 (P. L. Kapitza, Zh.
+   !> Tekh. Fiz. 25, 1955, 747), where that is positive.
    pure elemental real(wp) function far_pressure(contact, x, y, h) result(p)
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: x, y, h
 
       p = 0.0_wp
       if (contact%has_far_field) p = max((contact%far(1)*x + contact%far(2)*y) &
-         *sum(contact%moment%speeds)/h**2, 0.0_wp)
+         *abs(sum(contact%moment%speeds))/h**2, 0.0_wp)
    end function far_pressure
 
    !> Load of that pressure outside the domain, half a cell `hx`, `hy` beyond its border: the sum
@@ -160,18 +176,19 @@ contains
 
       load = 0.0_wp
       if (.not. contact%has_far_field) return
-      associate (domain => contact%domain, q => contact%curvature)
+      associate (domain => contact%domain, q => contact%curvature, &
+         g => sign(1.0_wp, sum(contact%moment%speeds))*contact%far)
          do i = 1, directions
             angle = (i - 0.5_wp)*2*pi/directions
             e = [cos(angle), sin(angle)]
             side = merge(domain%x_outlet, -domain%x_inlet, e(1) > 0.0_wp) + 0.5_wp*hx
             distance = min(side/max(abs(e(1)), tiny(1.0_wp)), (domain%y_half_width + 0.5_wp*hy) &
                /max(abs(e(2)), tiny(1.0_wp)))
-            load = load + 4*max(dot_product(contact%far, e), 0.0_wp)/(q(1)*e(1)**2 &
+            load = load + 4*max(dot_product(g, e), 0.0_wp)/(q(1)*e(1)**2 &
                + 2*q(2)*e(1)*e(2) + q(3)*e(2)**2)**2/distance
          end do
       end associate
-      load = load*2*pi/directions*sum(contact%moment%speeds)
+      load = load*2*pi/directions*abs(sum(contact%moment%speeds))
    end function far_load
 
    !> Pressure of the dry contact of the moment at (x, y).
@@ -184,6 +201,16 @@ contains
          p = sqrt(max(width**2 - (c*x - s*y)**2 - ((s*x + c*y)/contact%ellipse%ratio)**2, 0.0_wp))
       end associate
    end function hertz_pressure_at
+
+   !> q1, q2, q3 of the border q1 X^2 + 2 q2 X Y + q3 Y^2 = 1 of the dry contact.
+   pure function dry_border(contact) result(q)
+      type(point_contact_t), intent(in) :: contact
+      real(wp) :: q(3)
+
+      associate (c => cos(contact%angle), s => sin(contact%angle), k => contact%ellipse%ratio)
+         q = [c**2 + (s/k)**2, c*s*(1/k**2 - 1), s**2 + (c/k)**2]
+      end associate
+   end function dry_border
 
    !> Relative error of H_c to be expected on cells `hx` long: 0.5 M^0.24 hx^2/H_c, measured.
    pure real(wp) function film_error(contact, hx) result(error)

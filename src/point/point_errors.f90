@@ -5,13 +5,13 @@ module point_errors
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: not_known, wp
-   use line_contact, only: smoothen_both, steady_tolerance
+   use line_contact, only: steady_tolerance
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
-   use point_contact, only: first_intervals, point_contact_t, set_point_moment
+   use point_contact, only: first_intervals, point_contact_t, start_of
    use point_cycle, only: new_hierarchy
    use point_march, only: solve_point
    use point_newton, only: point_newton_t, solve_point_newton
@@ -104,6 +104,7 @@ contains
       allocate (coarser(0))
       coarse = contact
       other%settings = run%settings
+      other%settings%film_floor = 0.0_wp
       other%time = run%time
       if (allocated(other%time%resume_from)) deallocate (other%time%resume_from)
       other%threads = run%threads
@@ -142,8 +143,7 @@ contains
       near = run%grids(max(size(run%grids) - 2, 1))
       coarsening = 2**min(size(run%grids) - 1, 2)
       longer = contact
-      if (run%time%is_transient) call smoothen_both(longer)
-      call set_point_moment(longer, 0.0_wp)
+      if (run%time%is_transient) longer = start_of(contact)
       n = [contact%domain%intervals, contact%domain%rows]/coarsening
       associate (domain => longer%domain)
          more = n(1)/extension
@@ -157,7 +157,8 @@ contains
          call new_hierarchy(newton%hierarchy, longer, domain%intervals, domain%rows, &
             run%threads, error)
          if (allocated(error)) return
-         associate (level => newton%hierarchy%levels(1), i => more - behind, &
+         associate (level => newton%hierarchy%levels(1), i => merge(more - behind, behind, &
+            newton%hierarchy%levels(1)%direction > 0.0_wp), &
             j => (domain%rows - n(2))/2)
             level%pressure = 0.0_wp
             level%pressure(i:i + n(1), j:j + n(2)) = run%older

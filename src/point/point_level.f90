@@ -13,7 +13,7 @@ module point_level
    implicit none (type, external)
    private
 
-   public :: deflect, load_on, multiply_bands, new_level, set_point_film, set_surfaces
+   public :: deflect, load_on, multiply_bands, new_level, set_point_film, set_surfaces, turn_nodes
 
    !> Distance, in nodes, up to which the deflection is kept.
    integer, parameter :: reach = 64
@@ -24,8 +24,10 @@ module point_level
    type :: point_grid_t
       integer :: nx = 0, ny = 0, threads = 1
       real(wp) :: hx = 0.0_wp, hy = 0.0_wp
-      !> Positions (0:nx) and (0:ny).
+      !> Positions (0:nx) and (0:ny), times the `direction` of the flow: a contact is turned by 180
+      !> degrees when that changes.
       real(wp), allocatable :: x(:), y(:)
+      real(wp) :: direction = 1.0_wp
       !> Gap of the rigid bodies less the heights of the surfaces.
       real(wp), allocatable :: rigid(:, :)
       !> Weight of rho H in the squeeze term, 0 in a steady contact, and what older times leave of
@@ -100,23 +102,34 @@ contains
       call new_convolution(level%elastic, kernel, threads, error)   ! error: handed up
    end subroutine new_level
 
-   !> Sets the gap of the rigid bodies less the heights of both surfaces at a `time`, and the speed
-   !> of the moment of `contact`.
+   !> Sets the gap of the rigid bodies less the heights of both surfaces at a `time`, and speed and
+   !> direction of the moment of `contact`.
    pure subroutine set_surfaces(level, contact, time)
       type(point_level_t), intent(inout) :: level
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: time
       integer :: j
 
-      level%entrainment = sum(contact%moment%speeds)
-      associate (q => contact%curvature, x => level%x)
+      level%entrainment = abs(sum(contact%moment%speeds))
+      if (level%direction*sum(contact%moment%speeds) < 0.0_wp) call turn_nodes(level)
+      associate (q => contact%curvature, x => level%direction*level%x, &
+         y => level%direction*level%y)
          do j = 0, level%ny
-            level%rigid(:, j) = 0.5_wp*q(1)*x**2 + q(2)*x*level%y(j) &
-               + 0.5_wp*q(3)*level%y(j)**2 - surface_height(contact%surface_1, x, time, &
-               level%y(j)) - surface_height(contact%surface_2, x, time, level%y(j))
+            level%rigid(:, j) = 0.5_wp*q(1)*x**2 + q(2)*x*y(j + 1) &
+               + 0.5_wp*q(3)*y(j + 1)**2 - surface_height(contact%surface_1, x, time, y(j + 1)) &
+               - surface_height(contact%surface_2, x, time, y(j + 1))
          end do
       end associate
    end subroutine set_surfaces
+
+   !> Turns the nodes of a level to the other direction of the flow; its fields stay.
+   pure subroutine turn_nodes(level)
+      type(point_level_t), intent(inout) :: level
+
+      level%direction = -level%direction
+      level%x(:) = -level%x(level%nx:0:-1)
+      level%y(:) = -level%y(level%ny:0:-1)
+   end subroutine turn_nodes
 
    !> Computes the deflection of the pressure `p`, both on all nodes.
    subroutine deflect(level, p, deflection)

@@ -3,19 +3,20 @@
 !> new solve; later steps start from a prediction by the last solutions.
 module point_march
    use duty, only: span_of
-   use ehl_line_transient, only: cut_at_kinks, judge_cycles, look_back
+   use ehl_line_transient, only: cut_at_kinks, judge_cycles, look_back, turn_history
    use errors, only: error_t
+   use film_breakdown, only: check_breakdown
    use iteration_report, only: phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use film_state, only: film_state_t
-   use line_contact, only: smoothen_both, step_tolerance
+   use line_contact, only: step_tolerance
    use listener, only: listener_t, relay_t
    use lubricant, only: fluid_density
    use march_state, only: extrapolate, judge_part, keep_solution, march_state_t, most_parts, &
       least_part, next_end, part_ends, predictors, step_error, step_weights
-   use point_contact, only: point_contact_t, set_point_moment
-   use point_level, only: point_level_t, set_point_film, set_surfaces
+   use point_contact, only: point_contact_t, set_point_moment, start_of
+   use point_level, only: point_level_t, set_point_film, set_surfaces, turn_nodes
    use point_newton, only: solve_point_newton
    use point_quantities, only: fill_heights, fill_point_state
    use point_solver, only: coarseness, pairs_of, point_run_t, solve_point_steady, tolerance_of
@@ -41,21 +42,23 @@ contains
       real(wp) :: begin
 
       begin = wall_seconds()
-      if (run%time%is_transient) call set_point_moment(contact, 0.0_wp)
       start = contact
-      if (run%time%is_transient) call smoothen_both(start)
+      if (run%time%is_transient) start = start_of(contact)
       call solve_point_steady(run, start, listener, report, error)
       if (allocated(error)) return
       contact%domain = start%domain
       associate (seconds => report%cost%phase_seconds)
          seconds(phase_steady) = wall_seconds() - begin
-         call fill_point_state(run%newton%hierarchy%levels(1), contact, 0.0_wp, state)
+         call fill_point_state(run%newton%hierarchy%levels(1), start, 0.0_wp, state)
          if (report%converged .and. run%time%is_transient) then
             begin = wall_seconds()
             if (allocated(run%time%resume_from)) report = run%time%resume_from%report
             report%numbers%levels = size(run%newton%hierarchy%levels)
             call march_point(run, contact, listener, state, report)
             seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
+         else if (report%converged) then
+            call check_breakdown(state%x, state%film_thickness, run%settings, 0, 0.0_wp, report, &
+               state%y)
          end if
       end associate
       call fill_heights(contact, state)
@@ -83,15 +86,14 @@ contains
          if (history%size > 0) then
             level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
             level%rigid_displacement = history%rigid_displacement(1)
+            if (history%direction*level%direction < 0.0_wp) call turn_nodes(level)
          end if
          call set_point_moment(contact, history%step*time%time_step)
          call set_surfaces(level, contact, history%step*time%time_step)
          call set_point_film(level)
-         report%converged = all(level%film > 0.0_wp)
-         if (.not. report%converged) then
-            report%reason = 'the film closes at T = 0: the surfaces at their start are higher '// &
-               'than the smooth film'
-            return
+         if (history%size == 0) then
+            call check_film(0)
+            if (.not. report%converged) return
          end if
          call fill_point_state(level, contact, history%step*time%time_step, state)
          if (history%size == 0) then
@@ -106,6 +108,8 @@ contains
             end if
             call march_step(run, contact, listener, history, report)
             if (.not. report%converged) return
+            call check_film(history%step + 1)
+            if (.not. report%converged) return
             history%step = history%step + 1
             report%steps = history%step
             call fill_point_state(level, contact, history%step*time%time_step, state)
@@ -116,8 +120,21 @@ contains
 
    contains
 
+      !> Records a film below its floor at the end of a `step`.
+      subroutine check_film(step)
+         integer, intent(in) :: step
+
+         associate (level => run%newton%hierarchy%levels(1))
+            call check_breakdown(level%direction*level%x, reshape(level%film, &
+               [size(level%film)]), run%settings, step, step*run%time%time_step, report, &
+               level%direction*level%y)
+         end associate
+      end subroutine check_film
+
       !> Passes the state after a step and that of the march to the listener.
       subroutine hand_out()
+
+         call fill_heights(contact, state)
          if (run%time%may_lengthen) call look_back(state, nint(span_of(contact%duty) &
             /run%time%time_step), history, steps)
          call listener%on_step(history%step, steps, state, history, report)
@@ -203,10 +220,11 @@ contains
          weights = step_weights(history, time%scheme, length)
          least = minval(level%film)
          level%inverse_time_step = weights(1)
-         level%old_squeeze = reshape(weights(2)*history%mass(:, 1) + weights(3) &
-            *history%mass(:, 2), shape(level%film))
          call set_point_moment(contact, new_time)
          call set_surfaces(level, contact, new_time)
+         if (history%direction*level%direction < 0.0_wp) call turn_history(history)
+         level%old_squeeze = reshape(weights(2)*history%mass(:, 1) + weights(3) &
+            *history%mass(:, 2), shape(level%film))
          count = predictors(history)
          do attempt = 1, 2
             if (attempt == 2) count = 1
@@ -264,6 +282,7 @@ contains
       call fluid_density(contact%fluid, pressure, density)
       call keep_solution(history, length, pressure, level%rigid_displacement, density &
          *reshape(level%film, shape(density)))
+      history%direction = level%direction
    end subroutine remember
 
 end module point_march

@@ -7,7 +7,7 @@ module point_quantities
    use grid_errors, only: error_on_grids, orders, safety
    use kinds, only: exceeds, not_known, pi, wp
    use line_contact, only: finest_wave
-   use line_state, only: friction_t, line_state_t, stressed_share, unknown_limits
+   use line_state, only: friction_t, line_state_t, stressed_share, turned, unknown_limits
    use line_summary, only: line_summary_t, summary_of
    use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
@@ -41,10 +41,12 @@ contains
       state%rigid_displacement = level%rigid_displacement
       state%time = time
       state%moment = contact%moment
+      state%moment%speeds = level%direction*contact%moment%speeds
       state%friction = forces_of(level, contact, 0, level%ny)
       state%friction%load = 2/pi*contact%load*contact%moment%load
       state%limits = unknown_limits()
       state%limits%stress_share = state%friction%stress_share
+      if (level%direction < 0.0_wp) state = turned(state)
    end subroutine fill_point_state
 
    !> Adds the heights of the surfaces at the time of a `state`, unless they are smooth.
@@ -102,12 +104,12 @@ contains
       type(plane_flow_t) :: plane
       integer :: i, j, x(2), y(2)
 
-      forces%sliding_speed = 0.5_wp*contact%slide_to_roll
+      forces%sliding_speed = 0.5_wp*level%direction*contact%slide_to_roll
       stressed = stressed_share*maxval(level%pressure)
       associate (p => level%pressure, h => level%film, dx => level%hx, dy => level%hy)
          each_row: do j = first, last
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
-            call evaluate_stress(contact%fluid, contact%lambda/12*contact%slide_to_roll, 0*ln_mu, &
+            call evaluate_stress(contact%fluid, contact%lambda/6*forces%sliding_speed, 0*ln_mu, &
                1/h(:, j), ln_mu, stress)
             y = [max(j - 1, 0), min(j + 1, level%ny)]
             each_node: do i = 0, level%nx
