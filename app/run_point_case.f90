@@ -10,7 +10,7 @@ module run_point_case
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use passage_times, only: new_passage_times, passage_note
-   use point_errors, only: find_quantities
+   use point_errors, only: choose_passage, find_quantities
    use point_march, only: solve_point
    use point_result, only: write_point_result
    use point_solver, only: point_run_t
@@ -24,6 +24,9 @@ module run_point_case
    private
 
    public :: solve_point_case
+
+   !> Times whose fields are stored where the program chooses.
+   integer, parameter :: stored_times = 50
 
 contains
 
@@ -43,21 +46,34 @@ contains
       type(line_state_t) :: state
       type(report_t) :: report
       character(:), allocatable :: missing, note
+      real(wp) :: start
 
       listener%log = log
       listener%threads = threads
       listener%log%in_seconds = allocated(case%duty)
       call listener%log%start_case(case%file, case%scaling)
+      run%settings = case%solver
+      run%time = case%time
+      run%threads = min(threads, processors())
+      start = wall_seconds()
+      if (case%time%is_transient .and. case%solver%target > 0.0_wp) then   ! a resumed run, too
+         call choose_passage(run, case%point, listener, error)
+         if (allocated(error)) return
+         case%time = run%time
+      end if
+      associate (stride => case%output_settings%profile_stride, time => case%time)
+         if (stride == 0 .and. time%is_transient) stride = max(1, nint(time%end_time &
+            /(stored_times*time%time_step)))
+      end associate
       call start_result(case, path, is_resume, listener, error)
       if (allocated(error)) return
+      listener%start = start
       call note_unusual(case, note)
       listener%writer%run%passage%times = new_passage_times(case%point, case%time)
       call note_coarse_waves(case, case%point, listener, note)
       call add_note(case, listener, passage_note(case%point, &
          listener%writer%run%passage%times), note)
-      run%settings = case%solver
-      run%time = case%time
-      run%threads = min(threads, processors())
+      run%time = case%time   ! with where it goes on
       missing = 'no solution'
       call solve_point(run, case%point, listener, state, report, error)
       if (.not. (allocated(error) .or. listener%is_stopping)) then

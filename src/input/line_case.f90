@@ -112,7 +112,8 @@ contains
          call choose_time_step(contact, time)
          if (time%is_transient) call check_times(values, time%end_time, time%time_step)
       end associate
-      if (.not. case%scaling%is_dimensional .or. case%solver%target > 0.0_wp) return
+      if (.not. case%scaling%is_dimensional .or. (case%solver%target > 0.0_wp &
+         .and. case%problem /= point)) return
       call check_wave(values, 'surface_1', contact%surface_1, contact, case)
       call check_wave(values, 'surface_2', contact%surface_2, contact, case)
    end subroutine plan_times

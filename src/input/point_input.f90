@@ -32,8 +32,6 @@ module point_input
    !> Most intervals in x that are chosen, and most nodes of the coarsest grid.
    integer, parameter :: most_intervals = 1024, most_coarsest = 2000
    real(wp), parameter :: degree = pi/180
-   !> Times whose fields are stored where the program chooses.
-   integer, parameter :: stored_times = 50
 
 contains
 
@@ -160,12 +158,13 @@ contains
       load = 2*pi*ellipse%ratio/3*pressure*(2*pressure*radius/(pi*ellipse%compliance*modulus))**2
    end function load_of
 
-   !> Domain and grid, given or chosen: the finest allowed one for a target.
+   !> Domain and grid, given or chosen: the finest allowed one for a target, the usual one in time,
+   !> where passages choose it.
    subroutine fill_grid(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
       character(:), allocatable :: fault
-      integer :: coarsest(2)
+      integer :: coarsest(2), usual
 
       associate (contact => case%point, domain => case%point%domain)
          contact%has_far_field = values%logical_value('domain', 'far_field')
@@ -183,7 +182,9 @@ contains
                domain%intervals = 2*domain%intervals
             end do
          end if
+         usual = domain%intervals
          if (case%solver%target > 0.0_wp) domain%intervals = most_intervals
+         case%solver%max_intervals = domain%intervals
          domain%rows = values%integer_value('domain', 'intervals_y')
          if (domain%rows == 0) domain%rows = rows_for(contact, domain%intervals)
          coarsest = [domain%intervals, domain%rows]
@@ -195,6 +196,8 @@ contains
             ' intervals, expected numbers that can be halved together down to about 16')
          fault = memory_fault('a grid', point_memory(domain%intervals, domain%rows), of_blas)
          if (fault /= '') call values%refuse('domain', 'intervals_x', fault)
+         if (case%time%is_transient) domain%rows = domain%rows*usual/domain%intervals
+         if (case%time%is_transient) domain%intervals = usual
       end associate
    end subroutine fill_grid
 
@@ -209,13 +212,7 @@ contains
          if (case%time%is_transient) call place_features(contact)
          if (has_area(contact) .and. .not. case%time%time_step > 0.0_wp) case%time%time_step = &
             (domain%x_outlet - domain%x_inlet)/domain%intervals
-         if (case%time%is_transient .and. case%solver%target > 0.0_wp) call values%refuse( &
-            'accuracy', 'target', 'found with transient = .true., expected intervals_x in &domain')
          call plan_times(values, contact, case)
-         associate (stride => case%output_settings%profile_stride, time => case%time)
-            if (stride == 0 .and. time%is_transient) stride = max(1, nint(time%end_time &
-               /(stored_times*time%time_step)))
-         end associate
       end associate
    end subroutine plan_passage
 

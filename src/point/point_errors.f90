@@ -5,7 +5,7 @@ module point_errors
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: not_known, wp
-   use line_contact, only: steady_tolerance
+   use line_contact, only: intervals_for_waves, steady_tolerance, time_settings_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t
@@ -17,13 +17,15 @@ module point_errors
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, summary_of_point
    use point_solver, only: point_run_t, tolerance_of
-   use quantities, only: sliding_rows
+   use quantities, only: h_central, h_min, sliding_rows
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: find_quantities, measure_domain
+   public :: choose_passage, find_quantities, measure_domain
 
+   !> What twice the intervals at least divide the errors of a passage by.
+   real(wp), parameter :: next_fall = 3.0_wp
    !> The longer domain has half as many intervals more, on both sides together.
    integer, parameter :: extension = 2
 
@@ -86,6 +88,46 @@ contains
       if (size(coarser) == 0) missing = 'the passage has no solution on half the intervals'
    end subroutine find_quantities
 
+   !> Chooses intervals and time step of `run` and `contact` for its target, by passages from the
+   !> first grid on, each twice as fine as the one before: the first that meets it, or twice as fine
+   !> as one that nearly does; at most `max_intervals`. Error: as above.
+   subroutine choose_passage(run, contact, listener, error)
+      type(point_run_t), intent(inout) :: run
+      type(point_contact_t), intent(inout) :: contact
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(line_summary_t) :: last
+      real(wp) :: ratio
+      integer :: n, usual
+      logical :: is_known
+
+      usual = contact%domain%intervals
+      n = first_intervals(contact, usual)
+      do while (min(intervals_for_waves(contact), usual) > 2*n)
+         n = 2*n
+      end do
+      run%coarser = [line_summary_t ::]
+      do
+         call run_passage(run, contact, real(usual, wp)/n, listener, last, is_known, error)
+         if (allocated(error) .or. listener%wants_stop()) return
+         run%coarser = pack([last, run%coarser], is_known)
+         ratio = huge(ratio)
+         if (size(run%coarser) > 1) then
+            call estimate_point_errors(last, contact, run%coarser(2:), 0.0_wp)
+            associate (of => last%of([h_min, h_central]))
+               ratio = maxval(of%error_grid/of%value)/run%settings%target
+            end associate
+         end if
+         if (ratio <= 1.0_wp) exit
+         n = 2*n
+         if (ratio <= next_fall .or. 2*n > run%settings%max_intervals) exit
+      end do
+      if (ratio <= 1.0_wp) run%coarser = run%coarser(2:)   ! the last one is made again
+      contact%domain%rows = contact%domain%rows*n/usual
+      contact%domain%intervals = n
+      run%time = times_over(run%time, real(usual, wp)/n)
+   end subroutine choose_passage
+
    !> Extremes of the passage on half and a quarter of the intervals, with as many times longer
    !> steps, as far as these grids hold the film and there are solutions. Error: as above.
    subroutine measure_passages(run, contact, listener, coarser, error)
@@ -94,34 +136,63 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(line_summary_t), allocatable, intent(out) :: coarser(:)
       type(error_t), allocatable, intent(out) :: error
+      type(line_summary_t) :: last
+      integer :: factor
+      logical :: is_known
+
+      allocate (coarser(0))
+      if (allocated(run%coarser)) coarser = run%coarser
+      if (allocated(run%coarser)) return
+      do factor = 2, 4, 2
+         if (contact%domain%intervals/factor < first_intervals(contact, &
+            contact%domain%intervals)) return
+         call run_passage(run, contact, real(factor, wp), listener, last, is_known, error)
+         if (allocated(error) .or. .not. is_known) return
+         coarser = [coarser, last]
+      end do
+   end subroutine measure_passages
+
+   !> Extremes of the passage with the intervals over `factor`, and as many times longer steps;
+   !> `is_known`: it has a solution. Error: as above.
+   subroutine run_passage(run, contact, factor, listener, extremes, is_known, error)
+      type(point_run_t), intent(in) :: run
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: factor
+      class(listener_t), intent(inout), target :: listener
+      type(line_summary_t), intent(out) :: extremes
+      logical, intent(out) :: is_known
+      type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_state_t) :: state
       type(point_contact_t) :: coarse
       type(point_run_t) :: other
       type(report_t) :: report
-      integer :: factor
 
-      allocate (coarser(0))
       coarse = contact
       other%settings = run%settings
       other%settings%film_floor = 0.0_wp
-      other%time = run%time
+      other%time = times_over(run%time, factor)
       if (allocated(other%time%resume_from)) deallocate (other%time%resume_from)
       other%threads = run%threads
       collector%parent => listener
-      do factor = 2, 4, 2
-         coarse%domain%intervals = contact%domain%intervals/factor
-         coarse%domain%rows = contact%domain%rows/factor
-         if (coarse%domain%intervals < first_intervals(contact, contact%domain%intervals)) return
-         other%time%time_step = run%time%end_time/nint(run%time%end_time/(factor &
-            *run%time%time_step))
-         other%time%tolerance = factor**3*run%time%tolerance
-         collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
-         call solve_point(other, coarse, collector, state, report, error)
-         if (allocated(error) .or. .not. report%converged) return
-         coarser = [coarser, collector%passage%extremes(summary_of(state))]
-      end do
-   end subroutine measure_passages
+      coarse%domain%intervals = nint(contact%domain%intervals/factor)
+      coarse%domain%rows = nint(contact%domain%rows/factor)
+      collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
+      call solve_point(other, coarse, collector, state, report, error)
+      is_known = .not. allocated(error) .and. report%converged
+      if (is_known) extremes = collector%passage%extremes(summary_of(state))
+   end subroutine run_passage
+
+   !> The times of a passage with `factor` times longer steps, whole ones.
+   pure function times_over(time, factor) result(longer)
+      type(time_settings_t), intent(in) :: time
+      real(wp), intent(in) :: factor
+      type(time_settings_t) :: longer
+
+      longer = time
+      longer%time_step = time%end_time/nint(time%end_time/(factor*time%time_step))
+      longer%tolerance = factor**3*time%tolerance
+   end function times_over
 
    !> Quantities on a quarter of the intervals, or on half of them where that is the first grid,
    !> `near`, which `run` must have, and with the same spacing on a domain 1.5 times as long, `far`.

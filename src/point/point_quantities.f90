@@ -23,6 +23,8 @@ module point_quantities
 
    !> Rows of forces.
    integer, parameter :: forces(*) = [sliding_rows, rolling_coefficient]
+   !> Pressures over the largest one that count as none: what Newton's method leaves at the exit.
+   real(wp), parameter :: round_off = 1.0e-11_wp
 
 contains
 
@@ -100,12 +102,13 @@ contains
       integer, intent(in) :: first, last
       type(friction_t) :: forces
       real(wp), dimension(0:level%nx) :: ln_mu, stress
-      real(wp) :: cell, flow, rest, sigma(2), slope(2), stressed
+      real(wp) :: cell, flow, least, rest, sigma(2), slope(2), stressed
       type(plane_flow_t) :: plane
       integer :: i, j, x(2), y(2)
 
       forces%sliding_speed = 0.5_wp*level%direction*contact%slide_to_roll
       stressed = stressed_share*maxval(level%pressure)
+      least = round_off*maxval(level%pressure)
       associate (p => level%pressure, h => level%film, dx => level%hx, dy => level%hy)
          each_row: do j = first, last
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
@@ -118,7 +121,7 @@ contains
                slope = [(p(x(2), j) - p(x(1), j))/((x(2) - x(1))*dx), &
                   (p(i, y(2)) - p(i, y(1)))/((y(2) - y(1))*dy)]
                forces%rolling = forces%rolling + cell*0.5_wp*h(i, j)*slope(1)
-               if (.not. p(i, j) > 0.0_wp) cycle each_node
+               if (.not. p(i, j) > least) cycle each_node
                flow = 0.5_wp*h(i, j)**3*exp(-ln_mu(i))/contact%lambda*sum(slope**2)
                sigma = wall_stress(contact%fluid, h(i, j)*slope)
                if (norm2(sigma) > least_sigma) then
@@ -134,8 +137,9 @@ contains
                   abs(stress(i))/p(i, j))
                forces%rolling_power = forces%rolling_power + cell*flow
             end do each_node
-            i = findloc(p(:, j) > 0.0_wp, .true., 1, back=.true.) - 1
-            rest = exit_between_nodes(level%x, p(:, j)) - (level%x(max(i, 0)) + 0.5_wp*dx)
+            i = findloc(p(:, j) > least, .true., 1, back=.true.) - 1
+            rest = exit_between_nodes(level%x, merge(p(:, j), 0.0_wp, p(:, j) > least)) &
+               - (level%x(max(i, 0)) + 0.5_wp*dx)
             if (ieee_is_finite(rest)) forces%sliding = forces%sliding + 0.5_wp*(y(2) - y(1))*dy &
                *rest*stress(i)
          end do each_row

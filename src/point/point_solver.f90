@@ -41,6 +41,8 @@ module point_solver
       type(line_summary_t), allocatable :: grids(:)
       real(wp), allocatable :: older(:, :)
       real(wp) :: older_h0 = 0.0_wp
+      !> Of a passage whose grid was chosen: on half the intervals, a quarter and so on.
+      type(line_summary_t), allocatable :: coarser(:)
       !> Newton steps and iterations of GMRES (2, grids).
       integer, allocatable :: work(:, :)
    end type point_run_t
@@ -145,7 +147,7 @@ contains
       integer :: n
 
       n = size(run%grids)
-      is_met = run%settings%target > 0.0_wp .and. n > 2
+      is_met = all([run%settings%target > 0.0_wp, n > 2, .not. run%time%is_transient])
       if (.not. is_met) return
       last = run%grids(n)
       call estimate_point_errors(last, contact, run%grids(n - 1:1:-1), 0.0_wp)
