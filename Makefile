@@ -160,12 +160,11 @@ chart: bench-program ## error against wall time of all methods, in results/chart
 orders: bench-program ## table of the observed orders in time, in results/orders/ (ARGS=--quick: coarser)
 	$(PYTHON) bench/orders.py $(ARGS)
 
-accuracy: bench-program ## truth of the error bars, cost of a target accuracy, in results/accuracy/ (ARGS=--quick: shorter)
-	$(PYTHON) bench/targets.py $(ARGS)
+accuracy: bench-program ## truth of the error bars, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/families.py $(ARGS)
 
-accuracy-time: build bench-program ## the same for passages (ARGS=--quick: fewer)
-	$(PYTHON) bench/targets.py --in-time $(ARGS)
+accuracy-time: build bench-program ## the same for passages, cost of a target accuracy (ARGS=--quick: fewer)
+	$(PYTHON) bench/targets.py $(ARGS)
 	$(PYTHON) bench/families.py passages --output results/accuracy/passages $(ARGS)
 
 stability: bench-program ## maps of convergence of each method, in results/stability/ (ARGS=--quick: shorter)

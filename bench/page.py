@@ -124,7 +124,7 @@ def dry_text(path: Path) -> str:
 BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "bench": (["bench/bench.csv"], [], bench_text),
     "chart": (["chart/conclusion.txt"], ["chart/chart.png"], as_it_is),
-    "targets": (["accuracy/cost.txt", "accuracy/cost_time.txt"], [], as_it_is),
+    "targets": (["accuracy/cost_time.txt"], [], as_it_is),
     "families": (["accuracy/families.csv"], [], families_text),
     "passages": (["accuracy/passages/families.csv"], [], families_text),
     "stability": ([f"stability/stability_{name}.csv" for name in NAMES], ["stability/stability.png"], maps_text),

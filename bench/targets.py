@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Measures the cost of a target for h_min, and whether it is met: fitted and fresh samples (samples.py), steady or --in-time.
+"""Measures the cost of a target for h_min of passages, and whether it is met: fitted and fresh samples (samples.py).
 
-The time, choice included, is compared with the best fixed grid: for steady contacts the coarsest even one of 2^k intervals whose
-true error meets the target, the truth being that for an eighth of the target; for passages the fewest (1 %: 64 to 1024, 0.1 %: to
-4096) with dT = dX and the thesis's scheme from which on all meet it; for 1 % also with the cheaper of the best fixed grids of both
-schemes. The exact answer of a passage is that of the thesis's scheme on 2048 intervals, for 0.1 % that of the kappa scheme on 4096
-with dT = dX/2. Times are of one core, the least wall time of several runs, or their mean processor time where other work on the
-machine made that smaller. Writes cost.csv and .txt, of passages cost_time.csv and .txt.
+The time, choice included, is compared with the best fixed grid: the fewest intervals (1 %: 64 to 1024, 0.1 %: to 4096) with dT = dX
+and the thesis's scheme from which on all meet it; for 1 % also with the cheaper of the best fixed grids of both schemes. The exact
+answer is that of the thesis's scheme on 2048 intervals, for 0.1 % that of the kappa scheme on 4096 with dT = dX/2. Times are of one
+core, the least wall time of several runs, or their mean processor time where other work on the machine made that smaller. Writes
+cost_time.csv and .txt. Targets of steady contacts: group `graded` of families.py, and chart.py.
 """
 
 from __future__ import annotations
@@ -19,13 +18,10 @@ from dataclasses import dataclass
 import bench_program
 from bench_program import conclude, job, new_parser, output_folder, save
 from judge import quantile, share
-from namelists import NO_BARS, Groups, namelist
-from samples import FRESH, Passage, contacts, fresh_contacts, passages
+from namelists import NO_BARS
+from samples import Passage, passages
 
 TARGETS = (1e-2, 1e-3)
-# A target over that of its steady reference; intervals of the even grids.
-FINER, EVEN = 8, tuple(2**k for k in range(5, 15))
-BATCH = 16
 # Seed and number of passages of a sample, of which the first ones are run.
 PASSAGES = {"Fitted": (1, 120), "Fresh": (3, 60)}
 # Passages for each target, the largest fixed grid, the space schemes of the fixed choices, and the exact answer.
@@ -48,30 +44,6 @@ class Cost:
     best_seconds: float = math.nan
     kappa_intervals: float = math.nan
     kappa_seconds: float = math.nan
-
-
-def steady_costs(batch: list[tuple[str, Groups]], effort: dict[str, float]) -> list[Cost]:
-    """Wanted accuracies beside even grids; the answer is that for a FINER target."""
-    every = {f"{name}:{target:g}": (name, groups, target) for name, groups in batch for target in TARGETS}
-    wanted = {key: namelist(groups | {"accuracy": {"target": target}}) for key, (_, groups, target) in every.items()}
-    chosen = bench_program.run([job(key, text, **effort) for key, text in wanted.items()])
-    every = {key: value for key, value in every.items() if chosen[key].converged}
-    jobs = []
-    for key, (_, groups, target) in every.items():
-        jobs += [job(f"{key}:{size}", namelist(groups | {"domain": {"intervals": size}}), **effort) for size in EVEN]
-        jobs.append(job(f"{key}:finer", namelist(groups | {"accuracy": {"target": target / FINER}}), limit=20))
-    fixed = bench_program.run(jobs)
-    found = []
-    for key, (name, _, target) in every.items():
-        own = {size.removeprefix(f"{key}:"): a for size, a in fixed.items() if size.startswith(f"{key}:") and a.converged}
-        reference, answer = own.pop("finer", None), chosen[key]
-        good = [a for a in own.values() if reference and abs(a["h_min"] / reference["h_min"] - 1) <= target]
-        if good:
-            best = min(good, key=lambda a: a["intervals"])
-            error = abs(answer["h_min"] / reference["h_min"] - 1)
-            sizes = int(answer["intervals"]), answer.least_seconds, int(best["intervals"]), best.least_seconds
-            found.append(Cost(name, target, error, *sizes))
-    return found
 
 
 def passage_cost(name: str, case: Passage, target: float) -> Cost:
@@ -116,13 +88,6 @@ def cost_text(label: str, found: list[Cost]) -> str:
     return f"{f'{label}, {100 * found[0].target:g}':22s}{len(judged):6d}{met:9.1f}{numbers}{either}\n"
 
 
-def steady(sample: str, quick: bool) -> list[Cost]:
-    """A sample of steady contacts."""
-    effort = {"runs": 5 if quick else 10, "seconds": 0.1, "limit": 20}
-    every = contacts(quick) if sample == "Fitted" else fresh_contacts(FRESH // 4 if quick else FRESH)
-    return [cost for start in range(0, len(every), BATCH) for cost in steady_costs(every[start : start + BATCH], effort)]
-
-
 def in_time(sample: str, quick: bool) -> list[Cost]:
     """A sample of passages."""
     seed, count = PASSAGES[sample]
@@ -133,19 +98,17 @@ def in_time(sample: str, quick: bool) -> list[Cost]:
 
 def main() -> int:
     """Command line."""
-    parser = new_parser(__doc__, "fewer contacts", "results/accuracy")
-    parser.add_argument("--in-time", action="store_true", help="passages instead of steady contacts")
-    options = parser.parse_args()
-    folder, ending = output_folder(options), "_time" if options.in_time else ""
-    every, words = [], HEAD
+    options = new_parser(__doc__, "fewer passages", "results/accuracy").parse_args()
+    folder, every, words = output_folder(options), [], HEAD
     for sample in ("Fitted", "Fresh"):
         print(sample, file=sys.stderr)
-        found = (in_time if options.in_time else steady)(sample, options.quick)
-        label = f"{sample} {'passages' if options.in_time else 'contacts'}"
-        words += "".join(cost_text(label, [c for c in found if c.target == t]) for t in dict.fromkeys(c.target for c in found))
+        found = in_time(sample, options.quick)
+        words += "".join(
+            cost_text(f"{sample} passages", [c for c in found if c.target == t]) for t in dict.fromkeys(c.target for c in found)
+        )
         every += found
-    save(folder / f"cost{ending}.csv", every)
-    conclude(folder / f"cost{ending}.txt", words)
+    save(folder / "cost_time.csv", every)
+    conclude(folder / "cost_time.txt", words)
     return 0
 
 
