@@ -417,7 +417,11 @@ contains
                return
             end if
             call set_moment(hierarchy, contact, new_time)
-            if (history%direction*level%direction < 0.0_wp) call turn_history(history)
+            if (history%direction*level%direction < 0.0_wp) then   ! the flow turns
+               history%pressure(:, :) = history%pressure(ubound(history%pressure, 1):0:-1, :)
+               history%mass(:, :) = history%mass(ubound(history%mass, 1):0:-1, :)
+               history%direction = -history%direction
+            end if
             weights = step_weights(history, plan%scheme, length)
             level%inverse_time_step = weights(1)
             level%rhs_reynolds = level%lambda*(weights(2)*history%mass(:, 1) &
@@ -485,17 +489,6 @@ contains
          end do
       end associate
    end subroutine solve_step
-
-   !> Turns the last solutions to the other direction of the flow.
-   pure subroutine turn_history(history)
-      type(march_state_t), intent(inout) :: history
-      integer :: n
-
-      n = ubound(history%pressure, 1)
-      history%pressure(:, :) = history%pressure(n:0:-1, :)
-      history%mass(:, :) = history%mass(n:0:-1, :)
-      history%direction = -history%direction
-   end subroutine turn_history
 
    !> Adds the present solution, at the end of a step of `length`, to the history.
    pure subroutine remember(history, level, length)
