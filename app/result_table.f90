@@ -232,24 +232,19 @@ contains
          do j = 1, size(cells, 2)
             line = line//cells(i, j)(:widths(j))//repeat(' ', 1 + mod(j, 2))
          end do
-         if (i > 1) line = line//remark(rows(i - 1))
+         if (i > 1) then
+            associate (row => rows(i - 1))
+               if (.not. row%is_read) then
+                  line = line//'NOT READ: '//row%reason
+               else if (row%outcome /= has_converged) then
+                  line = line//ending_text(row%outcome, row%reason)
+               end if
+            end associate
+         end if
          call write_text(trim(line)//nl, error)
          if (allocated(error)) return
       end do
    end subroutine write_table
-
-   !> What a row says beside its numbers.
-   pure function remark(row) result(words)
-      type(result_row_t), intent(in) :: row
-      character(:), allocatable :: words
-
-      words = ''
-      if (.not. row%is_read) then
-         words = 'NOT READ: '//row%reason
-      else if (row%outcome /= has_converged) then
-         words = ending_text(row%outcome, row%reason)
-      end if
-   end function remark
 
    !> Writes every quantity that any of the files has, with its error, a column for each unit; what
    !> is not known is empty. Error: standard output is lost.

@@ -46,8 +46,14 @@ contains
       type(dry_adequacy_t) :: adequacy
       character(:), allocatable :: words
 
-      if (case%dry%grid%ny > 1) case%dry%grid%threads = min(threads, processors())
-      call check_memory(case, error)
+      associate (grid => case%dry%grid)
+         if (grid%ny > 1) grid%threads = min(threads, processors())
+         words = memory_fault('a grid', case%dry%memory_on([grid%nx, grid%ny]), &
+            thread_memory(grid%threads))
+         if (words /= '' .and. grid%threads > 1) words = words//', with '//to_text(grid%threads) &
+            //' threads'
+      end associate
+      if (words /= '') call fail(error, input_error, case%file//': '//words)
       if (.not. allocated(error)) call open_result(result, case, path, error)
       if (allocated(error)) return
       associate (outcome => record%outcome, report => record%outcome%solution%report)
@@ -77,21 +83,6 @@ contains
          ending = outcome_of(report)
       end associate
    end subroutine solve_and_write
-
-   !> Error (input_error): there is not enough memory for the grid and the threads.
-   subroutine check_memory(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: fault
-
-      associate (grid => case%dry%grid)
-         fault = memory_fault('a grid', case%dry%memory_on([grid%nx, grid%ny]), &
-            thread_memory(grid%threads))
-         if (fault /= '' .and. grid%threads > 1) fault = fault//', with '//to_text(grid%threads) &
-            //' threads'
-      end associate
-      if (fault /= '') call fail(error, input_error, case%file//': '//fault)
-   end subroutine check_memory
 
    !> Solves all loads of `dry` and estimates the errors of its quantities, if asked for. With a
    !> target of the contact area, the grid becomes the first one whose estimate meets it, or the

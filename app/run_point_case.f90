@@ -98,7 +98,15 @@ contains
       call move_alloc(note, report%note)
       call note_target(case, summary, report)
       if (report%converged) call judge_point_limits(case, state, summary, listener)
-      call list_chosen(case)
+      associate (domain => case%point%domain)   ! may be chosen by the program
+         call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
+         call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
+         call set_effective(case, 'domain', 'y_half_width', [domain%y_half_width])
+         call set_effective(case, 'domain', 'intervals_x', integer=domain%intervals)
+         call set_effective(case, 'domain', 'intervals_y', integer=domain%rows)
+      end associate
+      if (case%time%is_transient) call set_effective(case, 'output', 'profile_stride', &
+         integer=case%output_settings%profile_stride)
       call list_passage(case, case%point, listener%writer%run%passage%times)
       associate (writer => listener%writer)
          call writer%begin_end(case)
@@ -110,20 +118,5 @@ contains
       end associate
       ending = outcome_of(report)
    end subroutine solve_point_case
-
-   !> Lists what the program has chosen among the effective values.
-   subroutine list_chosen(case)
-      type(case_t), intent(inout) :: case
-
-      associate (domain => case%point%domain)
-         call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
-         call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
-         call set_effective(case, 'domain', 'y_half_width', [domain%y_half_width])
-         call set_effective(case, 'domain', 'intervals_x', integer=domain%intervals)
-         call set_effective(case, 'domain', 'intervals_y', integer=domain%rows)
-      end associate
-      if (case%time%is_transient) call set_effective(case, 'output', 'profile_stride', &
-         integer=case%output_settings%profile_stride)
-   end subroutine list_chosen
 
 end module run_point_case

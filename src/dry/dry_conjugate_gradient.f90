@@ -29,7 +29,7 @@ module dry_conjugate_gradient
    !> The iteration ends after this many steps in which the error has not halved.
    integer, parameter :: patience = 1000
    !> Lengths of the first and the second step, over s; later ones are predicted from those before.
-   real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp
+   real(wp), parameter :: first_lengths(2) = [0.7_wp, 0.5_wp]
    !> A clipped change beyond twice its best length raises the energy: below this best length it is
    !> cut to the best.
    real(wp), parameter :: least_length = 0.5_wp
@@ -51,9 +51,9 @@ module dry_conjugate_gradient
       real(wp), allocatable :: d(:)
       !> d.K d (0: there is no d), and K d over the last product.
       real(wp) :: curvature = 0.0_wp, scale = 0.0_wp
-      !> Length of the next step along its direction, from the last one; the same without a last
-      !> change.
-      real(wp) :: expected = usual_length, first = first_length
+      !> Length of the next step along its direction, from the last one: without a last change (1)
+      !> and with it.
+      real(wp) :: lengths(2) = first_lengths
       !> Sum of the largest |K d| since v was recomputed.
       real(wp) :: path = 0.0_wp
    end type work_t
@@ -210,9 +210,9 @@ contains
 
       n = work%set%count
       associate (s => work%s, q => work%q, r => work%set%residual)
-         length = work%first
+         length = work%lengths(1)
          if (work%curvature > 0.0_wp) then
-            length = work%expected
+            length = work%lengths(2)
             call find_old_change(work, mean_d, overlap)
             beta = max(0.0_wp, -overlap/work%curvature)
             descent = 0.0_wp
@@ -317,9 +317,9 @@ contains
          end if
          best = min(max(best, 0.25_wp), 2.0_wp)
          if (work%curvature > 0.0_wp) then
-            work%expected = work%expected*best
+            work%lengths(2) = work%lengths(2)*best
          else
-            work%first = min(work%first*best, first_length)
+            work%lengths(1) = min(work%lengths(1)*best, first_lengths(1))
          end if
          work%curvature = length**2*curvature
       end associate

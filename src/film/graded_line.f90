@@ -32,9 +32,11 @@ module graded_line
    real(wp), parameter :: steep = 1.0_wp
    integer, parameter :: margin = 2
 
-   !> Nodes 0..n, elements 1..n, element i in front of node i.
+   !> Nodes 0..n, elements 1..n, element i in front of node i, and the contact on them.
    type :: graded_grid_t
       integer :: n = 0
+      real(wp) :: lambda = 0.0_wp
+      type(fluid_t) :: fluid
       !> X of the nodes, and spacing of the elements [b].
       real(wp), allocatable :: x(:), spacing(:)
       !> X^2/2 - Psi_1 - Psi_2 of the nodes; K of the film, and its elasticity.
@@ -48,8 +50,6 @@ module graded_line
 
    !> A grid with its unknowns, and the equations at them.
    type, extends(graded_grid_t) :: graded_line_t
-      real(wp) :: lambda = 0.0_wp
-      type(fluid_t) :: fluid
       type(film_state_t) :: state
       type(coefficients_t) :: oil
       type(mobility_slopes_t) :: slopes

@@ -170,7 +170,10 @@ contains
          coarsest = halved(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
       end if
       first = min(first, coarsest)
-      call make_room(hierarchy, 1 + doublings(first, n))
+      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
+      allocate (hierarchy%levels(1 + doublings(first, n)))
+      hierarchy%top = 0
+      hierarchy%fas_coarsest = 1
       do while (hierarchy%top < size(hierarchy%levels))
          start = wall_seconds()
          hierarchy%top = hierarchy%top + 1
@@ -185,17 +188,6 @@ contains
       hierarchy%coarsest = hierarchy%fas_coarsest
       hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
    end subroutine new_hierarchy
-
-   !> Removes all levels and makes room for `most`.
-   pure subroutine make_room(hierarchy, most)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      integer, intent(in) :: most
-
-      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
-      allocate (hierarchy%levels(most))
-      hierarchy%top = 0
-      hierarchy%fas_coarsest = 1
-   end subroutine make_room
 
    !> Allocates a level of `n` intervals on the domain of a contact, with what lies in front of it.
    subroutine new_level_of(contact, n, level, error)

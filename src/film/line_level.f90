@@ -86,14 +86,15 @@ module line_level
       real(wp), allocatable :: film_diagonal(:), diagonal(:), nodes(:), correction(:)
    end type level_work_t
 
-   !> The problem on a uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless
-   !> stated.
-   type :: line_problem_t
-      !> Intervals.
+   !> A uniform grid of n intervals on [x_inlet, x_outlet]: spacing dX [b] and nodes X (0:n).
+   type :: line_nodes_t
       integer :: n = 0
-      !> Spacing dX [b], and nodes X.
       real(wp) :: dx = 0.0_wp
       real(wp), allocatable :: x(:)
+   end type line_nodes_t
+
+   !> The problem on a grid; arrays are (0:n) unless stated.
+   type, extends(line_nodes_t) :: line_problem_t
       !> Film of smooth rigid bodies with H0 = 0, X^2/2 less the deflection by a tail, and the load
       !> of the nodes (module line_hierarchy).
       real(wp), allocatable :: gap(:)

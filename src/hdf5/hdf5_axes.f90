@@ -102,7 +102,7 @@ contains
       type(hvl_t), allocatable, target :: lists(:)
       integer(int64) :: user
       integer(hid_t) :: list_type
-      integer :: first, i, rank, status
+      integer :: first, i, k, rank, status
 
       if (allocated(file%row)) return
       if (axes == '=') call make_axis(file, path)
@@ -114,9 +114,15 @@ contains
       do i = rank, 1, -1
          associate (group => path(:index(path, '/', back=.true.)), length => index(axes(first:) &
             //' ', ' ') - 1)
-            call use_axis(file, group//axes(first:first + length - 1), user, i - 1, places(i))
+            k = axis_at(file, group//axes(first:first + length - 1))
+            if (k == 0) call file%check(-1, group//axes(first:first + length - 1) &
+               //': no coordinate')
             first = first + length + 1
          end associate
+         if (allocated(file%failure)) return
+         file%uses = [file%uses, axis_use_t(user, i - 1)]
+         file%used = [file%used, k]
+         places(i) = file%axes(k)%place
          lists(i)%len = 1_size_t
          lists(i)%p = c_loc(places(i))
       end do
@@ -125,24 +131,6 @@ contains
       call attach_values(file, path, 'DIMENSION_LIST', list_type, [rank], c_loc(lists))
       call h5tclose_f(list_type, status)
    end subroutine name_axes
-
-   !> Adds a user, by one of its dimensions, to the coordinate at `path`, whose place is `place`.
-   subroutine use_axis(file, path, user, dimension, place)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer(int64), intent(in) :: user
-      integer, intent(in) :: dimension
-      integer(int64), intent(out) :: place
-      integer :: k
-
-      place = 0_int64
-      k = axis_at(file, path)
-      if (k == 0) call file%check(-1, path//': no coordinate')
-      if (allocated(file%failure)) return
-      place = file%axes(k)%place
-      file%uses = [file%uses, axis_use_t(user, dimension)]
-      file%used = [file%used, k]
-   end subroutine use_axis
 
    !> The dataset or group at `path`, a coordinate or not, under a second name: a soft link, so that
    !> who walks through the file meets it once.

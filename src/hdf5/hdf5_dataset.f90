@@ -210,6 +210,7 @@ contains
       integer(hid_t), intent(in) :: type_id, space, properties
       type(label_t), intent(in), optional :: label
       integer(hid_t), intent(out) :: dataset
+      character(:), allocatable :: units
       integer :: references, status
 
       dataset = -1_hid_t
@@ -223,18 +224,11 @@ contains
       call write_attribute(file, path, 'long_name', label%long_name//label%definition)
       call write_attribute(file, path, 'si_units', label%si_units)
       call write_attribute(file, path, 'si_scale', label%si_scale)
-      if (stored_unit(label) /= '1' .or. space /= file%shared%scalar_space) call &
-         write_attribute(file, path, 'units', stored_unit(label))
+      units = '1'   ! what `si_scale` turns into SI
+      if (.not. label%has_scale()) units = label%si_units
+      if (units /= '1' .or. space /= file%shared%scalar_space) call write_attribute(file, path, &
+         'units', units)
    end subroutine create_labelled
-
-   !> The unit of the numbers as they are stored: '1' for those that `si_scale` turns into SI.
-   pure function stored_unit(label) result(unit)
-      type(label_t), intent(in) :: label
-      character(:), allocatable :: unit
-
-      unit = '1'
-      if (.not. label%has_scale()) unit = label%si_units
-   end function stored_unit
 
    !> A real or several.
    subroutine attach_reals(file, path, name, value)

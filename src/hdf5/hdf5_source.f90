@@ -61,8 +61,10 @@ contains
       type(hdf5_source_t), intent(inout) :: source
       integer(hid_t), intent(in) :: id
       logical, intent(in) :: is_attribute
+      integer(hsize_t), allocatable :: limits(:)
+      integer(hsize_t) :: points
       integer(hid_t) :: space
-      integer :: status
+      integer :: rank, status
 
       source%id = id
       source%is_attribute = is_attribute
@@ -77,17 +79,6 @@ contains
       if (status >= 0) call h5tget_size_f(source%type_id, source%bytes, status)
       if (source%class == h5t_string_f) call h5tis_variable_str_f(source%type_id, &
          source%is_variable, status)
-      call read_extents(source, space)
-   end subroutine look_at
-
-   !> Number of values and extents; closes the dataspace.
-   subroutine read_extents(source, space)
-      type(hdf5_source_t), intent(inout) :: source
-      integer(hid_t), intent(in) :: space
-      integer(hsize_t), allocatable :: limits(:)
-      integer(hsize_t) :: points
-      integer :: rank, status
-
       rank = 0
       call h5sget_simple_extent_ndims_f(space, rank, status)
       allocate (source%extents(max(rank, 0)), limits(max(rank, 0)), source=0_hsize_t)
@@ -97,7 +88,7 @@ contains
       if (status < 0) points = 0_hsize_t   ! to the library's Fortran side no values are a failure
       source%values = int(points, int64)
       call h5sclose_f(space, status)
-   end subroutine read_extents
+   end subroutine look_at
 
    !> "found ..., expected ..." unless there are `count` values (below 0: any) of the class.
    function fault(self, class, count)

@@ -15,7 +15,7 @@ module height_table
    implicit none (type, external)
    private
 
-   public :: conversion, height_table_t, is_row, open_table, shown, split
+   public :: conversion, height_table_t, next_row, open_table, shown, split
 
    character(*), parameter :: tab = achar(9), blanks = ' '//tab
    !> Rows from one noted place to the next; the shortest row [bytes].

@@ -329,6 +329,7 @@ contains
    !> What follows from the given values of a dry case, or was chosen.
    subroutine list_dry(case)
       type(case_t), intent(inout) :: case
+      type(synthesis_t) :: wanted
       integer :: i
 
       associate (dry => case%dry)
@@ -345,11 +346,16 @@ contains
             call set_effective(case, 'domain', 'intervals_x', integer=dry%grid%nx)
             call set_effective(case, 'domain', 'intervals_y', integer=dry%grid%ny)
          end if
+         do i = 1, size(surfaces)
+            call list_trend(case, surfaces(i), dry%trends(i))
+            if (.not. has_shape(dry%values, surfaces(i), 'synthetic')) cycle
+            call read_synthesis(dry%values, surfaces(i), maxval(dry%lengths), &
+               2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)
+            call set_effective(case, surfaces(i), 'wavelength_long', [wanted%wavelength_long])
+            call set_effective(case, surfaces(i), 'wavelength_rolloff', [wanted%wavelength_rolloff])
+            call set_effective(case, surfaces(i), 'wavelength_short', [wanted%wavelength_short])
+         end do
       end associate
-      do i = 1, size(surfaces)
-         call list_trend(case, surfaces(i), case%dry%trends(i))
-         call list_waves(case, surfaces(i))
-      end do
    end subroutine list_dry
 
    !> What was taken off the heights of the file of a surface, if it has one.
@@ -371,21 +377,5 @@ contains
          call set_effective(case, group, 'heights_curvature', curvatures(:directions))
       end associate
    end subroutine list_trend
-
-   !> The wavelengths of a synthetic surface of a dry case.
-   subroutine list_waves(case, group)
-      type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group
-      type(synthesis_t) :: wanted
-
-      associate (dry => case%dry)
-         if (.not. has_shape(dry%values, group, 'synthetic')) return
-         call read_synthesis(dry%values, group, maxval(dry%lengths), &
-            2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)
-      end associate
-      call set_effective(case, group, 'wavelength_long', [wanted%wavelength_long])
-      call set_effective(case, group, 'wavelength_rolloff', [wanted%wavelength_rolloff])
-      call set_effective(case, group, 'wavelength_short', [wanted%wavelength_short])
-   end subroutine list_waves
 
 end module case_record

@@ -2,8 +2,8 @@
 module column_table
    use errors, only: error_t, fail, input_error
    use file_bytes, only: checksum_t
-   use height_table, only: is_row, shown, split
-   use kinds, only: wp
+   use height_table, only: next_row, shown, split
+   use kinds, only: int64, wp
    use number_text, only: read_real
    use text, only: counted, joined, to_text
    use text_file, only: open_lines, text_lines_t
@@ -40,9 +40,9 @@ contains
       type(text_lines_t) :: lines
       type(checksum_t) :: checksum
       character(:), allocatable :: fault
-      real(wp), allocatable :: numbers(:, :)
+      real(wp), allocatable :: more(:, :), numbers(:, :)
       integer, allocatable :: column(:)
-      logical :: is_there
+      integer(int64) :: line
       integer :: n
 
       call open_lines(lines, file, error)
@@ -50,15 +50,18 @@ contains
       fault = ''
       n = -1
       do
-         call lines%next(is_there, error)
-         if (allocated(error) .or. .not. is_there) exit
-         if (.not. is_row(lines)) cycle
+         call next_row(lines, line, error)
+         if (allocated(error) .or. line == 0) exit
          n = n + 1
          if (n == 0) then
             call read_names(lines%line(:lines%length), table, column, fault)
             allocate (numbers(size(column), 1024))
          else
-            call make_room(numbers, n)
+            if (n > size(numbers, 2)) then
+               allocate (more(size(column), 2*n))
+               more(:, :n - 1) = numbers
+               call move_alloc(more, numbers)
+            end if
             call read_numbers(lines%line(:lines%length), table, column, numbers(:, n), fault)
             if (fault == '' .and. n > 1) then
                if (numbers(1, n) <= numbers(1, n - 1)) fault = 'found '//to_text(numbers(1, n))// &
@@ -80,18 +83,6 @@ contains
       call checksum%add(reshape(numbers(:, :n), [size(column)*n]))
       table%digits = checksum%digits()
    end subroutine read_columns
-
-   !> Makes room for row number `n`.
-   pure subroutine make_room(numbers, n)
-      real(wp), allocatable, intent(inout) :: numbers(:, :)
-      integer, intent(in) :: n
-      real(wp), allocatable :: more(:, :)
-
-      if (n <= size(numbers, 2)) return
-      allocate (more(size(numbers, 1), 2*n))
-      more(:, :n - 1) = numbers(:, :n - 1)
-      call move_alloc(more, numbers)
-   end subroutine make_room
 
    !> The column of each field of a row of names.
    pure subroutine read_names(row, table, column, fault)

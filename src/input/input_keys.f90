@@ -75,8 +75,8 @@ module input_keys
 
    type(key_row_t), parameter :: case_rows(*) = [ &
       key_row_t('case', 'title', text_kind, '', "''", 'free text, stored in the result', &
-         problems=other_than_point, example="'Case 1: smooth surfaces, steady'", &
-         dry_example="'Rough surface against a rigid plane'"), &
+         problems=other_than_point, example="'Case 1: smooth surfaces, steady' | "// &
+         "'Rough surface against a rigid plane'"), &
       key_row_t('case', 'title', text_kind, '', "''", 'free text, stored in the result', &
          problems=point, example="'Ball on a disc'"), &
       key_row_t('case', 'problem', word_kind, '', is_required, &
@@ -84,7 +84,7 @@ module input_keys
          //'contact of profiles and of areas', words=every, problems=every), &
       key_row_t('case', 'output', text_kind, '', is_chosen, &
          'result file, relative to the namelist; chosen: name of the namelist + .h5, in the ' &
-         //'current folder', problems=every, example="! 'case1.h5'", dry_example="! 'rough.h5'"), &
+         //'current folder', problems=every, example="! 'case1.h5' | ! 'rough.h5'"), &
       key_row_t('case', 'model', word_kind, '', "'full'", &
          'full: every ingredient of the model; auto: a passage as a steady contact where ' &
          //'that suffices', words='full auto'), &
@@ -98,10 +98,10 @@ module input_keys
       key_row_t('bodies', 'radius_1', real_kind, 'm', is_optional, &
          'radius of body 1, negative if concave; radius_1 and radius_2, or one and plane, ' &
          //'or reduced_radius', range='/= 0, >= -1e12, <= 1e12', problems=other_than_point, &
-         typical=typical_radius, example='0.01', dry_example='! 0.01'), &
+         typical=typical_radius, example='0.01 | ! 0.01'), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, &
          'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', &
-         problems=other_than_point, typical=typical_radius, example='2.0', dry_example='! 2.0'), &
+         problems=other_than_point, typical=typical_radius, example='2.0 | ! 2.0'), &
       key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
          'the body whose radius is not given is a plane', problems=other_than_point, &
          example='! .true.'), &
@@ -127,17 +127,17 @@ module input_keys
          problems=point, typical=typical_radius, example='! 6.35e-3'), &
       key_row_t('bodies', 'youngs_modulus_1', real_kind, 'Pa', is_optional, &
          'of body 1; both moduli and Poisson ratios, or reduced_modulus', range='>= 1e3, <= 1e15', &
-         problems=every, typical=typical_modulus, example='206e9', dry_example='210e9'), &
+         problems=every, typical=typical_modulus, example='206e9 | 210e9'), &
       key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, 'of body 2', &
-         range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus, example='206e9', &
-         dry_example='! 210e9'), &
+         range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus, &
+         example='206e9 | ! 210e9'), &
       key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, 'of body 1', &
          range='>= 0, <= 0.5', problems=every, example='0.3'), &
       key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, 'of body 2', &
-         range='>= 0, <= 0.5', problems=every, example='0.3', dry_example='! 0.3'), &
+         range='>= 0, <= 0.5', problems=every, example='0.3 | ! 0.3'), &
       key_row_t('bodies', 'reduced_modulus', real_kind, 'Pa', is_optional, &
          "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2", range='>= 1e3, <= 1e15', problems=every, &
-         typical=typical_modulus, example='! 226.4e9', dry_example='! 230.8e9'), &
+         typical=typical_modulus, example='! 226.4e9 | ! 230.8e9'), &
       key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_optional, &
          'surface speed u1 of body 1; both speeds, or entrainment_speed; the oil flows ' &
          //'towards +x: u1 + u2 > 0', range='>= -1e4, <= 1e4', typical=typical_speed, &
@@ -174,7 +174,7 @@ module input_keys
    type(key_row_t), parameter :: load_rows(*) = [ &
       key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, &
          'load w per length of the line; this, load or hertz_pressure', range='>= 1e-6, <= 1e12', &
-         problems='ehl_line dry_line', typical='50 to 2e7', example='1e5', dry_example='! 100e3'), &
+         problems='ehl_line dry_line', typical='50 to 2e7', example='1e5 | ! 100e3'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
          'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13', &
          typical=typical_pressure, example='! 0.6e9', problems=film), &
@@ -324,11 +324,11 @@ module input_keys
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, &
          'height A of each element; a ridge is positive, a dent negative', range='>= -1, <= 1', &
          used=of_features, needed=of_features, problems=every, typical='1e-9 to 1e-4', &
-         example='! 2e-7, -1e-7', dry_example='! 1e-6'), &
+         example='! 2e-7, -1e-7 | ! 1e-6'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', range='>= 1e-12, <= 1e3', used=of_features, &
          needed=of_features, problems=every, typical=typical_wave, &
-         example='! 1e-4, 5e-5', dry_example='! 1e-4'), &
+         example='! 1e-4, 5e-5 | ! 1e-4'), &
       key_row_t('surface_1', 'wavelength_y', reals_kind, 'm', '0.0', &
          'across the flow; 0: the element is the same at all y', range='>= 0, <= 1e3', &
          used=of_features, problems=point, typical=typical_wave, example='! 1e-4, 0.0'), &
@@ -388,20 +388,20 @@ module input_keys
          range='>= 1, <= 16777216', used=of_roughness, problems=dry, example='! 50'), &
       key_row_t('surface_1', 'seed', integer_kind, '-', '1', &
          'the same seed gives the same surface everywhere', range='>= 0, <= 2147483647', &
-         used=of_synthesis, problems=every, example='!', dry_example='1'), &
+         used=of_synthesis, problems=every, example='! | 1'), &
       key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', &
          'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
-         problems=every, example='!', dry_example='0.8'), &
+         problems=every, example='! | 0.8'), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
          range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=every, &
-         typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
+         typical='1e-9 to 5e-5', example='! 50e-9 | 1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
          used=of_synthesis, problems=every, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave, &
-         example='! 1e-4', dry_example='1e-4'), &
+         example='! 1e-4 | 1e-4'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
          range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, problems=film, &
          typical=typical_wave, example='! 2.5e-5'), &
@@ -410,9 +410,9 @@ module input_keys
          range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave, &
          example='1.25e-5'), &
       key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', 'Rsk', range='>= -3, <= 3', &
-         used=of_synthesis, problems=every, example='!', dry_example='0.0'), &
+         used=of_synthesis, problems=every, example='! | 0.0'), &
       key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', 'Rku', range='>= 1, <= 20', &
-         used=of_synthesis, problems=every, example='!', dry_example='3.0')]
+         used=of_synthesis, problems=every, example='! | 3.0')]
 
    type(key_row_t), parameter :: domain_rows(*) = [ &
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, &
@@ -606,7 +606,7 @@ module input_keys
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error for which grid and time step are chosen: of h_min (points: and ' &
          //'h_central), graded: all, dry: area', range='>= 1e-7, <= 0.1', &
-         problems=every, example='! 1e-3', dry_example='! 0.02'), &
+         problems=every, example='! 1e-3 | ! 0.02'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]
 
@@ -616,8 +616,8 @@ module input_keys
       surface_1_rows(i)%default, 'as in &surface_1', surface_1_rows(i)%range, &
       surface_1_rows(i)%words, surface_1_rows(i)%used, &
       surface_1_rows(i)%needed, problems=surface_1_rows(i)%problems, &
-      typical=surface_1_rows(i)%typical, example=surface_1_rows(i)%example, &
-      dry_example=surface_1_rows(i)%dry_example), i=1, size(surface_1_rows))]
+      typical=surface_1_rows(i)%typical, example=surface_1_rows(i)%example), i=1, &
+      size(surface_1_rows))]
 
    !> Every key that is built, in the order of the manual.
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, &

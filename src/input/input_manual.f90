@@ -6,7 +6,7 @@ module input_manual
    use key_rules, only: rules_text
    use key_row, only: dry, every, has_word, &
       is_chosen, is_optional, is_required, key_row_t, kind_names, &
-      point, word_list, words_kind
+      point, split_words, word_list, words_kind
    use text, only: wrapped
    implicit none (type, external)
    private
@@ -198,9 +198,10 @@ contains
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: problem
       character(:), allocatable :: example
+      character(len=len(row%example) + 1), allocatable :: examples(:)
 
-      example = trim(row%example)
-      if (has_word(dry, problem) .and. row%dry_example /= '') example = trim(row%dry_example)
+      examples = split_words(row%example//'|', '|')
+      example = trim(examples(merge(size(examples), 1, has_word(dry, problem))))
       if (row%key == 'problem') example = "'"//problem//"'"
       if (example == '') example = trim(row%default)
       if (example == '!') example = '! '//trim(row%default)

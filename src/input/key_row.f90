@@ -63,9 +63,9 @@ module key_row
       !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
       !> reported, as most often slips of a unit; empty: all of the range.
       character(len=20) :: typical = ''
-      !> Value in the template, behind '! ' as a comment, and in that of dry problems if it differs;
-      !> empty: the default; '!': the default as a comment.
-      character(len=40) :: example = '', dry_example = ''
+      !> Value in the template, behind '! ' as a comment, and behind ' | ' that of dry problems if
+      !> it differs; empty: the default; '!': the default as a comment.
+      character(len=80) :: example = ''
       !> Key of a method, whose default is right for nearly everyone: shown apart.
       logical :: is_expert = .false.
    end type key_row_t

@@ -8,15 +8,15 @@ module namelist_source
    implicit none (type, external)
    private
 
-   public :: key_start, name_end, new_source, next_equals, piece_t, read_logical, source_t, &
-      split_values, without_returns
+   public :: key_start, name_end, new_source, piece_t, read_logical, source_t, split_values, &
+      without_returns
 
    !> The characters of the file as the parser sees them.
    type :: source_t
       !> Comments, line ends and tabs outside strings replaced by blanks.
       character(:), allocatable :: text
-      !> True inside a string, its quotes included.
-      logical, allocatable :: in_string(:)
+      !> The same with quotes in place of strings, and one more `&` at its end.
+      character(:), allocatable :: code
       !> Line of each character.
       integer, allocatable :: line(:)
    end type source_t
@@ -47,11 +47,11 @@ contains
       type(findings_t), intent(inout) :: findings
       integer :: i, opened, line
       character(len=1) :: byte, mark
-      logical :: in_comment
+      logical :: in_comment, in_string
 
       source%text = without_returns(content) // line_feed
-      allocate (source%in_string(len(source%text)), source%line(len(source%text)))
-      source%in_string = .false.
+      source%code = source%text // '&'
+      allocate (source%line(len(source%text)))
       mark = ' '
       in_comment = .false.
       line = 1
@@ -60,19 +60,16 @@ contains
       do i = 1, len(source%text)
          source%line(i) = line
          byte = source%text(i:i)
+         in_string = mark /= ' '
          if (byte == line_feed) then
-            if (mark /= ' ') then
-               call findings%add(line, '', '', 'found the string '// &
-                  '' // quoted(source%text(opened:i - 1)) &
-                  // ', expected its closing ' // mark // ' on the same line')
-               source%in_string(i) = .true.
-            end if
+            if (in_string) call findings%add(line, '', '', 'found the string '// &
+               quoted(source%text(opened:i - 1))//', expected its closing '//mark// &
+               ' on the same line')
             byte = mark
             mark = ' '
             in_comment = .false.
             line = line + 1
-         else if (mark /= ' ') then
-            source%in_string(i) = .true.
+         else if (in_string) then
             if (byte == mark) mark = ' '
          else if (in_comment .or. byte == tab .or. byte == form_feed) then
             byte = ' '
@@ -82,9 +79,10 @@ contains
          else if (byte == "'" .or. byte == '"') then
             mark = byte
             opened = i
-            source%in_string(i) = .true.
+            in_string = .true.
          end if
          source%text(i:i) = byte
+         source%code(i:i) = merge('"', byte, in_string)
       end do
    end subroutine new_source
 
@@ -103,17 +101,6 @@ contains
       end do
       text = text(:length)
    end function without_returns
-
-   !> Position of the next `=` outside strings from `first` on; last + 1: none.
-   pure integer function next_equals(source, first, last) result(position)
-      type(source_t), intent(in) :: source
-      integer, intent(in) :: first, last
-
-      do position = first, last
-         if (source%text(position:position) == '=' .and. .not. source%in_string(position)) return
-      end do
-      position = last + 1
-   end function next_equals
 
    !> First character, from `first` on, of the key (with subscript) before the `=` at `sign`.
    pure function key_start(text, first, sign) result(start)

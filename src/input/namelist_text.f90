@@ -7,7 +7,7 @@
 module namelist_text
    use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t
-   use namelist_source, only: key_start, line_feed, name_end, new_source, next_equals, source_t
+   use namelist_source, only: key_start, line_feed, name_end, new_source, source_t
    use number_text, only: read_integer
    use text, only: count_of, quoted, to_lower, to_text
    use text_file, only: encoding_fault
@@ -99,24 +99,18 @@ contains
       type(source_t), intent(in) :: source
       integer, intent(inout) :: position
       type(findings_t), intent(inout) :: findings
-      integer :: last
+      integer :: first, last
 
-      do while (position <= len(source%text))
-         if (source%text(position:position) == '&' .and. .not. source%in_string(position)) return
-         if (source%text(position:position) /= ' ') then
-            last = position
-            extend: do while (last < len(source%text))
-               if (source%line(last + 1) /= source%line(position)) exit extend
-               if (source%text(last + 1:last + 1) == '&' &
-                  .and. .not. source%in_string(last + 1)) exit extend
-               last = last + 1
-            end do extend
-            call findings%add(source%line(position), '', '', &
-               'found ' // quoted(source%text(position:last)) &
-               // ' outside a group, expected &group ... /' // place_hint(source, position))
-            position = last
-         end if
-         position = position + 1
+      first = position
+      position = first - 1 + index(source%code(first:), '&')
+      do while (verify(source%text(first:position - 1), ' ') > 0)
+         first = first - 1 + verify(source%text(first:position - 1), ' ')
+         on_line: do last = first, position - 2
+            if (source%line(last + 1) > source%line(first)) exit on_line
+         end do on_line
+         call findings%add(source%line(first), '', '', 'found '//quoted(source%text(first:last)) &
+            //' outside a group, expected &group ... /'//place_hint(source, first))
+         first = last + 1
       end do
    end subroutine read_outside
 
@@ -184,19 +178,11 @@ contains
       integer, intent(out) :: last
       character(*), intent(in) :: name
       type(findings_t), intent(inout) :: findings
-      integer :: i
 
-      last = len(source%text)
-      do i = first, len(source%text)
-         if (source%in_string(i)) cycle
-         if (source%text(i:i) == '/' .or. source%text(i:i) == '&') then
-            last = i - 1
-            if (source%text(i:i) == '/') return
-            if (to_lower(source%text(i:min(i + 3, len(source%text)))) == '&end' &
-               .and. name_end(source%text, i + 1) == i + 3) return
-            exit
-         end if
-      end do
+      last = first - 2 + scan(source%code(first:), '/&')
+      if (source%code(last + 1:last + 1) == '/') return
+      if (to_lower(source%text(last + 1:min(last + 4, len(source%text)))) == '&end' &
+         .and. name_end(source%text, last + 2) == last + 4) return
       if (name /= '') call findings%add(line, name, '', 'not closed, expected '// &
          'a closing /')
    end subroutine find_group_end
@@ -210,14 +196,16 @@ contains
       type(findings_t), intent(inout) :: findings
       integer :: sign, next_sign, key_at, next_key
 
-      sign = next_equals(source, first, last)
+      sign = first - 1 + index(source%code(first:last), '=')
+      if (sign < first) sign = last + 1
       key_at = last + 1
       if (sign <= last) key_at = key_start(source%text, first, sign)
       if (verify(source%text(first:key_at - 1), ' ,') > 0) call findings%add( &
          source%line(first - 1 + verify(source%text(first:key_at - 1), ' ,')), group, '', 'found ' &
          // quoted(trim(adjustl(source%text(first:key_at - 1)))) // ', expected key = value')
       do while (sign <= last .and. pieces%entry_count < max_entries)
-         next_sign = next_equals(source, sign + 1, last)
+         next_sign = sign + index(source%code(sign + 1:last), '=')
+         if (next_sign == sign) next_sign = last + 1
          next_key = last + 1
          if (next_sign <= last) next_key = key_start(source%text, sign + 1, next_sign)
          call add_entry(source, [key_at, sign, next_key], group, pieces, findings)

@@ -184,7 +184,7 @@ contains
       type(piece_t), allocatable :: pieces(:)
       character(:), allocatable :: hint, problem
       logical :: is_array
-      integer :: i
+      integer :: i, missing
 
       if (entry%is_broken .or. .not. slot%is_given) call clear(slot)
       slot%is_given = .true.
@@ -214,7 +214,10 @@ contains
       slot%has_value = .true.
       if (row%kind == reals_kind .and. index(entry%values, '*') == 0) slot%hint = &
          form_hint(trim(adjustl(entry%values)), is_whole=.false.)
-      call make_room(slot, entry%first + size(pieces) - 1)
+      missing = entry%first + size(pieces) - 1 - size(slot%is_set)   ! elements without room
+      slot%reals = [slot%reals, (0.0_wp, i=1, missing)]
+      slot%words = [character(len=word_length) :: slot%words, (' ', i=1, missing)]
+      slot%is_set = [slot%is_set, (.false., i=1, missing)]
       do i = 1, size(pieces)
          call store(entry, row, pieces(i), entry%first + i - 1, slot, findings)
       end do
@@ -229,19 +232,6 @@ contains
       hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
       if (hint == '' .and. entry%group == 'load') hint = '; '//answer_to('load_steps')
    end function hint_for_several
-
-   !> Gives the arrays of a slot at least `length` elements.
-   subroutine make_room(slot, length)
-      type(value_t), intent(inout) :: slot
-      integer, intent(in) :: length
-      integer :: missing, i
-
-      missing = length - size(slot%is_set)
-      if (missing <= 0) return
-      slot%reals = [slot%reals, (0.0_wp, i=1, missing)]
-      slot%words = [character(len=word_length) :: slot%words, (' ', i=1, missing)]
-      slot%is_set = [slot%is_set, (.false., i=1, missing)]
-   end subroutine make_room
 
    !> Stores one value as element `place`.
    subroutine store(entry, row, piece, place, slot, findings)

@@ -88,8 +88,24 @@ module iteration_report
    character(*), parameter, public :: has_converged = 'converged', &
       has_not_converged = 'not converged', is_outside = 'outside the model: mixed'
 
+   !> Residual and load error of the cycles (or iterations) on the finest level, those of time steps
+   !> included.
+   type :: cycle_history_t
+      !> How many there were.
+      integer :: cycles = 0
+      !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
+      real(wp) :: residual = huge(1.0_wp)
+      !> Last |dX sum P - pi/2| [-].
+      real(wp) :: load_error = huge(1.0_wp)
+      !> Both after each cycle (2, history_size or more).
+      real(wp), allocatable, private :: history(:, :)
+      integer, private :: history_size = 0
+   contains
+      procedure :: add, load_error_history, residual_history, restore
+   end type cycle_history_t
+
    !> Outcome, history and cost of one solve.
-   type :: report_t
+   type, extends(cycle_history_t) :: report_t
       !> Residual and load error are below `tolerance_effective` (of the last solve, and of every
       !> time step).
       logical :: converged = .false.
@@ -107,21 +123,12 @@ module iteration_report
       type(breakdown_t) :: breakdown
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
-      !> Cycles (or iterations) on the finest level, time steps included.
-      integer :: cycles = 0
       !> Time steps done.
       integer :: steps = 0
-      !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
-      real(wp) :: residual = huge(1.0_wp)
-      !> Last |dX sum P - pi/2| [-].
-      real(wp) :: load_error = huge(1.0_wp)
       !> max(tolerance, 5 x round-off floor of the residual) [-].
       real(wp) :: tolerance_effective = 0.0_wp
-      !> Residual and load error after each cycle (2, history_size or more).
-      real(wp), allocatable, private :: history(:, :)
-      integer, private :: history_size = 0
    contains
-      procedure :: add, load_error_history, outcome, residual_history, restore
+      procedure :: outcome
    end type report_t
 
 contains
@@ -149,7 +156,7 @@ contains
    !> Appends one cycle: `residual` and `load_error` [-] become the last ones, `cycles` grows by
    !> one. Storage doubles when full.
    pure subroutine add(self, residual, load_error)
-      class(report_t), intent(inout) :: self
+      class(cycle_history_t), intent(inout) :: self
       real(wp), intent(in) :: residual, load_error
 
       if (.not. allocated(self%history)) allocate (self%history(2, 32))
@@ -164,7 +171,7 @@ contains
 
    !> The residual after each cycle (history_size) [-].
    pure function residual_history(self) result(history)
-      class(report_t), intent(in) :: self
+      class(cycle_history_t), intent(in) :: self
       real(wp), allocatable :: history(:)
 
       allocate (history(self%history_size))
@@ -173,7 +180,7 @@ contains
 
    !> The load error after each cycle (history_size) [-].
    pure function load_error_history(self) result(history)
-      class(report_t), intent(in) :: self
+      class(cycle_history_t), intent(in) :: self
       real(wp), allocatable :: history(:)
 
       allocate (history(self%history_size))
@@ -182,7 +189,7 @@ contains
 
    !> Takes over `residuals` and `load_errors` [-], one each a cycle; `cycles` becomes their number.
    pure subroutine restore(self, residuals, load_errors)
-      class(report_t), intent(inout) :: self
+      class(cycle_history_t), intent(inout) :: self
       real(wp), intent(in) :: residuals(:), load_errors(:)
       integer :: i
 

@@ -212,7 +212,8 @@ contains
       do i = 1, size(choice%rows)
          group = root//'/'//trim(choice%rows(i)%name)
          call file%create_group(group)
-         call write_attribute(file, group, 'decision', decision_text(choice%is_left_out(i)))
+         call write_attribute(file, group, 'decision', trim(merge('left out', 'kept    ', &
+            choice%is_left_out(i))))
          call write_attribute(file, group, 'reason', trim(reasons(choice%why(i))%text))
          call write_attribute(file, group, 'instead', trim(choice%rows(i)%text))
          associate (row => choice%rows(i))
@@ -246,14 +247,6 @@ contains
       end if
    end function solved_text
 
-   !> A decision in words.
-   pure function decision_text(is_left_out) result(text)
-      logical, intent(in) :: is_left_out
-      character(:), allocatable :: text
-
-      text = trim(merge('left out', 'kept    ', is_left_out))
-   end function decision_text
-
    !> The table, of at most `width` columns: each ingredient with the quantity that it changes most,
    !> measured before the run or else after it (`adequacy`), then the chosen numbers with the
    !> largest error due to them. Empty: nothing was to be decided.
@@ -270,7 +263,7 @@ contains
          if (i > 1) lines = lines//new_line('a')
          call place(lines, trim(choice%rows(i)%name), tabs(1))
          call place(lines, influence_text(choice%rows(i), adequacy), tabs(2))
-         words = decision_text(choice%is_left_out(i))
+         words = trim(merge('left out', 'kept    ', choice%is_left_out(i)))
          if (reasons(choice%why(i))%short /= '') words = words//': ' &
             //trim(reasons(choice%why(i))%short)
          call place(lines, words, tabs(3))

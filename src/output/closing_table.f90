@@ -12,7 +12,7 @@ module closing_table
       rise_1, rise_2
    use result_labels, only: row_label
    use scaling, only: scaling_t
-   use text, only: counted, number_text, prefixed_text, wrapped
+   use text, only: count_of, counted, number_text, prefixed_text, wrapped
    use validity, only: film_over_wave, hardness, inlet_heating, limit_t, limiting_stress, &
       mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &
       surface_slope, turbulence, viscosity_data
@@ -90,10 +90,10 @@ contains
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
       call add_words(body, words%model)
       if (all([present(limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), .not. &
-         allocated(log%scaling%ellipse), lines_of(head//body) < most_lines - 1])) call &
+         allocated(log%scaling%ellipse), count_of(nl, head//body) < most_lines - 1])) call &
          add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
-      if (.not. log%is_verbose) call shorten(body, most_lines - 1 - lines_of(head))
+      if (.not. log%is_verbose) call shorten(body, most_lines - 1 - count_of(nl, head))
       call log%print_summary(head//body//'  result    '//path)
    end subroutine close_case
 
@@ -183,22 +183,14 @@ contains
       integer, intent(in) :: room
       integer :: i, place
 
-      if (lines_of(body) <= max(room, 1)) return
+      if (count_of(nl, body) <= max(room, 1)) return
       place = 0
       do i = 1, room - 1
          place = place + index(body(place + 1:), nl)
       end do
-      body = body(:place)//'  more      '//counted(lines_of(body(place + 1:)), 'line') &
+      body = body(:place)//'  more      '//counted(count_of(nl, body(place + 1:)), 'line') &
          //' with --verbose'//nl
    end subroutine shorten
-
-   !> Line ends in `text`.
-   pure integer function lines_of(text)
-      character(*), intent(in) :: text
-      integer :: i
-
-      lines_of = count([(text(i:i) == nl, i=1, len(text))])
-   end function lines_of
 
    !> The contact, as one is described.
    function contact_line(scaling) result(line)

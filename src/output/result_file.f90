@@ -204,8 +204,8 @@ contains
       logical, intent(in) :: has_si
       integer, intent(in) :: shape(:)
 
-      if (.not. self%is_transient .or. allocated(self%file%failure)) return
-      if (allocated(self%file%row)) return
+      if (.not. self%is_transient .or. allocated(self%file%failure) &
+         .or. allocated(self%file%row)) return
       call self%store%copy_into(self%file, self%scaling, has_si, shape)
       call self%keep_failure()
    end subroutine copy_steps

@@ -93,7 +93,16 @@ contains
       integer :: i, rank
 
       group = '/'//trim(row%group)//'/'
-      call find_axes()
+      nodes = 1
+      rank = 0
+      do i = 1, size(row%axes)
+         if (row%axes(i) == '') cycle
+         if (.not. reader%has(group//trim(row%axes(i)))) cycle
+         rank = rank + 1
+         axes(rank) = row%axes(i)
+         source = source_at(group//trim(axes(rank)))
+         nodes(rank:rank) = source%extents
+      end do
       fields = ''
       do i = 1, size(names)
          if (.not. reader%has(group//trim(names(i)))) cycle
@@ -120,21 +129,6 @@ contains
       text = text//'</Geometry>'//nl//fields//'</Grid>'//nl
 
    contains
-
-      !> The axes that the group has, and their nodes.
-      subroutine find_axes()
-
-         nodes = 1
-         rank = 0
-         do i = 1, size(row%axes)
-            if (row%axes(i) == '') cycle
-            if (.not. reader%has(group//trim(row%axes(i)))) cycle
-            rank = rank + 1
-            axes(rank) = row%axes(i)
-            source = source_at(group//trim(axes(rank)))
-            nodes(rank:rank) = source%extents
-         end do
-      end subroutine find_axes
 
       !> Where an axis is stored: in this group it may be a link, which ParaView does not follow.
       function path_of(axis) result(path)

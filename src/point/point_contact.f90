@@ -212,21 +212,15 @@ contains
       end associate
    end function dry_border
 
-   !> Relative error of H_c to be expected on cells `hx` long: 0.5 M^0.24 hx^2/H_c, measured.
-   pure real(wp) function film_error(contact, hx) result(error)
-      type(point_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: hx
-
-      error = 0.5_wp*max(contact%moes_m, 1.0_wp)**0.24_wp*hx**2/contact%expected_film
-   end function film_error
-
-   !> Fewest intervals in x, a power of two, for a relative error of H_c.
+   !> Fewest intervals in x, a power of two, for a relative error of H_c: on cells hx long 0.5
+   !> M^0.24 hx^2/H_c is to be expected, measured.
    pure integer function intervals_for(contact, error) result(nx)
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: error
 
       nx = 2*fewest
-      do while (film_error(contact, length(contact)/nx) > error .and. nx < 2**20)
+      do while (0.5_wp*max(contact%moes_m, 1.0_wp)**0.24_wp*(length(contact)/nx)**2 &
+         /contact%expected_film > error .and. nx < 2**20)
          nx = 2*nx
       end do
    end function intervals_for
