@@ -153,6 +153,7 @@ contains
          output%fields = fields%words
          output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
          output%has_si = values%logical_value('output', 'si_copies')
+         output%adequacy = values%word_value('output', 'adequacy')
          allocate (output%film_thresholds(0))
       end associate
    end subroutine fill_common
@@ -203,7 +204,6 @@ contains
       thresholds = values%slot('output', 'film_thresholds')
       associate (output => case%output_settings)
          output%film_thresholds = thresholds%reals
-         output%adequacy = values%word_value('output', 'adequacy')
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
    end subroutine fill_numerics

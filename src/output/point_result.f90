@@ -1,6 +1,7 @@
 !> The sections of the result of a lubricated point contact.
 module point_result
-   use adequacy_section, only: write_validity
+   use adequacy, only: judge
+   use adequacy_section, only: write_adequacy, write_validity
    use case_record, only: case_t
    use field_sections, only: write_solution
    use hdf5_axes, only: make_counter, name_axes
@@ -36,6 +37,8 @@ contains
          call write_summary(file, summary, case%scaling, writer%is_transient, missing, not_known())
          if (writer%is_transient) call write_times(file, writer%run%passage%times)
          if (allocated(writer%limits)) call write_validity(file, writer%limits)
+         call judge(writer%adequacy, summary)
+         call write_adequacy(file, writer%adequacy)
          call make_counter(file, '/report/grid', size(run%work, 2), 'number of the grid')
          call make_counter(file, '/report/kind_of_work', 2, &
             'number of: Newton steps, iterations of GMRES')
