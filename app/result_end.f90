@@ -22,7 +22,7 @@ module result_end
    implicit none (type, external)
    private
 
-   public :: end_result, judge_point_limits, suspend_result
+   public :: close_result, end_result, judge_point_limits, suspend_result
 
 contains
 
@@ -125,20 +125,34 @@ contains
                '. More &domain intervals show more of it'
             words%spike = spike_lines(writer%summary, advice=words%spike)
             words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
-            if (allocated(writer%adequacy%rows)) words%model = &
-               model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
             words%decision = decision_lines(writer%choice, writer%adequacy)
-         else
-            if (allocated(writer%adequacy%rows)) words%model = &
-               model_sentence(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
-            if (allocated(writer%choice%rows)) words%decision = 'auto      ' &
-               //solved_text(writer%choice)
+         else if (allocated(writer%choice%rows)) then
+            words%decision = 'auto      '//solved_text(writer%choice)
          end if
-         call close_case(listener%log, writer%summary, report, writer%name%path, &
-            writer%run%passage%times, words, writer%limits)
+         call close_result(listener, writer%summary, report, words)
       end associate
       outcome = outcome_of(report)
    end subroutine finish_result
+
+   !> Prints the closing table, with `others` and the effects of the ingredients that were measured.
+   subroutine close_result(listener, summary, report, others)
+      type(run_observer_t), intent(inout) :: listener
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+      type(closing_words_t), intent(in), optional :: others
+      type(closing_words_t) :: words
+
+      if (present(others)) words = others
+      associate (writer => listener%writer, adequacy => listener%writer%adequacy)
+         if (allocated(adequacy%rows)) then
+            words%model = model_sentence(adequacy%rows%judged_t, adequacy%accuracy)
+            if (listener%log%is_verbose) words%model = model_line(adequacy%rows%judged_t, &
+               adequacy%accuracy)
+         end if
+         call close_case(listener%log, summary, report, writer%name%path, &
+            writer%run%passage%times, words, writer%limits)
+      end associate
+   end subroutine close_result
 
    !> The end of an interrupted run: the files needed to go on are kept and named.
    subroutine suspend_result(listener, outcome)

@@ -3,19 +3,19 @@ module run_point_case
    use case_notes, only: add_note, note_coarse_waves, note_target, note_unusual
    use case_outcome, only: case_outcome_t, outcome_of
    use case_record, only: case_t, list_passage, set_effective
-   use closing_table, only: close_case, closing_words_t
    use errors, only: error_t
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use passage_times, only: new_passage_times, passage_note
+   use point_adequacy, only: measure_point_adequacy
    use point_errors, only: choose_passage, find_quantities
    use point_march, only: solve_point
    use point_result, only: write_point_result
    use point_solver, only: point_run_t
    use progress_log, only: progress_log_t
-   use result_end, only: judge_point_limits, suspend_result
+   use result_end, only: close_result, judge_point_limits, suspend_result
    use result_start, only: start_result
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory, processors
@@ -56,15 +56,8 @@ contains
       run%time = case%time
       run%threads = min(threads, processors())
       start = wall_seconds()
-      if (case%time%is_transient .and. case%solver%target > 0.0_wp) then   ! a resumed run, too
-         call choose_passage(run, case%point, listener, error)
-         if (allocated(error)) return
-         case%time = run%time
-      end if
-      associate (stride => case%output_settings%profile_stride, time => case%time)
-         if (stride == 0 .and. time%is_transient) stride = max(1, nint(time%end_time &
-            /(stored_times*time%time_step)))
-      end associate
+      call choose_times(case, run, listener, error)
+      if (allocated(error)) return
       call start_result(case, path, is_resume, listener, error)
       if (allocated(error)) return
       listener%start = start
@@ -78,8 +71,14 @@ contains
       call solve_point(run, case%point, listener, state, report, error)
       if (.not. (allocated(error) .or. listener%is_stopping)) then
          if (report%steps > 0) summary = listener%writer%run%passage%extremes(summary_of(state))
-         call find_quantities(run, case%point, listener, report, summary, missing, error)
+         call find_quantities(run, case%point, listener, report, summary, missing, &
+            error)   ! error: the condition below looks
       end if
+      associate (adequacy => listener%writer%adequacy, wish => case%output_settings%adequacy)
+         adequacy%is_full = wish == 'full'
+         if (.not. (allocated(error) .or. listener%is_stopping .or. wish == '.false.')) call &
+            measure_point_adequacy(run, case%point, summary, adequacy, listener, report, error)
+      end associate
       if (allocated(error)) then
          call listener%writer%discard()
          return
@@ -113,10 +112,28 @@ contains
          call write_point_result(writer, case, run, state, summary, report, missing)
          call writer%publish(report, error)
          if (allocated(error)) return
-         call close_case(listener%log, summary, report, writer%name%path, &
-            writer%run%passage%times, closing_words_t(), writer%limits)
       end associate
+      call close_result(listener, summary, report)
       ending = outcome_of(report)
    end subroutine solve_point_case
+
+   !> Chooses grid and time step of a passage with a target, of a resumed one too, and the times
+   !> whose fields are stored. Error (internal_error): LAPACK or FFTW.
+   subroutine choose_times(case, run, listener, error)
+      type(case_t), intent(inout) :: case
+      type(point_run_t), intent(inout) :: run
+      type(run_observer_t), intent(inout) :: listener
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. case%time%is_transient) return
+      if (case%solver%target > 0.0_wp) then
+         call choose_passage(run, case%point, listener, error)
+         if (allocated(error)) return
+         case%time = run%time
+      end if
+      associate (stride => case%output_settings%profile_stride, time => case%time)
+         if (stride == 0) stride = max(1, nint(time%end_time/(stored_times*time%time_step)))
+      end associate
+   end subroutine choose_times
 
 end module run_point_case

@@ -180,7 +180,9 @@ VERDICTS = {
     "09_dry_machined": {"needed": "harmonics plasticity"},
     "10_run_in": {"needed": "harmonics", "irrelevant": "plasticity"},
     "15_starved_bearing": {"needed": f"{OIL} supply"},
-    **{name: {} for name in ("18_ball_on_disc", "19_ball_bearing", "20_traction_ball")},
+    "18_ball_on_disc": {"needed": "compressibility roelands piezoviscosity"},
+    "19_ball_bearing": {"needed": "compressibility roelands piezoviscosity"},
+    "20_traction_ball": {"needed": "shear_thinning compressibility roelands piezoviscosity"},
 }
 
 

@@ -92,6 +92,61 @@ def test_error_bars_and_target(solved_case):
         assert abs(file["summary/h_central"][()] - known[0]) < known[1]
 
 
+def change_of(file, ingredient, name="h_central"):
+    """Change without an ingredient, and its error."""
+    row = file[f"adequacy/{ingredient}/{name}"]
+    return row[()], row.attrs["error_estimate"]
+
+
+def verdict_on(file, ingredient):
+    return file[f"adequacy/{ingredient}"].attrs["verdict"]
+
+
+def test_what_a_ball_needs(solved_cases):
+    """At 1 GPa compression takes a seventh of the film, the change is that of two runs; rolling thins no oil."""
+    fixed = "&domain intervals_x = {}, x_inlet = -4.5, x_outlet = 1.5, y_half_width = 3.0 /\n"
+    heavy = BALL.replace("load = 30.0", "hertz_pressure = 1e9").replace("0.5, speed_2 = 0.7", "0.6, speed_2 = 0.6")
+    oil = heavy.replace("roelands_z", "rheology = 'eyring', eyring_stress = 5e6, roelands_z")
+    full = "&output adequacy = 'full' /\n"
+    leaner = {
+        "compressibility": oil.replace("roelands_z", "density_law = 'constant', roelands_z"),
+        "roelands": oil.replace("roelands_z = 0.6", "viscosity_law = 'barus'"),
+        "shear_thinning": heavy,
+    }
+    whole, usual, coarse, *lean = solved_cases(
+        whole=oil + fixed.format(256) + full,
+        usual=oil + fixed.format(256),
+        coarse=oil + fixed.format(128),
+        **{name: text + fixed.format(128) for name, text in leaner.items()},
+    )
+    assert whole["adequacy"].attrs["intervals_at_rest"] == 128
+    for name, other in zip(leaner, lean, strict=True):
+        change, error = change_of(whole, name)
+        assert change == pytest.approx(other["summary/h_central"][()] / coarse["summary/h_central"][()] - 1, abs=1e-6), name
+        if f"{name}/h_central" in usual["adequacy"]:
+            assert abs(change_of(usual, name)[0] - change) < change_of(usual, name)[1] + error, name
+    change, error = change_of(whole, "compressibility")
+    assert 0.13 < change / (1 + change) < 0.18
+    assert error < 0.03
+    assert verdict_on(usual, "compressibility") == verdict_on(whole, "compressibility") == b"needed"
+    assert verdict_on(whole, "shear_thinning") in (b"irrelevant", b"matters below the accuracy")
+    assert "elasticity" not in whole["adequacy"]
+
+
+def test_what_a_passing_dent_needs(told_case):
+    dent = "&surface_1 shape = 'feature', amplitude = -5e-8, wavelength = 2e-4, wavelength_y = 2e-4, position = -1.5 /\n"
+    still = BALL.replace("speed_1 = 0.5", "speed_1 = 0.0")
+    found, said = told_case(still + dent.replace("-1.5", "0.0") + "&domain intervals_x = 256 /\n")
+    assert -0.03 < found["adequacy/roughness/h_central"] < -0.005
+    assert "less than that: roughness" in " ".join(said.split())
+    passage = "&time transient = .true., end_time = 0.2 /\n&domain intervals_x = 128 /\n"
+    found, said = told_case(BALL.replace("load = 30.0", "load = 5.0") + dent + passage)
+    assert found["adequacy/piezoviscosity@verdict"] == b"needed"
+    for name in ("roughness", "squeeze"):
+        assert found[f"adequacy/{name}@not_known"].endswith(b"not measured of a point contact in time")
+    assert "not known: roughness" in " ".join(said.split())
+
+
 def test_a_coarse_grid_is_told(told_case):
     result, said = told_case(moes(1000, 10), status=2)
     assert "grid too coarse for the film, needs 128 intervals in x (has 64)" in " ".join(said.split())

@@ -29,13 +29,13 @@ module ablation_runs
    private
 
    public :: change_between, doubt_between, largest_change, lean_level_t, measure_at_rest, &
-      place_film, pose, pressure_on, set_change, solve_level_of
+      place_film, pose, pressure_on, set_change, set_change_by_one, solve_level_of
 
    !> Error of a change: this many times its difference from the coarser grid, a share of the
    !> change, a share of the largest change of a film, and at least the error of the iteration.
-   real(wp), parameter :: widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp]
-   !> If only the finer grid carries the lean film, the error of films is this share of their
-   !> change; that can only show what is plainly needed.
+   real(wp), parameter, public :: widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp]
+   !> If only one grid has the lean film, the error of films is this share of their change; that can
+   !> only show what is needed.
    real(wp), parameter :: width_on_one = 0.5_wp
    !> If spikes may add more than this to both pressures, their change is not known.
    real(wp), parameter :: largest_doubt = 0.01_wp
@@ -56,7 +56,7 @@ module ablation_runs
    !> Most Newton steps.
    integer, parameter :: max_newton_steps = 18
    !> Fraction of an ingredient that is kept if it cannot be left out.
-   real(wp), parameter :: largest_rest = 0.75_wp
+   real(wp), parameter, public :: largest_rest = 0.75_wp
 
    !> One grid, its solution and its cost.
    type :: lean_level_t
@@ -120,6 +120,7 @@ contains
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: lean(2)
+      type(influence_t) :: told
       real(wp), dimension(quantity_count, 2) :: changes, doubt
       integer :: g
 
@@ -136,7 +137,10 @@ contains
          end do
          doubt = doubt_between(lean(1)%summary, full(1)%summary)
          if (.not. lean(2)%is_solved) then
-            call set_change_by_one(changes(:, 1), doubt, 1 - lean(2)%kept, adequacy%accuracy, row)
+            told = row
+            told%left_out = 1 - lean(2)%kept
+            call set_change_by_one(changes(:, 1), doubt, told)
+            if (is_plainly_needed(told, adequacy%accuracy)) row = told
             return
          end if
          row%left_out = 1 - lean(2)%kept
@@ -156,12 +160,11 @@ contains
       end associate
    end subroutine measure_one
 
-   !> Sets the row of an ingredient, a fraction `left_out` of which was left out, from the `changes`
-   !> of films on the finer grid alone, if they show that it is plainly needed for `accuracy`.
-   pure subroutine set_change_by_one(changes, doubt, left_out, accuracy, row)
-      real(wp), intent(in) :: changes(:), doubt(:, :), left_out, accuracy
+   !> Sets the changes of a row from those of films on one grid alone.
+   pure subroutine set_change_by_one(changes, doubt, row)
+      real(wp), intent(in) :: changes(:), doubt(:, :)
       type(influence_t), intent(inout) :: row
-      type(influence_t) :: told
+      character(len(row%unknown)) :: unknown
       real(wp) :: both(quantity_count, 2)
 
       both = not_known()
@@ -169,10 +172,9 @@ contains
          both(:, 1) = changes
          both(:, 2) = (1 - width_on_one/widths(1))*changes
       end where
-      told = row
-      told%left_out = left_out
-      call set_change(told, both, doubt, widths)
-      if (is_plainly_needed(told, accuracy)) row = told
+      unknown = row%unknown
+      call set_change(row, both, doubt, widths)
+      row%unknown = unknown
    end subroutine set_change_by_one
 
    !> Sets the change of a row and its error from the changes on the finer (1) and the coarser grid;

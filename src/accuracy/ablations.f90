@@ -3,14 +3,14 @@
 module ablations
    use features, only: rough_surface_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, smoothen, without_surfaces
+   use line_contact, only: line_contact_t, rough_contact_t, smoothen, smoothen_both
    use lubricant, only: density_constant, eased_fluid, thins, viscosity_barus, viscosity_constant, &
       viscosity_roelands
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_surfaces
+   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_surfaces, leave_out
 
    !> Kinds of ingredients.
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
@@ -35,18 +35,18 @@ module ablations
 contains
 
    !> Ingredients of a contact, first those cheap to measure or most often important. A steady
-   !> contact has no squeeze term.
+   !> contact has no squeeze term; a point contact without elasticity has no solver.
    pure function ingredients_of(contact, is_transient) result(list)
-      type(line_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(in) :: contact
       logical, intent(in) :: is_transient
       type(ingredient_t), allocatable :: list(:)
       logical :: is_rough(2)
 
       allocate (list(0))
       is_rough = [has_roughness(contact%surface_1), has_roughness(contact%surface_2)]
-      associate (fluid => contact%fluid)
-         if (any(is_rough)) list = [list, ingredient_t(roughness, 'roughness', &
-            'smooth surfaces')]
+      if (any(is_rough)) list = [list, ingredient_t(roughness, 'roughness', 'smooth surfaces')]
+      select type (contact)
+      type is (line_contact_t)
          if (allocated(contact%asperities)) list = [list, ingredient_t(contact_of_asperities, &
             'asperities', 'a film without asperities')]
          if (contact%supply < huge(1.0_wp)) list = [list, ingredient_t(starvation, 'supply', &
@@ -56,6 +56,8 @@ contains
             if (contact%heating%has_flow) list = [list, ingredient_t(heat_of_inlet, &
                'inlet_heating', 'oil that sliding alone warms')]
          end if
+      end select
+      associate (fluid => contact%fluid)
          if (thins(fluid)) list = [list, ingredient_t(shear_thinning, 'shear_thinning', &
             'Newtonian oil', can_reduce=.true.)]
          if (fluid%density_law /= density_constant) list = [list, ingredient_t(compressibility, &
@@ -65,9 +67,12 @@ contains
          if (fluid%viscosity_law /= viscosity_constant .and. fluid%alpha_bar > 0.0_wp) list = &
             [list, ingredient_t(piezoviscosity, 'piezoviscosity', 'constant viscosity', &
             can_reduce=.true.)]
+      end associate
+      select type (contact)
+      type is (line_contact_t)
          if (contact%elasticity > 0.0_wp) list = [list, ingredient_t(elasticity, 'elasticity', &
             'rigid bodies', can_reduce=.true.)]
-      end associate
+      end select
       if (is_transient .and. any(is_rough)) list = [list, ingredient_t(squeeze, 'squeeze', &
          'a steady solution at each time')]
       if (all(is_rough)) list = [list, &
@@ -108,9 +113,7 @@ contains
       is_of_surfaces = any(ingredient%kind == [squeeze, roughness, one_surface, one_feature])
    end function is_of_surfaces
 
-   !> The contact without an ingredient, or with a fraction `rest` of it (> 0 only if it can be
-   !> reduced): ln mu times `rest`; Roelands' z moved towards 1; Eyring stress or stiffness divided
-   !> by `rest`.
+   !> The line contact without an ingredient, or with a fraction `rest` of it.
    pure function contact_without(contact, ingredient, rest) result(lean)
       type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
@@ -118,12 +121,23 @@ contains
       type(line_contact_t) :: lean
 
       lean = contact
-      associate (fluid => lean%fluid)
+      call leave_out(lean, ingredient, rest)
+   end function contact_without
+
+   !> Removes an ingredient from a contact, or all but a fraction `rest` of it (> 0 only if it can
+   !> be reduced): ln mu times `rest`; Roelands' z moved towards 1; Eyring stress or stiffness
+   !> divided by `rest`.
+   pure subroutine leave_out(contact, ingredient, rest)
+      class(rough_contact_t), intent(inout) :: contact
+      type(ingredient_t), intent(in) :: ingredient
+      real(wp), intent(in) :: rest
+
+      associate (fluid => contact%fluid)
          select case (ingredient%kind)
          case (compressibility)
             fluid%density_law = density_constant
          case (piezoviscosity)
-            lean%moes_l_sum = rest*contact%moes_l_sum
+            contact%moes_l_sum = rest*contact%moes_l_sum
             fluid%alpha_bar = rest*fluid%alpha_bar
             if (.not. rest > 0.0_wp) fluid%viscosity_law = viscosity_constant
          case (roelands_law)
@@ -135,38 +149,55 @@ contains
             else
                if (allocated(fluid%rheology)) deallocate (fluid%rheology)
             end if
-         case (elasticity)
-            lean%elasticity = rest*contact%elasticity
-         case (contact_of_asperities)
-            if (allocated(lean%asperities)) deallocate (lean%asperities)
-         case (starvation)
-            lean%supply = huge(1.0_wp)
-         case (heat)
-            if (allocated(lean%heating)) deallocate (lean%heating)
-         case (heat_of_inlet)
-            if (allocated(lean%heating)) lean%heating%has_flow = .false.
          case (roughness)
-            lean = without_surfaces(contact)
+            call smoothen_both(contact)
          case (one_surface)
-            if (ingredient%surface == 1) call smoothen(lean%surface_1)
-            if (ingredient%surface == 2) call smoothen(lean%surface_2)
+            if (ingredient%surface == 1) call smoothen(contact%surface_1)
+            if (ingredient%surface == 2) call smoothen(contact%surface_2)
          case (one_feature)
-            if (ingredient%surface == 1) call leave_out(lean%surface_1, ingredient%feature)
-            if (ingredient%surface == 2) call leave_out(lean%surface_2, ingredient%feature)
+            if (ingredient%surface == 1) call remove(contact%surface_1, ingredient%feature)
+            if (ingredient%surface == 2) call remove(contact%surface_2, ingredient%feature)
          case (squeeze)
             return   ! the same contact, solved in another way
+         case (elasticity, contact_of_asperities, starvation, heat, heat_of_inlet)
+            select type (contact)
+            type is (line_contact_t)   ! points have none of these
+               call leave_out_of_line(contact, ingredient%kind, rest)
+            end select
          case default
-            error stop 'contact_without: an ingredient without its case'
+            error stop 'leave_out: an ingredient without its case'
          end select
       end associate
-   end function contact_without
+   end subroutine leave_out
+
+   !> The same for the ingredients of line contacts alone.
+   pure subroutine leave_out_of_line(contact, kind, rest)
+      type(line_contact_t), intent(inout) :: contact
+      integer, intent(in) :: kind
+      real(wp), intent(in) :: rest
+
+      select case (kind)
+      case (elasticity)
+         contact%elasticity = rest*contact%elasticity
+      case (contact_of_asperities)
+         if (allocated(contact%asperities)) deallocate (contact%asperities)
+      case (starvation)
+         contact%supply = huge(1.0_wp)
+      case (heat)
+         if (allocated(contact%heating)) deallocate (contact%heating)
+      case (heat_of_inlet)
+         if (allocated(contact%heating)) contact%heating%has_flow = .false.
+      case default
+         error stop 'leave_out_of_line: an ingredient without its case'
+      end select
+   end subroutine leave_out_of_line
 
    !> Removes one feature from a surface.
-   pure subroutine leave_out(surface, feature)
+   pure subroutine remove(surface, feature)
       type(rough_surface_t), intent(inout) :: surface
       integer, intent(in) :: feature
 
       surface%features = [surface%features(:feature - 1), surface%features(feature + 1:)]
-   end subroutine leave_out
+   end subroutine remove
 
 end module ablations

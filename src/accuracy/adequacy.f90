@@ -18,7 +18,7 @@ module adequacy
 
    public :: accuracy_for, adequacy_t, apply_model, begin_row, influence_t, is_plainly_needed, &
       judge, judge_at_rest, judged_t, model_choice_t, new_influence, number_choice_t, verdict_of, &
-      verdict_text, why_unknown
+      verdict_on, verdict_text, why_unknown
 
    integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
       verdict_irrelevant = 3

@@ -123,8 +123,15 @@ module line_contact
       real(wp), allocatable :: x(:), pressure(:)
    end type inlet_tail_t
 
-   !> What line and point contacts have: where they are solved, and the surfaces that pass.
+   !> What line and point contacts have: the oil, where they are solved, the surfaces that pass.
    type :: rough_contact_t
+      !> Speed parameter lambda [-], > 0: of a line contact (2.55), corrected:
+      !> 6 u_s R^2 mu_0/(p_h b^3).
+      real(wp) :: lambda = 0.0_wp
+      !> Moes lubricant parameter L, SUM velocity [-].
+      real(wp) :: moes_l_sum = 0.0_wp
+      !> Scaled lubricant laws.
+      type(fluid_t) :: fluid
       !> Scaled surfaces: heights in b^2/R, lengths in b, speeds dX/dT.
       type(rough_surface_t) :: surface_1, surface_2
       !> Domain in half-widths; complete after `choose_domain`.
@@ -141,14 +148,8 @@ module line_contact
 
    !> Data of one dimensionless contact.
    type, extends(rough_contact_t) :: line_contact_t
-      !> Speed parameter lambda of (2.55), corrected: 6 u_s R^2 mu_0/(p_h b^3) [-], > 0.
-      real(wp) :: lambda = 0.0_wp
       !> Moes load parameter M, SUM velocity [-].
       real(wp) :: moes_m_sum = 0.0_wp
-      !> Moes lubricant parameter L, SUM velocity [-].
-      real(wp) :: moes_l_sum = 0.0_wp
-      !> Scaled lubricant laws.
-      type(fluid_t) :: fluid
       !> Oil is conserved in cavities, and what arrives per u1 + u2 at most (module reynolds_line).
       logical :: conserves_oil = .false.
       real(wp) :: supply = huge(1.0_wp)

@@ -158,6 +158,7 @@ contains
          output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
          output%has_si = values%logical_value('output', 'si_copies')
          output%film_thresholds = thresholds%reals
+         output%adequacy = values%word_value('output', 'adequacy')
       end associate
    end subroutine fill_common
 
@@ -202,7 +203,6 @@ contains
          case%solver%space_scheme = 'kappa'
       end if
       associate (output => case%output_settings)
-         output%adequacy = values%word_value('output', 'adequacy')
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
    end subroutine fill_numerics

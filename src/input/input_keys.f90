@@ -593,8 +593,8 @@ module input_keys
          range='> 0, <= 1', used=in_time//', '//in_metres, problems=film, &
          typical=typical_film, example='! 50e-9, 100e-9'), &
       key_row_t('output', 'adequacy', logical_kind, '', '.true.', &
-         'measures the effect of each ingredient, for /adequacy: at most a tenth of the cost; '// &
-            'full: everything', words='full', problems=other_than_point), &
+         'measures the effect of each ingredient, for /adequacy: a tenth of the cost, points '// &
+            'a fifth; full: everything', words='full', problems=every), &
       key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
          'stores the fields and series that are dimensionless in SI too, in /si', problems=film), &
       key_row_t('output', 'xdmf', logical_kind, '', '.false.', &

@@ -99,7 +99,7 @@ contains
          contact%surface_1%course = contact%duty%speeds(1)
          contact%surface_2%course = contact%duty%speeds(2)
          call plan_duty(values, contact, case)
-         call fit_duty(contact, case%scaling%moes_l*sum_per_mean**0.25_wp)
+         call fit_duty(contact)
       end associate
    end subroutine pose_duty
 

@@ -1,6 +1,7 @@
 !> The sections of the result of a lubricated point contact.
 module point_result
-   use adequacy_section, only: write_validity
+   use adequacy, only: judge
+   use adequacy_section, only: write_adequacy, write_validity
    use case_record, only: case_t
    use field_sections, only: write_solution, write_statistics
    use hdf5_axes, only: make_counter, name_axes
@@ -42,6 +43,8 @@ contains
          if (case%solver%film_floor > 0.0_wp) call write_breakdown(file, report%breakdown, &
             case%scaling)
          if (allocated(writer%limits)) call write_validity(file, writer%limits)
+         call judge(writer%adequacy, summary)
+         call write_adequacy(file, writer%adequacy)
          call make_counter(file, '/report/grid', size(run%work, 2), 'number of the grid')
          call make_counter(file, '/report/kind_of_work', 2, &
             'number of: Newton steps, iterations of GMRES')

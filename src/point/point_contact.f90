@@ -19,17 +19,16 @@ module point_contact
    implicit none (type, external)
    private
 
-   public :: dry_border, far_load, far_pressure, fit_duty, first_intervals, hertz_pressure_at, &
-      intervals_for, new_point_contact, rows_for, set_point_moment, start_of
+   public :: dry_border, expect_film, far_load, far_pressure, fit_duty, first_intervals, &
+      hertz_pressure_at, intervals_for, new_point_contact, rows_for, set_point_moment, start_of
 
    !> The contact.
    type, public, extends(rough_contact_t) :: point_contact_t
       type(ellipse_t) :: ellipse
-      type(fluid_t) :: fluid
       !> D = Rx/Ry, and the angle from the x axis of the ellipse to the entrainment [rad].
       real(wp) :: radius_ratio = 1.0_wp, angle = 0.0_wp
-      !> Moes' M of the sum of the speeds, and lambda [-].
-      real(wp) :: moes_m = 1.0_wp, lambda = 1.0_wp
+      !> Moes' M of the sum of the speeds [-].
+      real(wp) :: moes_m = 1.0_wp
       !> II P dA [-], of the reference state; the moment of a duty, and its film to start from.
       real(wp) :: load = 0.0_wp, first_film = 0.0_wp
       type(moment_t) :: moment
@@ -55,13 +54,14 @@ contains
       real(wp), intent(in) :: radius_ratio, moes_m, moes_l, angle
       type(fluid_t), intent(in) :: fluid
       type(point_contact_t) :: contact
-      real(wp) :: along, trace, width
+      real(wp) :: trace, width
 
       allocate (contact%surface_1%features(0), contact%surface_2%features(0))
       contact%surface_1%speed = 1.0_wp
       contact%surface_2%speed = 1.0_wp
       contact%radius_ratio = radius_ratio
       contact%moes_m = moes_m
+      contact%moes_l_sum = moes_l
       contact%angle = angle
       contact%fluid = fluid
       contact%ellipse = new_ellipse(radius_ratio)
@@ -72,10 +72,7 @@ contains
          q = [c**2 + d*s**2, (d - 1)*c*s, s**2 + d*c**2]
          b = [hypot(c, kappa*s), hypot(s, kappa*c)]
          contact%half_length = b(1)
-         along = q(1)
-         contact%expected_film = central_point_film(moes_m*along**1.25_wp, moes_l*along**0.25_wp, &
-            q(3)/along)/sqrt(along)/point_film_unit(contact%ellipse, moes_m)
-         contact%expected_film = thinned_central_film(fluid, contact%lambda, contact%expected_film)
+         call expect_film(contact)
          ! (Q + 2 tr(Q) I) g = -lambda Q e_x
          trace = 2*(q(1) + q(3))
          contact%far = -contact%lambda*[(q(3) + trace)*q(1) - q(2)**2, (q(1) + trace)*q(2) &
@@ -88,12 +85,22 @@ contains
       end associate
    end function new_point_contact
 
-   !> Fits domain and expected film to all moments of the duty, with Moes' L of the sum of the
-   !> speeds: the largest domain, and the film of the moment that needs the finest first grid. In
-   !> units of its own, a W^(1/3) and p_h W^(1/3), a moment is a contact of constant load.
-   pure subroutine fit_duty(contact, moes_l)
+   !> Sets the central film that formulas expect.
+   pure subroutine expect_film(contact)
       type(point_contact_t), intent(inout) :: contact
-      real(wp), intent(in) :: moes_l
+
+      associate (along => contact%curvature(1), across => contact%curvature(3))
+         contact%expected_film = thinned_central_film(contact%fluid, contact%lambda, &
+            central_point_film(contact%moes_m*along**1.25_wp, contact%moes_l_sum*along**0.25_wp, &
+            across/along)/sqrt(along)/point_film_unit(contact%ellipse, contact%moes_m))
+      end associate
+   end subroutine expect_film
+
+   !> Fits domain and expected film to all moments of the duty: the largest domain, and the film of
+   !> the moment that needs the finest first grid. In units of its own, a W^(1/3) and p_h W^(1/3), a
+   !> moment is a contact of constant load.
+   pure subroutine fit_duty(contact)
+      type(point_contact_t), intent(inout) :: contact
       type(point_contact_t) :: own
       type(fluid_t) :: fluid
       real(wp) :: ends(2), film, speed, width
@@ -114,7 +121,7 @@ contains
                   fluid%rheology%ln_b_scale = fluid%rheology%ln_b_scale - 2*log(width)
                end if
                own = new_point_contact(contact%radius_ratio, contact%moes_m*moment%load &
-                  /speed**0.75_wp, moes_l*speed**0.25_wp, contact%angle, fluid)
+                  /speed**0.75_wp, contact%moes_l_sum*speed**0.25_wp, contact%angle, fluid)
                ends = width*[own%domain%x_inlet, own%domain%x_outlet]
                if (sum(moment%speeds) < 0.0_wp) ends = -ends([2, 1])
             end associate

@@ -19,7 +19,7 @@ module point_solver
    implicit none (type, external)
    private
 
-   public :: coarseness, pairs_of, point_run_t, solve_point_steady, tolerance_of
+   public :: coarseness, interpolate, pairs_of, point_run_t, solve_point_steady, tolerance_of
 
    !> The start lies this many times the expected film above the dry contact.
    real(wp), parameter :: start_film = 1.5_wp
@@ -36,11 +36,11 @@ module point_solver
       type(time_settings_t) :: time
       integer :: threads = 1
       type(point_newton_t) :: newton
-      !> Quantities on each grid, the first one the coarsest; pressure and H0 of the last but two,
-      !> or but one if that is the first.
+      !> Quantities on each grid, the first one the coarsest; pressure and H0 of the last but one,
+      !> and of that before, if there is one.
       type(line_summary_t), allocatable :: grids(:)
-      real(wp), allocatable :: older(:, :)
-      real(wp) :: older_h0 = 0.0_wp
+      real(wp), allocatable :: coarse(:, :), older(:, :)
+      real(wp) :: coarse_h0 = 0.0_wp, older_h0 = 0.0_wp
       !> Of a passage whose grid was chosen: on half the intervals, a quarter and so on.
       type(line_summary_t), allocatable :: coarser(:)
       !> Newton steps and iterations of GMRES (2, grids).
@@ -57,8 +57,6 @@ contains
       class(listener_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: coarse(:, :)
-      real(wp) :: h0
       integer :: most, nx, ny
 
       run%grids = [line_summary_t ::]
@@ -72,10 +70,10 @@ contains
          call new_hierarchy(run%newton%hierarchy, contact, nx, ny, run%threads, error)
          if (allocated(error)) return
          associate (level => run%newton%hierarchy%levels(1), newton => run%newton)
-            newton%is_near = allocated(coarse)
+            newton%is_near = size(run%grids) > 0
             if (newton%is_near) then
-               level%rigid_displacement = h0
-               call interpolate(coarse, level%pressure)
+               level%rigid_displacement = run%coarse_h0
+               call interpolate(run%coarse, level%pressure)
             else
                call start_dry(contact, level)
             end if
@@ -90,14 +88,14 @@ contains
             if (.not. report%converged) exit
             run%grids = [run%grids, summary_of_point(level, contact)]
             if (nx == most .or. meets_target(run, contact)) exit
-            if (.not. allocated(coarse)) then
-               coarse = level%pressure
-               h0 = level%rigid_displacement
+            if (size(run%grids) == 1) then
+               run%coarse = level%pressure
+               run%coarse_h0 = level%rigid_displacement
             end if
-            run%older = coarse
-            run%older_h0 = h0
-            coarse = level%pressure
-            h0 = level%rigid_displacement
+            run%older = run%coarse
+            run%older_h0 = run%coarse_h0
+            run%coarse = level%pressure
+            run%coarse_h0 = level%rigid_displacement
             nx = 2*nx
          end associate
       end do

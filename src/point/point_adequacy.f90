@@ -1,0 +1,237 @@
+!> Changes of a lubricated point contact without one of its ingredients, on two grids of its nested
+!> start, where it is known with all of them; rules and errors are those of line contacts (module
+!> ablation_runs). In time the ingredients of the oil are left out of the smooth steady start.
+module point_adequacy
+   use ablation_runs, only: change_between, doubt_between, largest_rest, set_change, &
+      set_change_by_one, widths
+   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out
+   use adequacy, only: accuracy_for, adequacy_t, influence_t, new_influence, no_solution, &
+      verdict_needed, verdict_on
+   use errors, only: error_t
+   use iteration_report, only: phase_adequacy, report_t
+   use kinds, only: not_known, wp
+   use line_contact, only: smoothen_both
+   use line_summary, only: line_summary_t
+   use listener, only: listener_t
+   use point_contact, only: expect_film, first_intervals, point_contact_t
+   use point_cycle, only: new_hierarchy
+   use point_level, only: point_level_t, set_point_film, set_surfaces
+   use point_newton, only: point_newton_t, solve_point_newton
+   use point_quantities, only: summary_of_point
+   use point_solver, only: interpolate, point_run_t
+   use pressure_errors, only: allow_for_spike, spike_law_t
+   use quantities, only: h_min, h_min_node, p_max, quantity_count, sliding_rows
+   use wall_clock, only: wall_seconds
+   implicit none (type, external)
+   private
+
+   public :: measure_point_adequacy
+
+   !> Share of the work of the run that may be spent, of that of its steady start in time.
+   real(wp), parameter :: share = 0.2_wp, share_in_time = 1.0_wp
+   !> Work of a Newton step over that of an iteration of GMRES in it; usual one of a solution per
+   !> node.
+   real(wp), parameter :: work_of_step = 3.0_wp, usual_work = 25.0_wp
+   !> Residual and load error of a lean contact; most Newton steps for it.
+   real(wp), parameter :: lean_tolerance = 1.0e-5_wp
+   integer, parameter :: most_steps = 18
+   character(*), parameter :: no_passage = 'not measured of a point contact in time', &
+      no_grids = 'no two coarser grids hold the film'
+
+   !> The coarser (1) and the finer of two grids, the contact on them with all ingredients, its
+   !> pressures, H0 of the finer less that of the coarser one, and the work that may still be spent,
+   !> in nodes times iterations.
+   type :: grid_pair_t
+      type(point_newton_t) :: newtons(2)
+      type(line_summary_t) :: full(2)
+      real(wp), allocatable :: coarse(:, :), fine(:, :)
+      real(wp) :: rise = 0.0_wp, budget = 0.0_wp
+   end type grid_pair_t
+
+contains
+
+   !> Measures the ingredients of a `contact` that `run` has solved, if it has converged, to the
+   !> quantities of `summary`: a row each. Error (internal_error): LAPACK or FFTW.
+   subroutine measure_point_adequacy(run, contact, summary, adequacy, listener, report, error)
+      type(point_run_t), intent(in) :: run
+      type(point_contact_t), intent(in) :: contact
+      type(line_summary_t), intent(in) :: summary
+      type(adequacy_t), intent(inout) :: adequacy
+      class(listener_t), intent(inout) :: listener
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(point_contact_t) :: steady
+      type(grid_pair_t) :: pair
+      type(ingredient_t), allocatable :: list(:)
+      real(wp) :: start
+      integer :: i
+
+      if (.not. report%converged) return
+      start = wall_seconds()
+      adequacy%accuracy = accuracy_for(run%settings%target, summary)
+      call listener%on_stage('measuring what each ingredient changes')
+      list = ingredients_of(contact, run%time%is_transient)
+      adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      steady = contact
+      if (run%time%is_transient) then
+         adequacy%rows%unknown = no_passage
+         if (allocated(contact%duty)) return
+         call smoothen_both(steady)
+      end if
+      if (size(run%grids) < 3) then
+         adequacy%rows%unknown = no_grids
+         return
+      end if
+      call choose_pair(run, steady, size(list), adequacy, pair, error)
+      if (allocated(error)) return
+      do i = 1, size(list)
+         if (run%time%is_transient .and. is_of_surfaces(list(i))) cycle
+         adequacy%rows(i)%is_at_rest = run%time%is_transient
+         call measure_one(list(i), steady, size(list) - i, pair, adequacy, adequacy%rows(i), &
+            listener)
+         if (listener%is_stopping) exit
+      end do
+      report%converged = .not. listener%is_stopping
+      report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
+   end subroutine measure_point_adequacy
+
+   !> The last pair of grids, up to half of the intervals, on which this many `solutions` fit into
+   !> the budget. Error: as above.
+   subroutine choose_pair(run, contact, solutions, adequacy, pair, error)
+      type(point_run_t), intent(in) :: run
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: solutions
+      type(adequacy_t), intent(inout) :: adequacy
+      type(grid_pair_t), intent(inout) :: pair
+      type(error_t), allocatable, intent(out) :: error
+      integer :: g, intervals(2), k, last
+      real(wp) :: nodes(size(run%grids))
+
+      last = size(run%grids)
+      nodes = [(real(contact%domain%intervals, wp)*contact%domain%rows/4**(last - k), k=1, last)]
+      pair%budget = merge(share_in_time, share, run%time%is_transient)*dot_product(nodes, &
+         run%work(2, :last) + work_of_step*run%work(1, :last))
+      if (adequacy%is_full) pair%budget = huge(1.0_wp)
+      k = last - 2
+      do while (k > 1 .and. solutions*usual_work*sum(nodes(k:k + 1)) > pair%budget)
+         k = k - 1
+      end do
+      do g = 2, 1, -1
+         intervals = [contact%domain%intervals, contact%domain%rows]/2**(last - k - g + 1)
+         call new_hierarchy(pair%newtons(g)%hierarchy, contact, intervals(1), intervals(2), &
+            run%threads, error)
+         if (allocated(error)) return
+         pair%full(g) = run%grids(k + g - 1)
+         call doubt_pressure(contact, pair%newtons(g)%hierarchy%levels(1)%hx, pair%full(g))
+         adequacy%at_rest(3 - g) = intervals(1)
+      end do
+      g = 2**(last - 2 - k)
+      pair%coarse = run%older(::g, ::g)
+      pair%fine = run%coarse(::g, ::g)
+      if (g == 1) pair%rise = run%coarse_h0 - run%older_h0
+   end subroutine choose_pair
+
+   !> One ingredient, of which `others` follow: on the coarser grid first, which may show that it is
+   !> needed.
+   subroutine measure_one(ingredient, contact, others, pair, adequacy, row, listener)
+      type(ingredient_t), intent(in) :: ingredient
+      type(point_contact_t), intent(in) :: contact
+      integer, intent(in) :: others
+      type(grid_pair_t), intent(inout) :: pair
+      type(adequacy_t), intent(in) :: adequacy
+      type(influence_t), intent(inout) :: row
+      class(listener_t), intent(inout) :: listener
+      type(influence_t) :: by_one
+      type(point_contact_t) :: lean
+      type(line_summary_t) :: summary
+      real(wp) :: changes(quantity_count, 2), rest
+      integer :: after
+      logical :: is_known
+
+      associate (fine => pair%newtons(2)%hierarchy%levels(1), &
+         coarse => pair%newtons(1)%hierarchy%levels(1))
+         rest = 0.0_wp
+         do
+            if (pair%budget < usual_work*size(coarse%film)) return
+            lean = contact
+            call leave_out(lean, ingredient, rest)
+            call expect_film(lean)
+            call set_surfaces(coarse, lean, 0.0_wp)
+            coarse%pressure = pair%coarse
+            call place_film(coarse, pair%full(1)%of(h_min_node)%value*lean%expected_film &
+               /contact%expected_film)
+            is_known = first_intervals(lean, 2*coarse%nx) <= coarse%nx .or. rest > 0.0_wp
+            if (is_known) call solve_lean(pair, 1, lean, summary, is_known, listener)
+            if (is_known) exit
+            row%unknown = no_solution
+            if (listener%is_stopping .or. rest > 0.0_wp .or. .not. ingredient%can_reduce) return
+            rest = largest_rest
+         end do
+         row%left_out = 1 - rest
+         changes(:, 2) = change_between(summary, pair%full(1))
+         ! the smallest film hops from node to node
+         changes(:, 1) = changes(:, 2)
+         changes([h_min, h_min_node], 1) = not_known()
+         by_one = row
+         call set_change_by_one(changes(:, 1), doubt_between(summary, pair%full(1)), by_one)
+         after = others*size(coarse%film)
+         if (verdict_on(by_one, adequacy%accuracy) == verdict_needed) then
+            row = by_one
+            after = others*(size(coarse%film) + size(fine%film))
+         end if
+         if (pair%budget < usual_work*(size(fine%film) + after)) return
+         call set_surfaces(fine, lean, 0.0_wp)
+         call interpolate(coarse%pressure - pair%coarse, fine%pressure)
+         fine%pressure = max(pair%fine + fine%pressure, 0.0_wp)
+         fine%rigid_displacement = coarse%rigid_displacement + pair%rise
+         call solve_lean(pair, 2, lean, summary, is_known, listener)
+         if (.not. is_known) row%unknown = no_solution
+         if (.not. is_known) return
+         changes(:, 1) = change_between(summary, pair%full(2))
+         call set_change(row, changes, doubt_between(summary, pair%full(2)), widths)
+      end associate
+   end subroutine measure_one
+
+   !> Sets H0 so that the film of the present pressure has the minimum `smallest`.
+   subroutine place_film(level, smallest)
+      type(point_level_t), intent(inout) :: level
+      real(wp), intent(in) :: smallest
+
+      level%rigid_displacement = 0.0_wp
+      call set_point_film(level)
+      level%rigid_displacement = smallest - minval(level%film)
+   end subroutine place_film
+
+   !> Solves grid `g` of the pair for a `lean` contact from its present pressure.
+   subroutine solve_lean(pair, g, lean, summary, is_known, listener)
+      type(grid_pair_t), intent(inout) :: pair
+      integer, intent(in) :: g
+      type(point_contact_t), intent(in) :: lean
+      type(line_summary_t), intent(out) :: summary
+      logical, intent(out) :: is_known
+      class(listener_t), intent(inout) :: listener
+      type(report_t) :: report
+
+      associate (newton => pair%newtons(g), level => pair%newtons(g)%hierarchy%levels(1))
+         call solve_point_newton(newton, lean, lean_tolerance, most_steps, listener, report)
+         pair%budget = pair%budget - real(size(level%film), wp)*(newton%iterations &
+            + work_of_step*newton%steps)
+         is_known = report%converged
+         if (.not. is_known) return
+         summary = summary_of_point(level, lean)
+         call doubt_pressure(lean, level%hx, summary)
+      end associate
+   end subroutine solve_lean
+
+   !> Sets the error of the largest pressure to what a spike may add on finer grids.
+   pure subroutine doubt_pressure(contact, hx, summary)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: hx
+      type(line_summary_t), intent(inout) :: summary
+
+      summary%of(p_max)%error_grid = 0.0_wp
+      summary%of(sliding_rows)%error_grid = abs(summary%of(sliding_rows)%error_grid)
+      call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), hx, summary)
+   end subroutine doubt_pressure
+
+end module point_adequacy
