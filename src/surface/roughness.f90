@@ -85,7 +85,7 @@ contains
       real(wp), intent(in) :: levels(:)
       real(wp) :: ratio(size(levels))
       integer :: below(0:size(levels)), count, first, guess(block), i, k, n
-      real(wp) :: lowest, steps_per_height
+      real(wp) :: edge(0:size(levels) + 1), lowest, steps_per_height
 
       count = size(levels)
       lowest = levels(1)
@@ -93,6 +93,7 @@ contains
       if (levels(count) > lowest) steps_per_height = (count - 1)/(levels(count) - lowest)
       ! below(k): nodes with k levels at or below them; the guess is that of evenly spaced levels.
       below = 0
+      edge = [-huge(1.0_wp), levels, huge(1.0_wp)]
       do first = 0, size(z) - 1, block
          n = min(block, size(z) - first)
          do i = 1, n
@@ -101,14 +102,12 @@ contains
          end do
          do i = 1, n
             k = guess(i)
-            upward: do while (k < count)
-               if (z(first + i) < levels(k + 1)) exit upward
+            do while (z(first + i) >= edge(k + 1))
                k = k + 1
-            end do upward
-            downward: do while (k > 0)
-               if (z(first + i) >= levels(k)) exit downward
+            end do
+            do while (z(first + i) < edge(k))
                k = k - 1
-            end do downward
+            end do
             below(k) = below(k) + 1
          end do
       end do

@@ -81,10 +81,10 @@ contains
       real(wp), intent(out), contiguous, target :: values(:, :)
       integer(c_size_t) :: bytes
 
-      values = 0.0_wp
-      if (allocated(self%failure) .or. size(values) == 0) return
       bytes = size(values, kind=c_size_t)*real_bytes
-      call self%check(c_pread(self%descriptor, c_loc(values), bytes, place) == bytes, 'read')
+      if (.not. allocated(self%failure) .and. bytes > 0_c_size_t) call self%check( &
+         c_pread(self%descriptor, c_loc(values), bytes, place) == bytes, 'read')
+      if (allocated(self%failure)) values = 0.0_wp
    end subroutine read_reals
 
    !> Closes the file; twice does nothing.
