@@ -217,13 +217,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(spectral_product_t) :: filter
       real(wp), allocatable :: kept(:), symbol(:, :)
-      integer :: i, j
+      integer :: j
+      integer(int64) :: across, i
 
       allocate (symbol(0:grid(1)/2, 0:grid(2) - 1), source=0.0_wp)
       do j = 0, grid(2) - 1
+         across = merge(j, j - grid(2), 2*j <= grid(2))
          do i = 0, grid(1)/2
-            if (i**2 + merge(j, j - grid(2), 2*j <= grid(2))**2 <= harmonics**2) symbol(i, &
-               j) = 1.0_wp
+            if (i**2 + across**2 <= int(harmonics, int64)**2) symbol(i, j) = 1.0_wp
          end do
       end do
       symbol(0, 0) = 0.0_wp
