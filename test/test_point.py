@@ -253,7 +253,14 @@ def test_a_reversed_history_ends_as_it_began(solved_cases, tmp_path):
     assert abs(turned[0] / films[0][0] - 1)[moving].max() > 0.1
     np.testing.assert_allclose(turned[-1][moving], films[0][0][moving], rtol=1e-3)
     np.testing.assert_allclose(turned, films[1], rtol=1e-6)
-    np.testing.assert_allclose(*frictions, rtol=5e-3)  # round-off moves the exit by nodes
+    np.testing.assert_allclose(*frictions, rtol=5e-4)  # round-off moves the exit by nodes
+
+
+def test_a_reversal_leaves_a_film(solved_case, tmp_path):
+    # which the arithmetic mean of rho H^3 on faces drains until it closes; on 128 intervals the least one is 15.5 nm
+    write(tmp_path, "h.csv", "time [s],speed_1 [m/s],speed_2 [m/s]\n0,0.3,0.18\n0.02,-0.3,-0.18\n")
+    with solved_case(HISTORY.replace("= 0.04", "= 0.08") + "&load load = 20 /\n&domain intervals_x = 64 /\n") as file:
+        assert file["si/transient/h_min"][()].min() > 8e-9
 
 
 def test_floor_and_thresholds_of_a_passage(solved_case):

@@ -32,6 +32,8 @@ module point_contact
       !> II P dA [-], of the reference state; the moment of a duty, and its film to start from.
       real(wp) :: load = 0.0_wp, first_film = 0.0_wp
       type(moment_t) :: moment
+      !> Whether the speeds of a duty become small.
+      logical :: rests = .false.
       !> q0, q1, q2, and half-widths of the turned ellipse along X and Y [-].
       real(wp) :: curvature(3) = 0.0_wp, half_widths(2) = 1.0_wp
       !> The pressure around the domain is that of rigid bodies, not 0; its g of P = g.r/H^2.
@@ -106,6 +108,7 @@ contains
       real(wp) :: ends(2), film, speed, width
       integer :: i
 
+      contact%rests = .not. contact%duty%always_moves(least_speed)
       associate (times => contact%duty%samples(sample_count), domain => contact%domain)
          do i = 1, size(times)
             associate (moment => contact%duty%at(times(i)))

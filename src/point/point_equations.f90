@@ -5,11 +5,12 @@
 !>     Q(1|2) = (E1 + E2)/2 L(m1, m2) (P2 - P1) ,  E = rho H^3/lambda ,  m = S/mu
 !>
 !> of first order in the wedge at i = 1, U = 1 unless the speeds change in time; P >= 0, r <= 0,
-!> P r = 0. The logarithmic mean L(a, b) = (a - b)/(ln a - ln b) is exact where ln mu is linear, and
-!> Q never falls with the pressure that drives it, however steep ln mu is: the arithmetic mean of e
-!> has twice the error. The gradient thins an Eyring oil further: P2 - P1 is then what drives as
-!> much oil as F of module eyring_plane, for ln mu and H in the middle of the face, over its limit
-!> S Sigma.
+!> P r = 0. In a contact that comes to rest sqrt(E1 E2) replaces the mean of both, which would drain
+!> the smaller film until it closes. The logarithmic mean L(a, b) = (a - b)/(ln a - ln b) is exact
+!> where ln mu is linear, and Q never falls with the pressure that drives it, however steep ln mu
+!> is: the arithmetic mean of e has twice the error. The gradient thins an Eyring oil further: P2 -
+!> P1 is then what drives as much oil as F of module eyring_plane, for ln mu and H in the middle of
+!> the face, over its limit S Sigma.
 module point_equations
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use mobility, only: mean_fluidity
@@ -137,7 +138,7 @@ contains
       real(wp), dimension(0:level%nx - merge(1, 0, axis == along_x)) :: drop, exponent, fluidity, &
          shape_factor, slant
       real(wp), dimension(0:4, 0:level%nx) :: slopes
-      real(wp) :: e, mean, slope_1, slope_2
+      real(wp) :: e, e_1, e_2, mean, slope_1, slope_2
       integer :: i, k, last, shift
       logical :: thinned
 
@@ -157,7 +158,14 @@ contains
          mean = fluidity(i)
          slope_1 = -0.5_wp*mean*drop(i)*(1 + slant(i))
          slope_2 = -0.5_wp*mean*drop(i)*(1 - slant(i))
-         e = 0.5_wp*(one(i, of_e) + two(k, of_e))
+         e_1 = one(i, of_e)
+         e_2 = two(k, of_e)
+         e = 0.5_wp*(e_1 + e_2)
+         if (contact%rests) then
+            e = sqrt(e_1*e_2)
+            e_1 = e
+            e_2 = e
+         end if
          faces(i, flux) = e*mean*drop(i)
          faces(i, flow_1) = e*(mean - slope_1*one(i, axis + 1))
          faces(i, flow_2) = e*(mean + slope_2*two(k, axis + 1))
@@ -169,13 +177,13 @@ contains
                i)*two(k, plain + 1))
             faces(i, by_turn) = e*mean*slopes(2, i)
          end if
-         faces(i, by_p1) = 0.5_wp*mean*drop(i)*one(i, of_e)*one(i, of_drho)/one(i, of_rho) &
+         faces(i, by_p1) = 0.5_wp*mean*drop(i)*e_1*one(i, of_drho)/one(i, of_rho) &
             - faces(i, flow_1)
-         faces(i, by_p2) = 0.5_wp*mean*drop(i)*two(k, of_e)*two(k, of_drho)/two(k, of_rho) &
+         faces(i, by_p2) = 0.5_wp*mean*drop(i)*e_2*two(k, of_drho)/two(k, of_rho) &
             + faces(i, flow_2)
-         faces(i, by_h1) = 1.5_wp*mean*drop(i)*one(i, of_e)/one(i, of_h) &
+         faces(i, by_h1) = 1.5_wp*mean*drop(i)*e_1/one(i, of_h) &
             + e*slope_1*one(i, axis + 2)
-         faces(i, by_h2) = 1.5_wp*mean*drop(i)*two(k, of_e)/two(k, of_h) &
+         faces(i, by_h2) = 1.5_wp*mean*drop(i)*e_2/two(k, of_h) &
             + e*slope_2*two(k, axis + 2)
          if (thinned) then
             faces(i, by_h1) = faces(i, by_h1) + 0.5_wp*e*mean*slopes(4, i)/one(i, of_h)

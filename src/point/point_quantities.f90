@@ -23,8 +23,8 @@ module point_quantities
 
    !> Rows of forces.
    integer, parameter :: forces(*) = [sliding_rows, rolling_coefficient]
-   !> Pressures over the largest one that count as none: what Newton's method leaves at the exit.
-   real(wp), parameter :: round_off = 1.0e-11_wp
+   !> Pressures over the largest one that count as none: what the tolerance leaves behind the exit.
+   real(wp), parameter :: least_share = 1.0e-7_wp
 
 contains
 
@@ -108,7 +108,7 @@ contains
 
       forces%sliding_speed = 0.5_wp*level%direction*contact%slide_to_roll
       stressed = stressed_share*maxval(level%pressure)
-      least = round_off*maxval(level%pressure)
+      least = least_share*maxval(level%pressure)
       associate (p => level%pressure, h => level%film, dx => level%hx, dy => level%hy)
          each_row: do j = first, last
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
