@@ -287,7 +287,7 @@ def draw_history(result: Result, options: argparse.Namespace) -> list[Path]:
         panel.set(ylabel=f"{name} [{axis.unit or '-'}]" if name else axis.plain_label)
         if len(curves) > 1:
             panel.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2, borderpad=0.1)
-        if name not in ("Speed", "Pressure"):
+        if name not in ("Speed", "Pressure") and panel.dataLim.y0 >= 0:
             panel.set_ylim(0, 1.05 * panel.dataLim.y1)
     parts = ("friction_coefficient", "sum"), ("friction_coefficient_oil", "oil"), ("friction_coefficient_boundary", "asperities")
     for (name, label), look in zip(parts, style.SERIES, strict=False):
