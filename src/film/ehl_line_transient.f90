@@ -30,7 +30,8 @@ module ehl_line_transient
    use listener, only: listener_t
    use lubricant, only: fluid_density
    use march_state, only: extrapolate, judge_part, keep_solution, least_part, march_state_t, &
-      most_parts, next_end, part_ends, predictors, step_error, step_weights, time_part_t
+      most_parts, next_end, part_ends, predictors, step_error, step_weights, &
+      time_part_t, turn_history
    use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use state_output, only: fill_state
@@ -38,7 +39,7 @@ module ehl_line_transient
    implicit none (type, external)
    private
 
-   public :: cut_at_kinks, judge_cycles, look_back, march, turn_history
+   public :: cut_at_kinks, judge_cycles, look_back, march
 
    !> A time step and how it is solved.
    type :: step_plan_t
@@ -483,17 +484,6 @@ contains
          end do
       end associate
    end subroutine solve_step
-
-   !> Turns the last solutions to the other direction of the flow.
-   pure subroutine turn_history(history)
-      type(march_state_t), intent(inout) :: history
-      integer :: n
-
-      n = ubound(history%pressure, 1)
-      history%pressure(:, :) = history%pressure(n:0:-1, :)
-      history%mass(:, :) = history%mass(n:0:-1, :)
-      history%direction = -history%direction
-   end subroutine turn_history
 
    !> Adds the present solution, at the end of a step of `length`, to the history.
    pure subroutine remember(history, level, length)

@@ -18,7 +18,8 @@ module march_state
 
    public :: derivative_weights, excess_t, extrapolate, judge_part, keep_solution, march_state_t, &
       max_excesses, momentum_history_t, newton_cost_t, next_count, next_end, parabola_weights, &
-      part_ends, past_t, predictors, step_error, step_weights, time_part_t, weights_of
+      part_ends, past_t, predictors, step_error, step_weights, time_part_t, turn_history, &
+      weights_of
 
    !> Time T from which undivided steps suffice; exponent of the grading; shortest part, T
    !> (round-off).
@@ -218,6 +219,15 @@ contains
          has_older)/length
       if (scheme == 'quasi_steady') weights = 0.0_wp
    end function step_weights
+
+   !> Turns the last solutions to the other direction of the flow.
+   pure subroutine turn_history(history)
+      type(march_state_t), intent(inout) :: history
+
+      history%pressure(:, :) = history%pressure(ubound(history%pressure, 1):0:-1, :)
+      history%mass(:, :) = history%mass(ubound(history%mass, 1):0:-1, :)
+      history%direction = -history%direction
+   end subroutine turn_history
 
    !> Adds a solution on all nodes, at the end of a step of `length`, to the history.
    pure subroutine keep_solution(history, length, pressure, rigid_displacement, mass)

@@ -3,7 +3,7 @@
 !> new solve; later steps start from a prediction by the last solutions.
 module point_march
    use duty, only: span_of
-   use ehl_line_transient, only: cut_at_kinks, judge_cycles, look_back, turn_history
+   use ehl_line_transient, only: cut_at_kinks, judge_cycles, look_back
    use errors, only: error_t
    use film_breakdown, only: check_breakdown
    use iteration_report, only: phase_steady, phase_transient, report_t
@@ -14,7 +14,7 @@ module point_march
    use listener, only: listener_t, relay_t
    use lubricant, only: fluid_density
    use march_state, only: extrapolate, judge_part, keep_solution, march_state_t, most_parts, &
-      least_part, next_end, part_ends, predictors, step_error, step_weights
+      least_part, next_end, part_ends, predictors, step_error, step_weights, turn_history
    use point_contact, only: point_contact_t, set_point_moment, start_of
    use point_level, only: point_level_t, set_point_film, set_surfaces, turn_nodes
    use point_newton, only: solve_point_newton
