@@ -217,7 +217,7 @@ contains
       character(*), parameter :: nl = new_line('a')
 
       text = 'asperity - contacts between rough surfaces: lubricated (elastohydrodynamic) '// &
-         'lines, dry profiles and areas' // nl &
+         'lines and points, dry profiles and areas' // nl &
          // nl &
          // 'Usage:' // nl &
          // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] '// &
@@ -248,8 +248,8 @@ contains
             'handbook films, residuals, every limit' // nl &
          // '  --outcomes     a line for each case on standard output when it ends: status, '// &
             'namelist, reason (tabs between)' // nl &
-         // '  --threads N    threads of areas (default 1), at most as many as processors; of '// &
-            'passages two, the second for error bars' // nl &
+         // '  --threads N    threads of areas and points (default 1), at most as many as '// &
+            'processors; of passages of lines two, one for error bars' // nl &
          // '  --resume       go on where an interrupted run of the same cases left off' // nl &
             // nl &
          // 'Examples:' // nl &

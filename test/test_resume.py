@@ -136,6 +136,26 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
         assert float(one["input/effective/solver"].attrs["tolerance"]) == 2e-4
 
 
+def test_an_outlet_that_was_moved_out_stays_there(program, interrupted, asperity, tmp_path):
+    """The domain of a starved contact, chosen anew after its start, comes back with the checkpoint."""
+    text = """&case problem = 'ehl_line' /
+&bodies reduced_radius = 0.01, reduced_modulus = 226.4e9, speed_1 = 0.764, speed_2 = -0.218 /
+&load load_per_length = 1559.5 /
+&lubricant viscosity = 0.04, pressure_viscosity = 2.2e-8, roelands_p0 = 196e6 /
+&domain intervals = 64 /
+&surface_2 shape = 'feature', amplitude = 5.6e-10, wavelength = 1e-3 /
+&time transient = .true., end_time = 10.0, time_step = 0.01 /
+&supply film = 1e-6 /
+&output checkpoint_interval = 1000.0 /
+"""
+    reference, _ = undisturbed(program, tmp_path, text)
+    assert interrupted(text)[0] == 4
+    with h5py.File(tmp_path / "case.h5.ckpt") as file:
+        assert file["report/outlet_moves"][()] == 1
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+    assert different(reference, tmp_path / "case.h5") == []
+
+
 @pytest.mark.path
 def test_resume_says_where_it_goes_on(interrupted, asperity):
     interrupted()

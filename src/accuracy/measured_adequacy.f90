@@ -231,7 +231,7 @@ contains
          is_measured = adequacy%is_full
          if (open(i)%kind == squeeze) then
             if (pairs(1)%is_known .and. (adequacy%is_full .or. .not. pair%is_known)) pair = pairs(1)
-            call limit_places(pair, budget, is_measured)
+            if (pair%is_known) call limit_places(pair, budget, is_measured)
          end if
          if (.not. (is_measured .and. pair%is_known)) cycle
          associate (row => adequacy%rows(findloc(adequacy%rows%name == open(i)%name, .true., 1)))

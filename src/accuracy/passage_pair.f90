@@ -282,22 +282,22 @@ contains
       type(passage_pair_t), intent(inout) :: pair
       real(wp), intent(in) :: budget
       logical, intent(out) :: is_enough
-      real(wp) :: from, share, start
+      real(wp) :: cost, from, start
       integer :: steps
 
       associate (run => pair%runs(1), grids => pair%runs%contact%domain%intervals)
          from = run%time%statistics_from
          if (pair%period > 0.0_wp) from = max(from, run%time%end_time - pair%period)
-         ! only times that count are solved
-         share = max(1 - from/run%time%end_time, epsilon(1.0_wp))
          start = 0.0_wp
          if (.not. allocated(pair%smooth(1)%pressure)) start = steps_to_start*grids(1)
-         steps = int(max(1.0_wp, min((budget - start)/(steps_to_next*share*sum(grids)), &
-            run%time%end_time/run%time%time_step)))
+         ! only times that count are solved
+         cost = steps_to_next*sum(grids)*max(1 - from/run%time%end_time, epsilon(1.0_wp))
+         steps = int(max(1.0_wp, min(budget - start, cost*run%time%end_time/run%time%time_step) &
+            /cost))
          pair%runs%time%time_step = run%time%end_time/steps
          pair%runs%time%statistics_from = from
          is_enough = steps_in_wave(run%contact, pair%runs(1)%time) >= least_places &
-            .and. start + steps_to_next*share*steps*sum(grids) <= budget
+            .and. start + cost*steps <= budget
       end associate
    end subroutine limit_places
 

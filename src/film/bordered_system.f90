@@ -87,7 +87,8 @@ contains
          end do
       end if
       call factor_semiseparable(system%factors, system%smallest_pivot)
-      is_sound = system%smallest_pivot > 0.0_wp
+      is_sound = all([system%smallest_pivot > 0.0_wp, allocated(system%yields) &
+         .or. .not. all(system%is_cavitated)])   ! else nothing bears the load
    end subroutine factor_bordered
 
    !> Fills the rows of the approximate matrix: exponentials everywhere, exact entries on the five

@@ -132,15 +132,19 @@ contains
       end associate
    end subroutine find_finest_moment
 
-   !> Chooses a domain anew except for what the user gave; the outlet is `x_outlet`, if present.
-   pure subroutine choose_anew(contact, target, x_outlet)
+   !> Chooses a domain anew except for what the user gave; `moves_out`: with the outlet at twice its
+   !> distance from the end of the contact.
+   pure subroutine choose_anew(contact, target, moves_out)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in) :: target
-      real(wp), intent(in), optional :: x_outlet
+      logical, intent(in), optional :: moves_out
 
       associate (domain => contact%domain)
-         domain%has_outlet = present(x_outlet) .or. .not. domain%may_lengthen
-         if (present(x_outlet)) domain%x_outlet = x_outlet
+         domain%has_outlet = present(moves_out) .or. .not. domain%may_lengthen
+         if (present(moves_out)) then
+            domain%x_outlet = min(2*domain%x_outlet - 1, farthest)
+            domain%moves = domain%moves + 1
+         end if
          domain%has_inlet = .not. domain%inlet_is_chosen
          if (domain%intervals_are_chosen) domain%intervals = 0
       end associate

@@ -80,6 +80,10 @@ contains
       if (is_resumed) report = time%resume_from%report
       whole_steps = time
       call choose_domain(contact, settings%target)
+      do while (contact%domain%moves < report%fit%outlet_moves)   ! as before the checkpoint
+         call choose_anew(contact, settings%target, moves_out=.true.)
+      end do
+      report%fit%outlet_moves = contact%domain%moves
       call find_tail(contact, settings%target, listener)
       call choose_time_step(contact, whole_steps)
       report%fit%inlet_error = inlet_error(contact)
@@ -105,9 +109,7 @@ contains
             report%fit%outlet_pressure = level%state%pressure(level%n - 1)
             if (report%converged .and. report%fit%outlet_pressure > 0.0_wp &
                .and. contact%domain%may_lengthen .and. contact%domain%x_outlet < farthest) then
-               ! at twice the distance from the end of the contact; all else is chosen anew
-               call choose_anew(contact, settings%target, min(2*contact%domain%x_outlet - 1, &
-                  farthest))
+               call choose_anew(contact, settings%target, moves_out=.true.)
                call solve_on_even(contact, settings, time, listener, state, report, error)
                return
             end if

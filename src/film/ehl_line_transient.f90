@@ -53,6 +53,8 @@ module ehl_line_transient
       real(wp), allocatable :: ends(:)
       !> Bound on the error of a part; 0: parts are given.
       real(wp) :: tolerance = 0.0_wp
+      !> How many more parts may have no solution, of all steps.
+      integer :: failures_left = huge(1)
       !> Its parts once solved, if a follower needs them.
       logical :: keeps_parts = .false.
       type(time_part_t), allocatable :: parts(:)
@@ -63,6 +65,8 @@ module ehl_line_transient
    real(wp), parameter :: fronts = 1.0e-3_wp
    !> Where the film is thinner than this share of it at both neighbours, the grid does not hold it.
    real(wp), parameter :: held = 0.5_wp
+   !> Parts without a solution after which a coarse run is given up: it would need many more.
+   integer, parameter :: coarse_failures = 100
    !> A kink nearer to an end of a step than this share of it does not divide the step: a part of
    !> hardly any length has no slope but that of rounding.
    real(wp), parameter :: nearest_kink = 1.0e-3_wp
@@ -94,6 +98,7 @@ contains
       plan%length = time%time_step
       plan%scheme = time%scheme
       plan%tolerance = time%tolerance
+      if (.not. settings%explains_failure) plan%failures_left = coarse_failures
       plan%keeps_parts = allocated(listener%follower)
       steps = nint(time%end_time/time%time_step)
       associate (level => hierarchy%levels(hierarchy%finest))
@@ -208,9 +213,16 @@ contains
          call thin_oil(level)
       end if
       call evaluate_coefficients(level)
-      if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
-         /(level%oil%density*level%state%film)
+      if (allocated(level%oil%saturation)) call restore_saturation(level, history)
    end subroutine restore
+
+   !> Computes the saturation from the last mass of a history.
+   pure subroutine restore_saturation(level, history)
+      type(line_level_t), intent(inout) :: level
+      type(march_state_t), intent(in) :: history
+
+      level%oil%saturation = history%mass(:, 1)/(level%oil%density*level%state%film)
+   end subroutine restore_saturation
 
    !> Starts the additional equations of a follower, if any. If it fails, the report is not
    !> converged.
@@ -342,7 +354,7 @@ contains
    subroutine march_by_error(hierarchy, contact, plan, listener, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
-      type(step_plan_t), intent(in) :: plan
+      type(step_plan_t), intent(inout) :: plan
       class(listener_t), intent(inout) :: listener
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
@@ -380,7 +392,8 @@ contains
                   call listener%on_part(between)
                   cycle parts
                end if
-               if (length < least_part) return
+               if (.not. report%converged) plan%failures_left = plan%failures_left - 1
+               if (length < least_part .or. plan%failures_left < 0) return
                start%next_length = history%next_length
                history = start
                level%state = state
@@ -494,8 +507,10 @@ contains
       call fluid_density(level%fluid, level%state%pressure, level%oil%density)
       call keep_solution(history, length, total_pressure(level), level%state%rigid_displacement, &
          level%oil%density*level%state%film)
-      if (allocated(level%oil%saturation)) history%mass(:, 1) = history%mass(:, 1) &
-         *level%oil%saturation
+      if (allocated(level%oil%saturation)) then
+         history%mass(:, 1) = history%mass(:, 1)*level%oil%saturation
+         call restore_saturation(level, history)   ! as a run that resumes, to the bit
+      end if
       if (allocated(level%heat)) history%rise = level%heat%rise
       history%direction = level%direction
    end subroutine remember

@@ -51,8 +51,10 @@ module line_contact
       character(len=word_length) :: grid = 'even'
       !> The smooth steady pressure lies in front of the inlet (module line_hierarchy); in time.
       logical :: has_tail = .false.
-      !> Whether the outlet is the program's, which moves it out if it cuts off the film.
+      !> Whether the outlet is the program's, which moves it out if it cuts off the film, and how
+      !> often it has.
       logical :: may_lengthen = .false.
+      integer :: moves = 0
       !> Whether the program chose the inlet and the number of intervals.
       logical :: inlet_is_chosen = .false., intervals_are_chosen = .false.
       !> Of a point contact: half of its width [half-widths], intervals across.

@@ -30,8 +30,9 @@ module nested_start
    public :: bump_start, full_multigrid_start, graded_start
 
    !> Power of the speed with which films grow, and a factor beside it; the first film over its
-   !> estimate.
-   real(wp), parameter :: growth = 0.7_wp, slack = 1.01_wp, first_share = 2.0_wp
+   !> estimate; a film that grows by less than the last factor grows no more.
+   real(wp), parameter :: growth = 0.7_wp, slack = 1.01_wp, first_share = 2.0_wp, &
+      least_gain = 1.1_wp
    !> Most steps for a first solution and for a further one; steps of an easy one. Where less oil
    !> arrives, its front moves by about a node a step, by up to one of so many of the nodes.
    integer, parameter :: first_steps = 60, next_steps = 25, easy_steps = 8, front_share = 4
@@ -79,14 +80,17 @@ contains
       logical, intent(out) :: is_solved
       class(listener_t), intent(inout), optional :: listener
       type(film_state_t) :: good
-      real(wp) :: factor, film
+      real(wp) :: factor, film, last
       integer :: start
 
       factor = 1.0_wp
+      last = 0.0_wp
       do
          film = film_with_viscosity(contact, factor)
-         if (film >= clearing_film(contact)) exit
+         ! that of a heavily sheared oil hardly grows: asperities touch at any speed
+         if (film >= clearing_film(contact) .or. film < least_gain*last) exit
          factor = factor*(clearing_film(contact)/film)**(1/growth)*slack
+         last = film
       end do
       level%oil%supply = huge(1.0_wp)
       do start = 1, most_starts

@@ -76,6 +76,8 @@ module iteration_report
       !> Largest P of the last node before the outlet over all solutions; above 0 the outlet cuts
       !> the film off [-].
       real(wp) :: outlet_pressure = 0.0_wp
+      !> How often the program has moved the outlet out before a passage.
+      integer :: outlet_moves = 0
       !> Nodes of the grid in the finest wave of the surfaces, steps in which the finest moving one
       !> passes a place; huge: there is none.
       real(wp) :: nodes_per_wave = huge(1.0_wp), steps_per_wave = huge(1.0_wp)

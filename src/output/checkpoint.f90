@@ -32,7 +32,7 @@ module checkpoint
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 22
+   integer, parameter :: format_number = 23
 
    !> What a run has gathered and chosen, and goes on with from its checkpoint.
    type :: run_record_t
@@ -366,8 +366,12 @@ contains
       call file%visit('/report/load_error_history', load_errors)
       if (file%is_read) call report%restore(residuals, load_errors)
       report%converged = .true.
+      ! of a step that its start solved they are not in the histories
+      call file%visit('/report/residual', report%residual)
+      call file%visit('/report/load_error', report%load_error)
       call file%visit_text('/report/method', report%method)
       call file%visit('/report/outlet_pressure', report%fit%outlet_pressure)
+      call file%visit('/report/outlet_moves', report%fit%outlet_moves)
       call file%visit('/report/tolerance_effective', report%tolerance_effective)
       call file%visit('/report/uncut_steps', report%fit%uncut_steps)
       call file%visit('/report/work_units', report%cost%work_units)

@@ -112,6 +112,8 @@ contains
             if (.not. report%converged) return
             history%step = history%step + 1
             report%steps = history%step
+            ! the last film as a run that resumes here finds it, to the bit
+            if (history%step == steps) call set_point_film(level)
             call fill_point_state(level, contact, history%step*time%time_step, state)
             call hand_out()
          end do
@@ -152,7 +154,7 @@ contains
       type(report_t), intent(inout) :: report
       type(march_state_t) :: start
       type(line_state_t) :: between
-      real(wp), allocatable :: ends(:), film(:, :)
+      real(wp), allocatable :: ends(:)
       real(wp) :: error, first, last, length
       integer :: i, parts
       logical :: is_good
@@ -169,7 +171,6 @@ contains
             last = ends(i)
             if (time%tolerance > 0.0_wp) then   ! it may be made once more
                start = history
-               film = level%film
                last = next_end(history, first, ends(i), time%time_step)
             end if
             length = (last - first)*time%time_step
@@ -181,7 +182,6 @@ contains
                if (.not. (is_good .or. length < least_part)) then
                   start%next_length = history%next_length
                   history = start
-                  level%film = film
                   cycle
                end if
             end if
@@ -210,6 +210,7 @@ contains
       type(report_t), intent(inout) :: report
       type(film_state_t) :: start
       type(relay_t) :: relay
+      real(wp), allocatable :: density(:)
       real(wp) :: least, length, new_time, weights(3)
       integer :: attempt, before, count
 
@@ -218,7 +219,9 @@ contains
          length = ends(2)*time%time_step - ends(1)*time%time_step
          new_time = (history%step + ends(2))*time%time_step
          weights = step_weights(history, time%scheme, length)
-         least = minval(level%film)
+         allocate (density(size(level%film)))
+         call fluid_density(contact%fluid, history%pressure(:, 1), density)
+         least = minval(history%mass(:, 1)/density)
          level%inverse_time_step = weights(1)
          call set_point_moment(contact, new_time)
          call set_surfaces(level, contact, new_time)

@@ -95,7 +95,8 @@ contains
 
    !> Forces and the power of flow by the pressure, by the trapezoidal rule over the nodes with
    !> pressure of the rows `first` to `last`, those on the border with differences to one side;
-   !> sliding up to the exit between the nodes of each row.
+   !> sliding up to the exit between the nodes of each row. Where the film is closed they are not
+   !> known.
    pure function forces_of(level, contact, first, last) result(forces)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
@@ -106,6 +107,10 @@ contains
       type(plane_flow_t) :: plane
       integer :: i, j, x(2), y(2)
 
+      if (any(level%film <= 0.0_wp)) then   ! of an iterate
+         forces = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
+         return
+      end if
       forces%sliding_speed = 0.5_wp*level%direction*contact%slide_to_roll
       stressed = stressed_share*maxval(level%pressure)
       least = least_share*maxval(level%pressure)

@@ -21,8 +21,9 @@ module point_solver
 
    public :: coarseness, interpolate, pairs_of, point_run_t, solve_point_steady, tolerance_of
 
-   !> The start lies this many times the expected film above the dry contact.
-   real(wp), parameter :: start_film = 1.5_wp
+   !> The start lies this many times the expected film above the dry contact, which is at least so
+   !> many cells wide to each side.
+   real(wp), parameter :: start_film = 1.5_wp, least_cells = 2.0_wp
    !> Most Newton steps on a grid.
    integer, parameter :: most_steps = 120
    !> Stress scales, each twice the next, of a start that fails with that of the fluid.
@@ -178,16 +179,20 @@ contains
       pairs = nint(sum)
    end function pairs_of
 
-   !> Starts from the pressure of the dry contact, with the load and a film in the middle.
+   !> Starts from the pressure of the dry contact, widened where cells are wider, with the
+   !> load and a film in the middle.
    subroutine start_dry(contact, level)
       type(point_contact_t), intent(in) :: contact
       type(point_level_t), intent(inout) :: level
+      real(wp) :: narrow
       integer :: j
 
       level%pressure = 0.0_wp
+      narrow = min(1.0_wp, minval(contact%half_widths/[level%hx, level%hy]) &
+         *contact%moment%load**(1.0_wp/3)/least_cells)
       do j = 1, level%ny - 1
-         level%pressure(1:level%nx - 1, j) = hertz_pressure_at(contact, level%x(1:level%nx - 1), &
-            level%y(j))
+         level%pressure(1:level%nx - 1, j) = hertz_pressure_at(contact, &
+            narrow*level%x(1:level%nx - 1), narrow*level%y(j))
       end do
       level%pressure = level%pressure*(contact%load*contact%moment%load/load_on(level, &
          level%pressure))

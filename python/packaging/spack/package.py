@@ -4,7 +4,7 @@ from spack.package import *
 
 
 class Asperity(Package):
-    """Contacts between rough surfaces, with and without oil: elastohydrodynamic line contacts and dry contacts."""
+    """Contacts between rough surfaces, with and without oil: elastohydrodynamic line and point contacts, dry contacts."""
 
     # a release gives address and checksum; until then: spack dev-build asperity@main in a checkout
     version("main")
