@@ -145,6 +145,8 @@ contains
                level%state%pressure(level%n - 1))
             history%step = plan%step
             report%steps = plan%step
+            ! the last state as a run that resumes here finds it, to the bit
+            if (history%step == steps) call derive(level, history)
             call hand_out()
          end do
       end associate
@@ -199,11 +201,19 @@ contains
    subroutine restore(level, history)
       type(line_level_t), intent(inout) :: level
       type(march_state_t), intent(in) :: history
+
+      level%state%film = history%film
+      if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
+      call derive(level, history)
+   end subroutine restore
+
+   !> Sets on a level with the last film of a history all that follows from its last solution.
+   subroutine derive(level, history)
+      type(line_level_t), intent(inout) :: level
+      type(march_state_t), intent(in) :: history
       integer :: products
 
       level%state%pressure = history%pressure(:, 1)
-      level%state%film = history%film
-      if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
       level%state%rigid_displacement = history%rigid_displacement(1)
       products = level%elastic%products
       if (allocated(level%rough)) call share_pressure(level)
@@ -213,16 +223,9 @@ contains
          call thin_oil(level)
       end if
       call evaluate_coefficients(level)
-      if (allocated(level%oil%saturation)) call restore_saturation(level, history)
-   end subroutine restore
-
-   !> Computes the saturation from the last mass of a history.
-   pure subroutine restore_saturation(level, history)
-      type(line_level_t), intent(inout) :: level
-      type(march_state_t), intent(in) :: history
-
-      level%oil%saturation = history%mass(:, 1)/(level%oil%density*level%state%film)
-   end subroutine restore_saturation
+      if (allocated(level%oil%saturation)) level%oil%saturation = history%mass(:, 1) &
+         /(level%oil%density*level%state%film)
+   end subroutine derive
 
    !> Starts the additional equations of a follower, if any. If it fails, the report is not
    !> converged.
@@ -507,10 +510,8 @@ contains
       call fluid_density(level%fluid, level%state%pressure, level%oil%density)
       call keep_solution(history, length, total_pressure(level), level%state%rigid_displacement, &
          level%oil%density*level%state%film)
-      if (allocated(level%oil%saturation)) then
-         history%mass(:, 1) = history%mass(:, 1)*level%oil%saturation
-         call restore_saturation(level, history)   ! as a run that resumes, to the bit
-      end if
+      if (allocated(level%oil%saturation)) history%mass(:, 1) = history%mass(:, 1) &
+         *level%oil%saturation
       if (allocated(level%heat)) history%rise = level%heat%rise
       history%direction = level%direction
    end subroutine remember
