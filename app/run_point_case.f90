@@ -96,7 +96,7 @@ contains
       end if
       call move_alloc(note, report%note)
       call note_target(case, summary, report)
-      if (report%converged) call judge_point_limits(case, state, summary, listener)
+      call judge_point_limits(case, state, summary, report, listener)
       associate (domain => case%point%domain)   ! may be chosen by the program
          call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])

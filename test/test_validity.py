@@ -6,7 +6,7 @@ import re
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, MOES, STEADY, STOKES, TRANSIENT, ended, text, write
+from cases import AT_REST, MOES, POINT, STEADY, STOKES, TRANSIENT, ended, text, write
 
 AUTO = STEADY.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "")
 ROLLING = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.6, speed_2 = 0.6")
@@ -96,12 +96,14 @@ def test_each_limit_on_either_side(asperity, tmp_path, row):
     assert words not in log
 
 
+SLIDING = changed(POINT, ("entrainment_speed = 1.0", "speed_1 = 0.9, speed_2 = 1.1"))
 # Rms heights of both surfaces, and whether asperities carry load: the films are 0.43 um.
 ROUGHNESS = {
     "film below": (STEADY, "roughness_1 = 0.3e-6, roughness_2 = 0.4e-6", True),
     "film above": (STEADY, "roughness_1 = 0.3e-6, roughness_2 = 0.2e-6", False),
     "one surface": (STEADY, "roughness_2 = 0.2e-6", False),
     "passage": (TRANSIENT, "roughness_1 = 0.5e-6", True),
+    "ellipse": (SLIDING, "roughness_1 = 0.3e-6", True),
 }
 
 
