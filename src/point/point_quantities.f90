@@ -52,14 +52,15 @@ contains
       call sum_forces(level, contact, [0, level%ny], state%friction, state%shear_stress_mean)
       state%friction%load = 2/pi*contact%load*contact%moment%load
       state%limits = unknown_limits()
-      associate (p => level%pressure, h => level%film, limits => state%limits)
+      associate (p => level%pressure, h => level%film, limits => state%limits, &
+         top => maxval(level%pressure))
          do i = 0, level%ny
             call widen_limits(limits, film_limits(contact%fluid, contact%lambda, level%direction &
-               *contact%slide_to_roll, level%x, p(:, i), h(:, i), maxval(p)))
+               *contact%slide_to_roll, level%x, p(:, i), h(:, i), top))
          end do
          do i = 0, level%nx
             call widen_limits(limits, film_limits(contact%fluid, contact%lambda, not_known(), &
-               level%y, p(i, :), h(i, :), maxval(p)))
+               level%y, p(i, :), h(i, :), top))
          end do
          limits%stress_share = state%friction%stress_share
       end associate
