@@ -215,6 +215,19 @@ def test_heat_of_a_passage_is_the_largest_of_all_times(solved_cases):
     assert late["adequacy/validity/shear_heating"][()] == pytest.approx(max(rises[-2:]), rel=0.02)
 
 
+def test_limits_of_an_ellipse_are_those_of_a_line(solved_case):
+    """Each with a value or a reason; the heat is that of its hottest row."""
+    with solved_case(SLIDING) as file:
+        group, given, fields = file["adequacy/validity"], file["input/effective"], file["si/solution"]
+        missing = {part.split(":")[0] for part in group.attrs["not_evaluated"].decode().split("; ")}
+        assert missing == {"film_over_wave", "hardness", "mixed_lubrication", "shakedown", "side_flow"}
+        assert missing | set(group) == set(SCENES)
+        oil, bodies = given["lubricant"].attrs, given["bodies"].attrs
+        rows = zip(0.2 * fields["shear_stress_mean"][()], fields["film_thickness"][()], strict=True)
+        rises = [rise_by(heat, fields["x"][()], film, bodies, oil) for heat, film in rows]
+        assert group["shear_heating"][()] == pytest.approx(max(rises), rel=1e-9)
+
+
 def test_what_is_solved_is_not_doubted(solved_case):
     # With the full momentum equations no limit of Reynolds' equation is left.
     with solved_case(changed(STOKES, ("256", "128"))) as file:
