@@ -14,11 +14,14 @@ module result_end
    use iteration_report, only: is_outside, report_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use kinds, only: exceeds
+   use kinds, only: exceeds, not_known, wp
+   use point_contact, only: film_by_formulas
+   use quantities, only: h_central
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
    use text, only: number_text, to_text
-   use validity, only: circumstances_t, least_lambda_ratio, limits_of, mixed_lubrication
+   use validity, only: circumstances_t, least_lambda_ratio, limits_of, mixed_lubrication, &
+      shear_heating
    implicit none (type, external)
    private
 
@@ -49,8 +52,7 @@ contains
       end if
    end subroutine end_result
 
-   !> Hands the limits of a converged solution to the writer of its result, and of a steady one what
-   !> formulas need; the report says where asperities carry load.
+   !> Judges the limits of a converged solution; of a steady one the writer gets what formulas need.
    subroutine judge_limits(case, state, report, listener)
       type(case_t), intent(in) :: case
       type(line_state_t), intent(in) :: state
@@ -59,45 +61,65 @@ contains
       type(circumstances_t) :: of
 
       if (.not. report%converged) return
-      of%scaling = listener%log%scaling
-      of%bodies = case%bodies
-      of%lubricant = case%lubricant
-      of%materials = case%materials
       of%contact = at_moment(case%contact, state%time)
       of%summary = listener%writer%quantities_at_end(state, report)
       ! the rule gives the change over the film that is starved
       of%film_loss = report%fit%inlet_error/(1 + report%fit%inlet_error)
       if (listener%writer%bars%inlet%is_known) of%film_loss = film_loss(listener%writer%bars%inlet)
       of%has_momentum = case%layers > 0
-      listener%writer%limits = limits_of(of, state)
-      associate (ratio => listener%writer%limits(mixed_lubrication)%value)
-         report%is_mixed = exceeds(-ratio, -least_lambda_ratio) .and. .not. &
-            allocated(case%contact%asperities)
-         if (report%is_mixed) report%reason = is_outside//' lubrication, the smallest film is '// &
-            number_text(ratio, 2)//' times the composite roughness; &asperities computes the '// &
-            'load that asperities carry'
-      end associate
+      call judge(of, case, state, report, listener)
       if (case%time%is_transient .or. case%contact%supply < huge(case%contact%supply)) return
       listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits
 
-   !> Hands the limits of a converged point contact to the writer of its result.
-   subroutine judge_point_limits(case, state, summary, listener)
+   !> The same of a point contact, steady or in time, with its `summary`.
+   subroutine judge_point_limits(case, state, summary, report, listener)
       type(case_t), intent(in) :: case
       type(line_state_t), intent(in) :: state
       type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(inout) :: report
       type(run_observer_t), intent(inout) :: listener
       type(circumstances_t) :: of
+
+      if (.not. report%converged) return
+      of%contact%rough_contact_t = case%point%rough_contact_t
+      of%summary = summary
+      of%angle = case%point%angle
+      of%film_loss = not_known()
+      associate (film => summary%of(h_central))
+         if (exceeds(film%error_domain, 0.0_wp)) of%film_loss = film%error_domain/film%value
+      end associate
+      call judge(of, case, state, report, listener)
+      associate (heat => listener%writer%limits(shear_heating))
+         heat%film_loss = max(1 - film_by_formulas(case%point, 1 - heat%viscosity_loss) &
+            /film_by_formulas(case%point, 1.0_wp), 0.0_wp)
+      end associate
+   end subroutine judge_point_limits
+
+   !> Hands the limits of a case, of whose contact `of` knows, to the writer of its result; the
+   !> report says where asperities carry load.
+   subroutine judge(of, case, state, report, listener)
+      type(circumstances_t), intent(inout) :: of
+      type(case_t), intent(in) :: case
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      type(run_observer_t), intent(inout) :: listener
 
       of%scaling = case%scaling
       of%bodies = case%bodies
       of%lubricant = case%lubricant
       of%materials = case%materials
-      of%contact%rough_contact_t = case%point%rough_contact_t
-      of%summary = summary
-      of%is_point = .true.
       listener%writer%limits = limits_of(of, state)
-   end subroutine judge_point_limits
+      associate (ratio => listener%writer%limits(mixed_lubrication)%value)
+         report%is_mixed = exceeds(-ratio, -least_lambda_ratio) .and. .not. &
+            allocated(of%contact%asperities)
+         if (.not. report%is_mixed) return
+         report%reason = is_outside//' lubrication, the smallest film is '// &
+            number_text(ratio, 2)//' times the composite roughness'
+         if (.not. allocated(of%scaling%ellipse)) report%reason = report%reason// &
+            '; &asperities computes the load that asperities carry'
+      end associate
+   end subroutine judge
 
    !> Writes the result and prints its closing table.
    subroutine finish_result(case, listener, state, report, outcome)

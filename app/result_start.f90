@@ -23,7 +23,10 @@ module result_start
    implicit none (type, external)
    private
 
-   public :: find_complete_result, start_result
+   public :: find_complete_result, start_result, usual_stride
+
+   !> Times whose fields are stored where the program chooses.
+   integer, parameter :: stored_times = 50
 
 contains
 
@@ -102,9 +105,13 @@ contains
       type(checkpoint_t) :: checkpoint
 
       call read_checkpoint(path//'.ckpt', listener%writer%run%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(listener%writer, path, &
-         stored_fields(case, listener%log%scaling), size(checkpoint%march%film), &
-         checkpoint%march%step + 1, checkpoint%part_digits, error)
+      if (.not. allocated(error)) then
+         associate (stride => listener%writer%profile_stride)   ! 0: chosen with the time step
+            if (stride == 0) stride = usual_stride(case%time%end_time, checkpoint%time_step)
+         end associate
+         call reopen_result(listener%writer, path, stored_fields(case, listener%log%scaling), &
+            size(checkpoint%march%film), checkpoint%march%step + 1, checkpoint%part_digits, error)
+      end if
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return
@@ -119,6 +126,13 @@ contains
          //', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march
    end subroutine go_on
+
+   !> Every how many time steps fields are stored where the program chooses.
+   pure integer function usual_stride(end_time, time_step) result(stride)
+      real(wp), intent(in) :: end_time, time_step
+
+      stride = max(1, nint(end_time/(stored_times*time_step)))
+   end function usual_stride
 
    !> Whether `path` is the complete result of this very case by this very program, its outcome and
    !> the reason; other files of that run are removed. The result is locked meanwhile. Errors:

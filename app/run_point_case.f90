@@ -16,7 +16,7 @@ module run_point_case
    use point_solver, only: point_run_t
    use progress_log, only: progress_log_t
    use result_end, only: close_result, judge_point_limits, suspend_result
-   use result_start, only: start_result
+   use result_start, only: start_result, usual_stride
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory, processors
    use wall_clock, only: wall_seconds
@@ -24,9 +24,6 @@ module run_point_case
    private
 
    public :: solve_point_case
-
-   !> Times whose fields are stored where the program chooses.
-   integer, parameter :: stored_times = 50
 
 contains
 
@@ -46,27 +43,26 @@ contains
       type(line_state_t) :: state
       type(report_t) :: report
       character(:), allocatable :: missing, note
-      real(wp) :: start
 
       listener%log = log
       listener%threads = threads
       listener%log%in_seconds = allocated(case%duty)
       call listener%log%start_case(case%file, case%scaling)
-      run%settings = case%solver
-      run%time = case%time
-      run%threads = min(threads, processors())
-      start = wall_seconds()
-      call choose_times(case, run, listener, error)
-      if (allocated(error)) return
       call start_result(case, path, is_resume, listener, error)
       if (allocated(error)) return
-      listener%start = start
+      run%settings = case%solver
+      run%time = case%time   ! with where it goes on
+      run%threads = min(threads, processors())
+      call choose_times(case, run, listener, error)
+      if (allocated(error)) then
+         call listener%writer%discard()
+         return
+      end if
       call note_unusual(case, note)
       listener%writer%run%passage%times = new_passage_times(case%point, case%time)
       call note_coarse_waves(case, case%point, listener, note)
       call add_note(case, listener, passage_note(case%point, &
          listener%writer%run%passage%times), note)
-      run%time = case%time   ! with where it goes on
       missing = 'no solution'
       call solve_point(run, case%point, listener, state, report, error)
       if (.not. (allocated(error) .or. listener%is_stopping)) then
@@ -96,7 +92,7 @@ contains
       end if
       call move_alloc(note, report%note)
       call note_target(case, summary, report)
-      if (report%converged) call judge_point_limits(case, state, summary, listener)
+      call judge_point_limits(case, state, summary, report, listener)
       associate (domain => case%point%domain)   ! may be chosen by the program
          call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
          call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
@@ -132,7 +128,9 @@ contains
          case%time = run%time
       end if
       associate (stride => case%output_settings%profile_stride, time => case%time)
-         if (stride == 0) stride = max(1, nint(time%end_time/(stored_times*time%time_step)))
+         if (stride == 0) stride = usual_stride(time%end_time, time%time_step)
+         listener%writer%profile_stride = stride
+         listener%writer%run%time_step = time%time_step
       end associate
    end subroutine choose_times
 

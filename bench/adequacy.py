@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Checks the verdicts of /adequacy on random scenes against fine-grid runs with and without each ingredient.
 
-A scene is a steady contact, smooth or with ridges or waves at rest, or a passage. The program runs it as a user would and reports
-the change by each ingredient, with an error bar and a verdict. The truth is the change between two fine runs: steady ones for a
-target of TARGET, passages with half the spacing and half the time step. Without the squeeze term it is the extreme of PLACES
-steady runs, of films and pressure where one surface is rough and the oil is Newtonian: there the rough surface stands still, and
-the other has both speeds. Rigid bodies are the stiffest of STIFFNESSES that has a solution, with places and times in metres and
-seconds; below the first of them only the need for elasticity is judged. The reported error of the time step is judged as the
-error bar of no change, against the same grid with FINER_STEP of the step.
+A scene is a steady contact, smooth or with ridges or waves at rest, a passage, or a steady point contact. The program runs it as a
+user would and reports the change by each ingredient, with an error bar and a verdict. The truth is the change between two fine
+runs: steady ones for a target of TARGET, passages with half the spacing and half the time step, points with half the spacing.
+Without the squeeze term it is the extreme of PLACES steady runs, of films and pressure where one surface is rough and the oil is
+Newtonian: there the rough surface stands still, and the other has both speeds. Rigid bodies are the stiffest of STIFFNESSES that
+has a solution, with places and times in metres and seconds; below the first of them only the need for elasticity is judged. The
+reported error of the time step is judged as the error bar of no change, against the same grid with FINER_STEP of the step.
 
 Criteria and targets: bench/ingredients.py. --seed draws another sample, for fitting; the default one judges. Writes adequacy.csv
 and adequacy.txt.
@@ -21,6 +21,7 @@ import random
 import sys
 from collections.abc import Callable, Iterator
 
+import family_steady
 import h5py
 import ingredients
 import namelists
@@ -32,7 +33,7 @@ SEED = 884211
 TARGET, PLACES = 2e-4, 48
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
 FINER_STEP = 0.25
-COUNTS, QUICK = (45, 24), (8, 4)
+COUNTS, QUICK = (45, 24, 24), (8, 4, 3)
 STILL = ("h_min", "h_central", "p_max")
 QUANTITIES = (*STILL, "friction_coefficient")
 # Of these everything in half-widths, and the times, are scaled with the half-width.
@@ -62,14 +63,16 @@ def quantities(file: h5py.File) -> dict[str, float]:
 def told(file: h5py.File) -> dict[str, dict]:
     """What the program says of each ingredient, and the resolution of the run."""
     used = file["input/effective/domain"].attrs
+    n, *sides = ("intervals_x", "y_half_width") if "intervals_x" in used else ("intervals",)
+    scales = () if sides else ("reduced_radius", "reduced_modulus", "load_per_length")
     return {
         "rows": ingredients.told(file, QUANTITIES),
         "quantities": quantities(file),
         "accuracy": float(file["adequacy"].attrs["accuracy"]),
-        "domain": {"x_inlet": float(used["x_inlet"]), "x_outlet": float(used["x_outlet"]), "intervals": int(used["intervals"])},
+        "domain": {key: float(used[key]) for key in ("x_inlet", "x_outlet", *sides)} | {n: int(used[n])},
         "step": float(file["input/effective/time"].attrs.get("time_step", 0.0)),
         "start": float(file["summary"].attrs.get("statistics_from", 0.0)),
-        "scaling": {k: float(file["scaling"].attrs[k]) for k in ("reduced_radius", "reduced_modulus", "load_per_length")},
+        "scaling": {k: float(file["scaling"].attrs[k]) for k in scales},
     }
 
 
@@ -146,6 +149,8 @@ def fine(groups: Groups, said: dict) -> Groups:
     if "time" in groups:
         time = groups["time"] | {"time_step": said["step"] / 2, "statistics_from": said["start"]}
         return bare(groups, domain=domain | {"intervals": 2 * domain["intervals"]}, time=time)
+    if "intervals_x" in domain:
+        return bare(groups, domain=domain | {"intervals_x": 2 * domain["intervals_x"]})
     if any(key.startswith(("surface", "supply", "asperities")) for key in groups):  # even grids
         return bare(groups, domain=domain | {"intervals": 4 * domain["intervals"]})
     return bare(groups, domain={}, accuracy={"target": TARGET})
@@ -257,15 +262,27 @@ def passage_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     return f"passage {i:03d}", merged(groups, domain={"x_inlet": -4.5, "x_outlet": 2.0, "intervals": 512}, time=time, **surfaces)
 
 
+def point_scene(source: random.Random, i: int) -> tuple[str, Groups]:
+    """A circle or an ellipse in SI, every third one with a dent at rest, on 128 intervals."""
+    groups = family_steady.point(source, 2 * i + 1).case | {"domain": {"intervals_x": 128}}
+    bodies = groups["bodies"]
+    if i % 3 == 0:
+        bodies |= {"speed_1": 0.0, "speed_2": bodies["speed_1"] + bodies["speed_2"]}
+        width = (1.5 * groups["load"]["load"] * bodies["reduced_radius_x"] / bodies["reduced_modulus"]) ** (1 / 3)
+        wave, height = width * source.uniform(0.5, 1.5), -(10 ** source.uniform(-9.5, -7.5))
+        groups["surface_1"] = {"shape": "feature", "amplitude": height, "position": 0.0, "wavelength": wave, "wavelength_y": wave}
+    return f"point {i:03d}", groups
+
+
 def main() -> int:
     """Command line."""
     parser = new_parser(__doc__, f"{QUICK} scenes", "results/adequacy", SEED, 1)
     options = parser.parse_args()
     scenes = []
-    for draw, count in zip((steady_scene, passage_scene), QUICK if options.quick else COUNTS, strict=True):
+    for draw, count in zip((steady_scene, passage_scene, point_scene), QUICK if options.quick else COUNTS, strict=True):
         source = random.Random(f"{draw.__name__} {options.seed}")
         scenes += [draw(source, i) for i in range(count)]
-    return ingredients.judge_all(options, "adequacy", judge, scenes, ("steady", "passage"), apart=("time_step",))
+    return ingredients.judge_all(options, "adequacy", judge, scenes, ("steady", "passage", "point"), apart=("time_step",))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from asperity import read_part
-from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
+from cases import HANGING, LONG, POINT, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
 from kill_and_resume import (
     busy,
@@ -119,9 +119,25 @@ def test_every_method_goes_on_to_the_same_bits(program, interrupted, asperity, t
         assert (one["report/residual_history"][()] == other["report/residual_history"][()]).all()
 
 
-def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, asperity, tmp_path):
-    """Intervals, time step, tolerance and the forecast of the errors come back with the checkpoint."""
-    text = busy(0.05, "&accuracy target = 2e-3 /\n").replace("intervals = 128", "").replace(", time_step = 0.01", "")
+# Cases with a target, it, the error that it bounds, and what the program chooses.
+CHOSEN = {
+    "line": (
+        busy(0.05, "&accuracy target = 2e-3 /\n").replace("intervals = 128", "").replace(", time_step = 0.01", ""),
+        *(2e-3, "error_grid", ("domain/intervals", "time/time_step", "solver/tolerance")),
+    ),
+    "point": (
+        POINT.replace("&domain intervals_x = 64 /", "&time transient = .true., end_time = 1.5 /")
+        + "&surface_2 shape = 'feature', amplitude = 3e-8, wavelength = 2e-4, wavelength_y = 4e-4, position = -1.5 /\n"
+        + "&output checkpoint_interval = 0.05 /\n&accuracy target = 0.1 /\n",
+        *(0.1, "error_estimate", ("domain/intervals_x", "domain/intervals_y", "time/time_step", "output/profile_stride")),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CHOSEN)
+def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, asperity, tmp_path, name):
+    """Intervals, time step, tolerance and the errors of trial runs come back with the checkpoint, or are made again."""
+    text, target, error, chosen = CHOSEN[name]
     reference, _ = undisturbed(program, tmp_path, text)
     assert interrupted(text)[0] == 4
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
@@ -130,10 +146,10 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
         h_min = one["summary/h_min"]
         assert h_min.attrs["error_grid"] > 0
         is_told = b"the target accuracy is not shown" in one["report/note"][()] if "report/note" in one else False
-        assert is_told == (h_min.attrs["error_grid"] > 2e-3 * h_min[()])
-        for group, key in (("domain", "intervals"), ("time", "time_step"), ("solver", "tolerance")):
+        assert is_told == (h_min.attrs[error] > target * h_min[()])
+        for group, key in (each.split("/") for each in chosen):
             assert len({file["input/effective"][group].attrs[key] for file in (one, other)}) == 1, key
-        assert float(one["input/effective/solver"].attrs["tolerance"]) == 2e-4
+        assert name == "point" or float(one["input/effective/solver"].attrs["tolerance"]) == 2e-4
 
 
 def test_an_outlet_that_was_moved_out_stays_there(program, interrupted, asperity, tmp_path):

@@ -6,7 +6,7 @@ import re
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, MOES, STEADY, STOKES, TRANSIENT, ended, text, write
+from cases import AT_REST, MOES, POINT, STEADY, STOKES, TRANSIENT, ended, text, write
 
 AUTO = STEADY.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "")
 ROLLING = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.6, speed_2 = 0.6")
@@ -96,12 +96,14 @@ def test_each_limit_on_either_side(asperity, tmp_path, row):
     assert words not in log
 
 
+SLIDING = changed(POINT, ("entrainment_speed = 1.0", "speed_1 = 0.9, speed_2 = 1.1"))
 # Rms heights of both surfaces, and whether asperities carry load: the films are 0.43 um.
 ROUGHNESS = {
     "film below": (STEADY, "roughness_1 = 0.3e-6, roughness_2 = 0.4e-6", True),
     "film above": (STEADY, "roughness_1 = 0.3e-6, roughness_2 = 0.2e-6", False),
     "one surface": (STEADY, "roughness_2 = 0.2e-6", False),
     "passage": (TRANSIENT, "roughness_1 = 0.5e-6", True),
+    "ellipse": (SLIDING, "roughness_1 = 0.3e-6", True),
 }
 
 
@@ -211,6 +213,19 @@ def test_heat_of_a_passage_is_the_largest_of_all_times(solved_cases):
     assert found == pytest.approx(max(rises), rel=0.02)
     assert found > 1.04 * max(rises[0], rises[-1])
     assert late["adequacy/validity/shear_heating"][()] == pytest.approx(max(rises[-2:]), rel=0.02)
+
+
+def test_limits_of_an_ellipse_are_those_of_a_line(solved_case):
+    """Each with a value or a reason; the heat is that of its hottest row."""
+    with solved_case(SLIDING) as file:
+        group, given, fields = file["adequacy/validity"], file["input/effective"], file["si/solution"]
+        missing = {part.split(":")[0] for part in group.attrs["not_evaluated"].decode().split("; ")}
+        assert missing == {"film_over_wave", "hardness", "mixed_lubrication", "shakedown", "side_flow"}
+        assert missing | set(group) == set(SCENES)
+        oil, bodies = given["lubricant"].attrs, given["bodies"].attrs
+        rows = zip(0.2 * fields["shear_stress_mean"][()], fields["film_thickness"][()], strict=True)
+        rises = [rise_by(heat, fields["x"][()], film, bodies, oil) for heat, film in rows]
+        assert group["shear_heating"][()] == pytest.approx(max(rises), rel=1e-9)
 
 
 def test_what_is_solved_is_not_doubted(solved_case):

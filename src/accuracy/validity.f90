@@ -8,6 +8,7 @@
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use contact_moment, only: film_with_viscosity, flooded_film
+   use elliptic_contact, only: track_shear
    use features, only: feature_sinusoid, rough_surface_t
    use film_heating, only: largest_rise
    use hertz, only: bodies_t
@@ -52,8 +53,8 @@ module validity
    type(limit_row_t), parameter, public :: limit_rows(*) = [ &
       limit_row_t('starvation', '1', 5.0e-3_wp, .false., &
          'share by which the given inlet starves the film', &
-         'rule of the inlet, 71 contacts against twice the domain, above 5 % measured; '// &
-            'threshold: estimate'), &
+         'rule of the inlet, 71 contacts against twice the domain; points and above 5 % '// &
+            'measured; threshold: estimate'), &
       limit_row_t('mixed_lubrication', '1', 3.0_wp, .true., &
          'smallest film over composite rms height of both surfaces', &
          'full film above 3: Hamrock, Schmid and Jacobson, Fundamentals of Fluid Film '// &
@@ -68,9 +69,9 @@ module validity
       limit_row_t('hardness', 'Pa', 0.0_wp, .false., &
          'largest pressure; threshold: the given hardness', 'definition of the hardness'), &
       limit_row_t('shakedown', 'Pa', 0.0_wp, .false., &
-         'Hertzian pressure; threshold: 4 k, with k = hardness/6 the yield stress in shear', &
-         'Johnson, Contact Mechanics, 1985, sections 9.2 (4 k, no friction) and 6.3 '// &
-            '(hardness 3 Y = 6 k)'), &
+         'Hertzian pressure; threshold: 4 k, a circle 4.7 k, with k = hardness/6 the yield '// &
+            'stress in shear', 'Johnson, Contact Mechanics, 1985, sections 9.2 (no '// &
+            'friction) and 6.3 (hardness 3 Y = 6 k); ellipses: upper bound'), &
       limit_row_t('shear_heating', 'K', 0.0_wp, .false., &
          'temperature rise of the film by sliding; threshold: a tenth of the viscosity', &
          'Jaeger 1942, Archard, Wear 2, 1959, 438, and conduction across the film; threshold: '// &
@@ -131,20 +132,19 @@ module validity
       type(line_contact_t) :: contact
       !> Extremes over the times that count.
       type(line_summary_t) :: summary
-      !> Share of the film lost by starvation.
+      !> Share of the film lost by starvation; of a point contact that by which a longer domain
+      !> changes it, NaN: not known.
       real(wp) :: film_loss = 0.0_wp
-      !> Whether the full momentum equations of the film are solved too; it is a point contact.
-      logical :: has_momentum = .false., is_point = .false.
+      !> From the x axis of an ellipse to the entrainment [rad].
+      real(wp) :: angle = 0.0_wp
+      !> Whether the full momentum equations of the film are solved too.
+      logical :: has_momentum = .false.
    end type circumstances_t
 
-   !> Limits that know point contacts.
-   integer, parameter :: of_points(*) = [viscosity_data, limiting_stress, inlet_heating, &
-      film_over_wave, turbulence]
    !> Largest pressure at which Barus' law is realistic [Pa], see module lubricant.
    real(wp), parameter :: barus_data = 0.3e9_wp
-   !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
-   !> of a line contact over that stress.
-   real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp, shakedown_factor = 4.0_wp
+   !> Yield stress in shear of a perfectly plastic body over its hardness.
+   real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp
    !> Tolerable loss of viscosity by heat.
    real(wp), parameter :: tolerable_thinning = 0.1_wp
    !> Beyond this exponent the viscosity counts as lost.
@@ -160,9 +160,7 @@ contains
       integer :: i
 
       do i = 1, limit_count
-         limits(i)%threshold = limit_rows(i)%threshold
-         limits(i)%value = not_known()
-         limits(i)%is_passed = .false.
+         limits(i) = limit_t(not_known(), limit_rows(i)%threshold)
          call evaluate(i, of, state, limits(i))
          if (.not. ieee_is_finite(limits(i)%value)) cycle
          if (limit_rows(i)%is_least) then
@@ -180,13 +178,10 @@ contains
       type(line_state_t), intent(in) :: state
       type(limit_t), intent(inout) :: limit
 
-      if (of%is_point .and. all(i /= of_points)) then
-         limit%missing = 'not judged of a point contact'
-         return
-      end if
       select case (i)
       case (starvation)
          limit%value = of%film_loss
+         if (.not. ieee_is_finite(of%film_loss)) limit%missing = 'no longer domain was compared'
       case (viscosity_data)
          if (of%lubricant%viscosity_law == viscosity_barus) limit%threshold = barus_data
          if (of%lubricant%viscosity_law == viscosity_constant) then
@@ -231,10 +226,9 @@ contains
          case (hardness, shakedown)
             call compare_strength(i, of, limit)
          case (limiting_stress)
-            limit%value = summary%limits%stress_share
-            if (.not. of%is_point) limit%value = larger(limit%value, maxval(abs(mean_stresses(of, &
-               state))/state%pressure, state%pressure > stressed_share*maxval(state%pressure)))
-            limit%value = limit%value*scaling%slope
+            limit%value = scaling%slope*larger(summary%limits%stress_share, &
+               maxval(abs(mean_stresses(of, state))/state%pressure, &
+               state%pressure > stressed_share*maxval(state%pressure)))
          case (shear_heating)
             if (allocated(of%contact%heating)) then
                limit%missing = 'the model has it: temperature_rise_film'
@@ -245,7 +239,7 @@ contains
                   given%conductivity), state%x, mean_stresses(of, state), &
                   state%film_thickness))
                limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
-               call set_losses(of%contact, given%thermal_viscosity, limit)
+               call set_losses(of, limit)
             else
                limit%missing = 'thermal_viscosity = 0'
             end if
@@ -264,7 +258,9 @@ contains
             ! where pressure builds up: the Hertzian contact, or the wedge of rigid bodies
             length = 2.0_wp*max(scaling%half_width, sqrt(2.0_wp*scaling%reduced_radius &
                *scaling%film*summary%of(h_central)%value))
-            if (given%length > 0.0_wp) then
+            if (allocated(scaling%ellipse)) then
+               limit%missing = 'the flow to the sides is solved'
+            else if (given%length > 0.0_wp) then
                limit%value = side_flow_loss(given%length, length)
             else
                limit%missing = '&bodies contact_length is not given, a contact shorter than '// &
@@ -291,25 +287,28 @@ contains
       end associate
    end subroutine evaluate_in_si
 
-   !> Sets the losses of viscosity, which falls as exp(-`beta` times the temperature rise), and of
-   !> film at the temperature rise of a limit.
-   pure subroutine set_losses(contact, beta, limit)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: beta
+   !> Sets the losses of viscosity, which falls as exp(-beta times the temperature rise), and, of a
+   !> line contact, of film at the temperature rise of a limit.
+   pure subroutine set_losses(of, limit)
+      type(circumstances_t), intent(in) :: of
       type(limit_t), intent(inout) :: limit
       real(wp) :: rest
 
       if (.not. ieee_is_finite(limit%value)) return
-      rest = exp(-min(beta*limit%value, largest_exponent))
+      rest = exp(-min(of%materials%thermal_viscosity*limit%value, largest_exponent))
       limit%viscosity_loss = 1 - rest
-      limit%film_loss = max(1 - film_with_viscosity(contact, rest)/flooded_film(contact), 0.0_wp)
+      if (.not. allocated(of%scaling%ellipse)) limit%film_loss = max(1 - film_with_viscosity( &
+         of%contact, rest)/flooded_film(of%contact), 0.0_wp)
    end subroutine set_losses
 
-   !> Compares pressures with the strength of the bodies.
+   !> Compares pressures with the strength of the bodies. Beyond the stress k on planes along the
+   !> surface, of both signs in each pass (a fourth of p_h under lines), no residual stress prevents
+   !> plastic flow.
    pure subroutine compare_strength(i, of, limit)
       integer, intent(in) :: i
       type(circumstances_t), intent(in) :: of
       type(limit_t), intent(inout) :: limit
+      real(wp) :: shear
 
       if (.not. of%materials%hardness > 0.0_wp) then
          limit%missing = '&bodies hardness is not given'
@@ -319,12 +318,18 @@ contains
          limit%threshold = of%materials%hardness
       else
          limit%value = of%scaling%hertz_pressure
-         limit%threshold = shakedown_factor*shear_strength*of%materials%hardness
+         shear = 0.25_wp
+         if (allocated(of%scaling%ellipse)) shear = track_shear(of%scaling%ellipse, of%angle)
+         limit%threshold = shear_strength*of%materials%hardness/shear
+         if (shear < shear_strength) then
+            limit%value = not_known()
+            limit%missing = 'no bound below the hardness is known of an ellipse along its track'
+         end if
       end if
    end subroutine compare_strength
 
    !> Composite rms height [b^2/R] of roughness over the full length of both surfaces: sinusoids and
-   !> profiles (the part that is loaded); 0: none.
+   !> profiles (the part that is loaded), or areas; 0: none.
    pure real(wp) function composite_rms(contact) result(rms)
       type(line_contact_t), intent(in) :: contact
 
@@ -337,9 +342,16 @@ contains
          type(rough_surface_t), intent(in) :: surface
 
          mean_square = 0.0_wp
-         if (allocated(surface%features)) mean_square = 0.5_wp*sum(surface%features%amplitude**2, &
+         if (allocated(surface%features)) mean_square = 0.5_wp*sum(surface%features%amplitude**2 &
+            *merge(0.5_wp, 1.0_wp, surface%features%wavelength_y > 0.0_wp), &
             surface%features%kind == feature_sinusoid)
          if (.not. allocated(surface%profile)) return
+         if (allocated(surface%profile%rows)) then
+            associate (z => surface%profile%rows)
+               mean_square = mean_square + sum((z - sum(z)/size(z))**2)/size(z)
+            end associate
+            return
+         end if
          if (.not. allocated(surface%profile%heights)) return
          associate (z => surface%profile%heights)
             mean_square = mean_square + sum((z - sum(z)/size(z))**2)/size(z)
@@ -348,14 +360,14 @@ contains
 
    end function composite_rms
 
-   !> Mean shear stress across the film at every node [p_h b/R].
+   !> Mean shear stress across the film at every node [p_h b/R]; warm films and points have it.
    pure function mean_stresses(of, state) result(stresses)
       type(circumstances_t), intent(in) :: of
       type(line_state_t), intent(in) :: state
-      real(wp) :: stresses(size(state%x))
+      real(wp) :: stresses(size(state%pressure))
       real(wp), allocatable :: all_stresses(:, :)
 
-      if (allocated(state%temperature_rise)) then
+      if (allocated(state%temperature_rise) .or. allocated(of%scaling%ellipse)) then
          stresses = state%shear_stress_mean
          return
       end if

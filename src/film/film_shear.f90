@@ -36,16 +36,19 @@ module film_shear
 contains
 
    !> Limits of the pressure `p` >= 0 and the film `h` > 0 on nodes `x` (nx), which
-   !> rise, with `slide_to_roll` = (u2 - u1)/((u1 + u2)/2) (NaN: not known).
-   pure function film_limits(fluid, lambda, slide_to_roll, x, p, h) result(limits)
+   !> rise, with `slide_to_roll` = (u2 - u1)/((u1 + u2)/2) (NaN: not known); `top`: largest pressure
+   !> of the contact, of which this is a part.
+   pure function film_limits(fluid, lambda, slide_to_roll, x, p, h, top) result(limits)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll
       real(wp), intent(in), contiguous :: x(:), p(:), h(:)
+      real(wp), intent(in), optional :: top
       type(reynolds_limits_t) :: limits
       real(wp) :: loaded
       integer :: i
 
       loaded = loaded_share*maxval(p)
+      if (present(top)) loaded = loaded_share*top
       do i = 2, size(p)
          if (min(p(i - 1), p(i)) > loaded) limits%surface_slope = max(limits%surface_slope, &
             abs(h(i) - h(i - 1))/(x(i) - x(i - 1)))

@@ -113,6 +113,7 @@ contains
             h(first:last)), 1, 2), time)
          summary%of(p_max) = new_quantity(p_max, spread(maxval(state%pressure), 1, 2), time)
       end associate
+      if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of_area
 
    !> Quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each

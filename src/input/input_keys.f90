@@ -158,18 +158,19 @@ module input_keys
          range='>= 1, <= 1e15', problems=dry, typical=typical_hardness, example='4e9'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
          'of the softer body: pressures above it, and above the shakedown limit, are reported', &
-         range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
+         range='>= 1, <= 1e15', problems=film, typical=typical_hardness, example='! 7e9'), &
       [(key_row_t('bodies', 'roughness_'//numbers(i), real_kind, 'm', is_optional, &
          'rms height Rq of surface '//numbers(i)//', smooth in the film: for the lambda ratio '// &
          'only', range='> 0, <= 1e-3', used='surface_'//numbers(i)//'%shape = smooth feature: '// &
-         'whose heights give it', typical='1e-9 to 1e-5', example='! 0.1e-6'), i=1, 2)], &
+         'whose heights give it', typical='1e-9 to 1e-5', example='! 0.1e-6', &
+         problems=film), i=1, 2)], &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
          'length of the contact across the flow, for load and an estimate of the flow to its '// &
          'sides', range='>= 1e-9, <= 1e6', needed='load%load: with load', typical='1e-4 to 5', &
          example='! 0.02'), &
       key_row_t('bodies', 'thermal_effusivity', real_kind, 'W s^0.5/m2/K', '13000.0', &
          'sqrt(k rho c) of both bodies, for an estimate of temperatures; default: steel', &
-         range='>= 1, <= 1e6', typical='100 to 1e5')]
+         range='>= 1, <= 1e6', typical='100 to 1e5', problems=film)]
 
    type(key_row_t), parameter :: load_rows(*) = [ &
       key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, &

@@ -89,9 +89,8 @@ contains
       call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
       call add_words(body, words%model)
-      if (all([present(limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), .not. &
-         allocated(log%scaling%ellipse), count_of(nl, head//body) < most_lines - 1])) call &
-         add_words(body, &
+      if (all([present(limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), &
+         count_of(nl, head//body) < most_lines - 1])) call add_words(body, &
          'lambda    ratio not known without &bodies roughness_1, roughness_2')
       if (.not. log%is_verbose) call shorten(body, most_lines - 1 - count_of(nl, head))
       call log%print_summary(head//body//'  result    '//path)
@@ -161,7 +160,7 @@ contains
       case (inlet_heating)
          words = 'heat of the inlet, not in the model, would thin the film by '//percent
       case (starvation)
-         words = 'starves the film by '//percent//' (leaving out x_inlet cures it)'
+         words = 'starves the film by '//percent//' (the default &domain does not)'
       case (side_flow)
          words = 'flow to the sides takes '//percent//' of the film: the contact is short'
       case (stokes_number)

@@ -7,7 +7,7 @@ module point_result
    use hdf5_axes, only: make_counter, name_axes
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use iteration_report, only: report_t
-   use kinds, only: not_known, wp
+   use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use point_solver, only: point_run_t
@@ -36,7 +36,8 @@ contains
          call write_attribute(file, '/scaling', 'radius_ratio', case%point%radius_ratio, '1')
          call write_solution(file, state, case%scaling, writer%has_si)
          call writer%copy_steps(writer%has_si, [size(state%x), size(state%y)])
-         call write_summary(file, summary, case%scaling, writer%is_transient, missing, not_known())
+         call write_summary(file, summary, case%scaling, writer%is_transient, missing, &
+            writer%lambda_ratio())
          if (writer%is_transient) call write_times(file, writer%run%passage%times)
          call write_statistics(file, writer%run%statistics, case%scaling, &
             writer%run%passage%times%statistics_from())

@@ -51,7 +51,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      procedure :: store_step, quantities_of, quantities_at_end, finish
+      procedure :: store_step, quantities_of, quantities_at_end, lambda_ratio, finish
    end type result_writer_t
 
 contains
@@ -111,6 +111,14 @@ contains
          summary)
    end function quantities_at_end
 
+   !> Smallest film over composite roughness; NaN: not known.
+   pure real(wp) function lambda_ratio(self)
+      class(result_writer_t), intent(in) :: self
+
+      lambda_ratio = not_known()
+      if (allocated(self%limits)) lambda_ratio = self%limits(mixed_lubrication)%value
+   end function lambda_ratio
+
    !> Writes input, last solution, quantities and report, closes the file and gives it its final
    !> name. An error leaves only an older result (and NAME.part, if there is a checkpoint).
    subroutine finish(self, case, state, report, error)
@@ -120,7 +128,6 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: missing
-      real(wp) :: lambda_ratio
 
       call self%begin_end(case)
       call write_scaling(self%file, self%scaling)
@@ -135,10 +142,8 @@ contains
       missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), self%summary)
       if (report%converged .and. .not. self%run%passage%times%is_settled()) missing = &
          'the start is in the quantities, see /report/note'
-      lambda_ratio = not_known()
-      if (allocated(self%limits)) lambda_ratio = self%limits(mixed_lubrication)%value
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing, &
-         lambda_ratio)
+         self%lambda_ratio())
       if (has_duty(self)) call write_mean_power(self%file, self%run%passage%counted, &
          self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, missing)
       if (self%is_transient) call write_times(self%file, self%run%passage%times)

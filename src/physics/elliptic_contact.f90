@@ -9,7 +9,7 @@ module elliptic_contact
    private
 
    public :: central_point_film, ellipse_t, new_ellipse, point_lambda, point_alpha_bar, &
-      point_film_unit
+      point_film_unit, track_shear
 
    !> Shape of the dry contact.
    type :: ellipse_t
@@ -21,6 +21,8 @@ module elliptic_contact
 
    !> Steps of the arithmetic-geometric mean, for all digits, and of the secant method for kappa.
    integer, parameter :: mean_steps = 7, secant_steps = 50
+   !> Depths at which the shear stress under a track is compared, for four digits.
+   integer, parameter :: depths = 1000
 
 contains
 
@@ -62,6 +64,35 @@ contains
       end function miss_of
 
    end function new_ellipse
+
+   !> Largest shear stress over p_h on planes along the surface under the middle of the track that a
+   !> contact without friction leaves in the direction `angle` [rad] from its x axis.
+   !>
+   !> With l the largest root of X^2/(1 + l) + Y^2/(kappa^2 + l) + Z^2/l = 1 Hertz's potential
+   !> (K. L. Johnson, Contact Mechanics, 1985, section 3.5) gives
+   !>
+   !>     (T_xz, T_yz) = -kappa Z^2/l (X/(1 + l), Y/(kappa^2 + l))/( sqrt((1 + l)(kappa^2 + l) l)
+   !>                    (X^2/(1 + l)^2 + Y^2/(kappa^2 + l)^2 + Z^2/l^2) )
+   !>
+   !> On X^2 = c^2 u, Y^2 = s^2 u it is largest at the root u of a quadratic, for each l.
+   pure real(wp) function track_shear(ellipse, angle) result(shear)
+      type(ellipse_t), intent(in) :: ellipse
+      real(wp), intent(in) :: angle
+      real(wp) :: a, b, l, m, n, rest, u
+      integer :: i
+
+      shear = 0.0_wp
+      do i = 1, depths
+         l = min(1.0_wp, ellipse%ratio**2)*10.0_wp**(6*real(i, wp)/depths - 5)
+         a = 1 + l
+         b = ellipse%ratio**2 + l
+         m = cos(angle)**2/a + sin(angle)**2/b
+         n = cos(angle)**2/a**2 + sin(angle)**2/b**2
+         rest = n - m/l
+         u = 2/l/(rest + 3*m/l + sqrt((rest + 3*m/l)**2 + 4*m*rest/l))
+         shear = max(shear, ellipse%ratio*(1 - m*u)*sqrt(u*n/(a*b*l))/(u*rest + 1/l))
+      end do
+   end function track_shear
 
    !> Computes K(m) and the share (K - E)/(m K) at m = 1 - `axes`^2, 0 < axes <= 1, by the
    !> arithmetic-geometric mean, without loss of digits for circles.

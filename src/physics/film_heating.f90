@@ -145,18 +145,24 @@ contains
    end function thermal_fall
 
    !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
-   !> mean shear `stress` [p_h b/R] in the `film` [b^2/R], at rising nodes `x` [b], each (nx).
+   !> mean shear `stress` [p_h b/R] in the `film` [b^2/R], at rising nodes `x` [b], each (nx), or of
+   !> a point contact (nx ny), where heat spreads into the depth alone: each row is a band.
    pure real(wp) function largest_rise(heating, x, stress, film) result(rise)
       type(heating_t), intent(in) :: heating
       real(wp), intent(in), contiguous :: x(:), stress(:), film(:)
       real(wp) :: heat(size(stress))
+      integer :: first, last
 
       rise = 0.0_wp
       associate (speeds => heating%speeds)
          if (.not. abs(speeds(2) - speeds(1)) > 0.0_wp) return
          heat = abs(stress)*(heating%shear_stress*abs(speeds(2) - speeds(1)))
-         rise = maxval(flash_temperatures(heat, x*heating%half_width, heating%effusivity, speeds) &
-            + film_temperatures(heat, film*heating%film, heating%conductivity))
+         do first = 1, size(heat), size(x)
+            last = first + size(x) - 1
+            rise = max(rise, maxval(flash_temperatures(heat(first:last), x*heating%half_width, &
+               heating%effusivity, speeds) + film_temperatures(heat(first:last), &
+               film(first:last)*heating%film, heating%conductivity)))
+         end do
       end associate
    end function largest_rise
 

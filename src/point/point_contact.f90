@@ -15,12 +15,13 @@ module point_contact
    use contact_moment, only: thinned_central_film
    use kinds, only: pi, wp
    use line_contact, only: rough_contact_t, smoothen_both
-   use lubricant, only: fluid_t
+   use lubricant, only: faster_fluid, fluid_t
    implicit none (type, external)
    private
 
-   public :: dry_border, expect_film, far_load, far_pressure, fit_duty, first_intervals, &
-      hertz_pressure_at, intervals_for, new_point_contact, rows_for, set_point_moment, start_of
+   public :: dry_border, expect_film, far_load, far_pressure, film_by_formulas, fit_duty, &
+      first_intervals, hertz_pressure_at, intervals_for, new_point_contact, rows_for, &
+      set_point_moment, start_of
 
    !> The contact.
    type, public, extends(rough_contact_t) :: point_contact_t
@@ -91,12 +92,23 @@ contains
    pure subroutine expect_film(contact)
       type(point_contact_t), intent(inout) :: contact
 
-      associate (along => contact%curvature(1), across => contact%curvature(3))
-         contact%expected_film = thinned_central_film(contact%fluid, contact%lambda, &
-            central_point_film(contact%moes_m*along**1.25_wp, contact%moes_l_sum*along**0.25_wp, &
-            across/along)/sqrt(along)/point_film_unit(contact%ellipse, contact%moes_m))
-      end associate
+      contact%expected_film = film_by_formulas(contact, 1.0_wp)
    end subroutine expect_film
+
+   !> Central film of a contact with `factor` > 0 times its viscosity: M ~ mu_0^(-3/4), L ~
+   !> mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
+   pure real(wp) function film_by_formulas(contact, factor) result(film)
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: factor
+      real(wp) :: m
+
+      m = contact%moes_m/factor**0.75_wp
+      associate (along => contact%curvature(1), across => contact%curvature(3))
+         film = thinned_central_film(faster_fluid(contact%fluid, factor), factor*contact%lambda, &
+            central_point_film(m*along**1.25_wp, contact%moes_l_sum*(factor*along)**0.25_wp, &
+            across/along)/sqrt(along)/point_film_unit(contact%ellipse, m))
+      end associate
+   end function film_by_formulas
 
    !> Fits domain and expected film to all moments of the duty: the largest domain, and the film of
    !> the moment that needs the finest first grid. In units of its own, a W^(1/3) and p_h W^(1/3), a

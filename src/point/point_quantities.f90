@@ -4,10 +4,12 @@ module point_quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use features, only: surface_height
+   use film_shear, only: film_limits
    use grid_errors, only: error_on_grids, orders, safety
    use kinds, only: exceeds, not_known, pi, wp
    use line_contact, only: finest_wave
-   use line_state, only: friction_t, line_state_t, stressed_share, turned, unknown_limits
+   use line_state, only: friction_t, line_state_t, stressed_share, turned, unknown_limits, &
+      widen_limits
    use line_summary, only: line_summary_t, summary_of
    use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
@@ -28,13 +30,14 @@ module point_quantities
 
 contains
 
-   !> Fields of the level at a `time`, and their friction. Forces in p_h a^3/Rx, powers in that
+   !> Fields of the level at a `time`, friction and limits. Forces in p_h a^3/Rx, powers in that
    !> times u_s; `load` such that coefficients are those of a line.
    pure subroutine fill_point_state(level, contact, time, state)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
+      integer :: i
 
       state%x = level%x(:)
       state%y = level%y(:)
@@ -44,10 +47,27 @@ contains
       state%time = time
       state%moment = contact%moment
       state%moment%speeds = level%direction*contact%moment%speeds
-      state%friction = forces_of(level, contact, 0, level%ny)
-      state%friction%load = 2/pi*contact%load*contact%moment%load
+      if (allocated(state%friction)) deallocate (state%friction)
+      if (allocated(state%shear_stress_mean)) deallocate (state%shear_stress_mean)
+      allocate (state%friction, source=friction_t(not_known(), not_known(), not_known(), &
+         not_known(), not_known()))
       state%limits = unknown_limits()
-      state%limits%stress_share = state%friction%stress_share
+      if (all(level%film > 0.0_wp)) then   ! else of an iterate
+         call sum_forces(level, contact, [0, level%ny], state%friction, state%shear_stress_mean)
+         associate (p => level%pressure, h => level%film, top => maxval(level%pressure))
+            do i = 0, level%ny
+               call widen_limits(state%limits, film_limits(contact%fluid, contact%lambda, &
+                  level%direction*contact%slide_to_roll, level%x, p(:, i), h(:, i), top))
+            end do
+            do i = 0, level%nx
+               call widen_limits(state%limits, film_limits(contact%fluid, contact%lambda, &
+                  not_known(), level%y, p(i, :), h(i, :), top))
+            end do
+         end associate
+         state%limits%stress_share = state%friction%stress_share
+         if (.not. ieee_is_finite(contact%slide_to_roll)) deallocate (state%shear_stress_mean)
+      end if
+      state%friction%load = 2/pi*contact%load*contact%moment%load
       if (level%direction < 0.0_wp) state = turned(state)
    end subroutine fill_point_state
 
@@ -85,7 +105,7 @@ contains
       type(line_summary_t) :: line
       type(friction_t) :: forces
 
-      forces = forces_of(level, contact, level%ny/2, level%ny/2)
+      call sum_forces(level, contact, spread(level%ny/2, 1, 2), forces)
       line = summary
       line%of(friction_coefficient)%value = abs(forces%sliding)/level%hy*2/pi
       line%of(sliding_power)%value = forces%sliding/level%hy*forces%sliding_speed
@@ -94,28 +114,26 @@ contains
    end function shear_on_middle
 
    !> Forces and the power of flow by the pressure, by the trapezoidal rule over the nodes with
-   !> pressure of the rows `first` to `last`, those on the border with differences to one side;
-   !> sliding up to the exit between the nodes of each row. Where the film is closed they are not
-   !> known.
-   pure function forces_of(level, contact, first, last) result(forces)
+   !> pressure of the first to the last of the `rows`, those on the border with differences to one
+   !> side; sliding up to the exit between the nodes of each row. `stresses` (nx rows): mean shear
+   !> stress at every node, 0 where there is no pressure.
+   pure subroutine sum_forces(level, contact, rows, forces, stresses)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
-      integer, intent(in) :: first, last
-      type(friction_t) :: forces
+      integer, intent(in) :: rows(2)
+      type(friction_t), intent(out) :: forces
+      real(wp), allocatable, intent(out), optional :: stresses(:)
       real(wp), dimension(0:level%nx) :: ln_mu, stress
       real(wp) :: cell, flow, least, rest, sigma(2), slope(2), stressed
       type(plane_flow_t) :: plane
       integer :: i, j, x(2), y(2)
 
-      if (any(level%film <= 0.0_wp)) then   ! of an iterate
-         forces = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
-         return
-      end if
       forces%sliding_speed = 0.5_wp*level%direction*contact%slide_to_roll
       stressed = stressed_share*maxval(level%pressure)
       least = least_share*maxval(level%pressure)
+      if (present(stresses)) allocate (stresses((rows(2) - rows(1) + 1)*size(stress)))
       associate (p => level%pressure, h => level%film, dx => level%hx, dy => level%hy)
-         each_row: do j = first, last
+         each_row: do j = rows(1), rows(2)
             call fluid_viscosity(contact%fluid, p(:, j), ln_mu)
             call evaluate_stress(contact%fluid, contact%lambda/6*forces%sliding_speed, 0*ln_mu, &
                1/h(:, j), ln_mu, stress)
@@ -147,9 +165,11 @@ contains
                - (level%x(max(i, 0)) + 0.5_wp*dx)
             if (ieee_is_finite(rest)) forces%sliding = forces%sliding + 0.5_wp*(y(2) - y(1))*dy &
                *rest*stress(i)
+            if (present(stresses)) stresses((j - rows(1))*size(stress) + 1: &
+               (j - rows(1) + 1)*size(stress)) = merge(stress, 0.0_wp, p(:, j) > least)
          end do each_row
       end associate
-   end function forces_of
+   end subroutine sum_forces
 
    !> Sets the errors of `summary` from those on half and a quarter of the intervals and so on,
    !> `coarser`, from the residual, and from `near` and `far`, the domain and a longer one on the
