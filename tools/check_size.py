@@ -11,7 +11,7 @@ histories of points: 251, 45, 49 words; their family of bars: 26, bench 24, 16 w
 limits of points: 41, how sure 8; friction of points to the border and exit: 24, 35;
 film floor, film statistics and reversal of points: 114, 51; targets of points in time: 87, 2; round-off at their exit: 5;
 adequacy of points: 298, 57, how sure 33; many harmonics: 1, 6;
-reversal without drained films: 11, 8, 2 words)."""
+reversal without drained films: 11, 8, 2 words; a further case in fewer instructions: 83, 1, 12 words, how sure 1)."""
 
 import pathlib
 import re
@@ -27,11 +27,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 50_152,
-    "how sure": 6_650,
-    "tests": 37_322,
+    "sources": 50_235,
+    "how sure": 6_651,
+    "tests": 37_323,
     "bench": 5_666,
-    "words of pages": 44_980,
+    "words of pages": 44_992,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,
