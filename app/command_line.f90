@@ -166,6 +166,10 @@ contains
          command%output_dir = value
       case ('--summary')
          command%summary = value
+         if (index(value, '.h5', back=.true.) > max(0, len(value) - 3)) call fail(error, &
+            input_error, 'found --summary '//value//', expected a name as TABLE.csv: lines of '// &
+            'text, which processes can share and no kill damages; batch/gather.py turns those '// &
+            'of a sweep into HDF5')
       case ('--format')
          command%form = value
          if (all(value /= ['text', 'csv ', 'json'])) call fail(error, input_error, &

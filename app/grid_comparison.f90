@@ -107,6 +107,7 @@ contains
 
       if (.not. report%converged) return
       call add_note(case, listener, cut_asperities(case%contact), report%note)
+      if (.not. (case%solver%wants_coarse_runs .or. report%fit%outlet_pressure > 0.0_wp)) return
       bars = listener%writer%bars
       if (case%solver%wants_coarse_runs) then
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())

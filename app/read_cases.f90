@@ -13,6 +13,7 @@ module read_cases
       kind_missing, kind_other, kind_regular, place_fault, xdmf_mark
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
+   use input_values, only: input_values_t
    use progress_log, only: new_progress_log, progress_log_t
    use result_name, only: working_endings
    use set_entries, only: put_entries
@@ -20,6 +21,7 @@ module read_cases
    use standard_streams, only: print_text, write_text
    use summary_head, only: plan_rows
    use text_file, only: read_text_file
+   use value_reader, only: read_defaults
    use xdmf_file, only: xdmf_path
    implicit none (type, external)
    private
@@ -92,23 +94,29 @@ contains
       logical, intent(out) :: is_good(:)
       type(refused_t), allocatable, intent(inout) :: refused(:)
       type(refused_t), allocatable :: all_files(:)
+      type(input_values_t), allocatable :: defaults   ! not of one file: it does not need a copy
       integer :: i
 
       allocate (cases(size(files)), all_files(size(files)))
+      if (size(files) > 1) then
+         allocate (defaults)
+         call read_defaults(defaults)
+      end if
       do i = 1, size(files)
          all_files(i)%file = trim(files(i))
-         call read_one(all_files(i)%file, command, cases(i), all_files(i)%findings)
+         call read_one(all_files(i)%file, command, cases(i), all_files(i)%findings, defaults)
          is_good(i) = len(all_files(i)%findings) == 0
       end do
       refused = [refused, all_files(pack([(i, i=1, size(files))], .not. is_good))]
    end subroutine read_files
 
-   !> Reads one file; `found` is what is wrong with it, empty if nothing.
-   subroutine read_one(file, command, case, found)
+   !> Reads one file; `found` is what is wrong with it, or nothing. `defaults`: of `read_case`.
+   subroutine read_one(file, command, case, found, defaults)
       character(*), intent(in) :: file
       type(command_t), intent(in) :: command
       type(case_t), intent(out) :: case
       character(:), allocatable, intent(out) :: found
+      type(input_values_t), intent(in), optional :: defaults
       character(:), allocatable :: content
       type(findings_t) :: findings
       type(error_t), allocatable :: error
@@ -124,7 +132,7 @@ contains
          return
       end if
       call put_entries(content, command%entries)
-      call read_case(content, file, case, findings, command%entries)
+      call read_case(content, file, case, findings, command%entries, defaults)
       if (findings%count > 0) found = findings%report(file)
       if (command%summary == '') return
       allocate (case%table)

@@ -140,6 +140,7 @@ def test_what_is_no_table_is_refused_before_anything_runs(asperity, tmp_path):
         ("x.nml: found &output xdmf = .true. and --summary", "x.nml", "--summary", "t.csv"),
         ("found --summary and --output", "a.nml", "--summary", "t.csv", "--output", "."),
         ("found --summary without a value", "a.nml", "--summary"),
+        ("found --summary t.h5, expected a name as TABLE.csv", "a.nml", "--summary", "t.h5"),
     ):
         done = ended(asperity(*arguments), 1)
         assert words in done.stderr

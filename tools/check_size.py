@@ -12,7 +12,8 @@ limits of points: 41, how sure 8; friction of points to the border and exit: 24,
 film floor, film statistics and reversal of points: 114, 51; targets of points in time: 87, 2; round-off at their exit: 5;
 adequacy of points: 298, 57, how sure 33; many harmonics: 1, 6;
 reversal without drained films: 11, 8, 2 words; random cases of points, histories, mixed films, what they found: 48, 119;
-all limits of points, their mixed outcome, the lock before trial runs, bench of their adequacy: 127, 149, how sure 12, bench 17)."""
+all limits of points, their mixed outcome, the lock before trial runs, bench of their adequacy: 127, 149, how sure 12, bench 17;
+a further case in fewer instructions: 83, 1, 12 words, how sure 1)."""
 
 import pathlib
 import re

@@ -1,22 +1,51 @@
 !> Numbers, quantities, words and sentences as text for messages, tables and the screen.
 module text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_null_char, c_size_t
    use kinds, only: int64, wp
    implicit none (type, external)
    private
 
-   public :: add_sentence, count_of, counted, duration_text, joined, number_text, prefixed_text, &
-      quoted, rounded_down, rounded_up, shortened, to_lower, to_text, wrapped
+   public :: add_sentence, count_of, counted, duration_text, formatted, joined, number_text, &
+      prefixed_text, quoted, rounded_down, rounded_up, shortened, to_lower, to_text, wrapped
 
    !> Most characters of the user's text that a message repeats.
    integer, parameter :: max_quoted = 48
+   !> Room for a number or its format as the C library has them.
+   integer, parameter :: number_room = 40
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
       module procedure :: integer_to_text, long_to_text, real_to_text
    end interface to_text
 
+   interface
+      !> strfromd(3) of the C library: a number as `format` says, with a zero at its end.
+      pure subroutine c_strfromd(text, bytes, format, number) bind(c, name='strfromd')
+         import :: c_char, c_double, c_size_t, number_room
+         implicit none (type, external)
+         character(kind=c_char), intent(out) :: text(number_room)
+         integer(c_size_t), value :: bytes
+         character(kind=c_char), intent(in) :: format(number_room)
+         real(c_double), value :: number
+      end subroutine c_strfromd
+   end interface
+
 contains
+
+   !> A number as a `format` of C says: %.17g gives all digits that count. (A `write` takes five
+   !> times as long.)
+   pure function formatted(value, format) result(string)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: format
+      character(:), allocatable :: string
+      character(kind=c_char, len=number_room) :: buffer, form
+
+      form = format
+      form(len(format) + 1:) = c_null_char
+      call c_strfromd(buffer, len(buffer, c_size_t), form, value)
+      string = buffer(:index(buffer, c_null_char) - 1)
+   end function formatted
 
    !> An integer in as few characters as it needs.
    pure function integer_to_text(value) result(string)
@@ -31,9 +60,17 @@ contains
       integer(int64), intent(in) :: value
       character(:), allocatable :: string
       character(len=24) :: buffer
+      integer :: first
+      integer(int64) :: rest
 
-      write (buffer, '(ss,i0)') value   ! ss: no plus sign, whatever GFORTRAN_OPTIONAL_PLUS says
-      string = trim(buffer)
+      rest = value
+      do first = len(buffer), 2, -1
+         buffer(first:first) = achar(iachar('0') + int(abs(mod(rest, 10_int64))))
+         rest = rest/10_int64
+         if (rest == 0_int64) exit
+      end do
+      string = buffer(first:)
+      if (value < 0_int64) string = '-'//string
    end function long_to_text
 
    !> A real with `digits` (6, at most 17): fixed point for 1e-3 <= |value| < 1e6, else scientific.
@@ -41,25 +78,21 @@ contains
       real(wp), intent(in) :: value
       integer, intent(in), optional :: digits
       character(:), allocatable :: string
-      character(len=40) :: buffer
-      character(len=16) :: form
-      integer :: shown, decimals
+      character(len=9) :: buffer
+      integer :: shown
 
       shown = 6
       if (present(digits)) shown = min(max(digits, 1), 17)
       if (.not. ieee_is_finite(value)) then
-         form = '(ss,f40.0)'
+         write (buffer, '(ss,f9.0)') value   ! ss: no plus sign, whatever the environment says
+         string = trim(adjustl(buffer))
       else if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
-         decimals = max(shown - 1 - floor(log10(abs(value))), 0)
-         form = '(ss,f40.' // integer_to_text(decimals) // ')'
+         string = formatted(value, '%.'//integer_to_text(max(shown - 1 &
+            - floor(log10(abs(value))), 0))//'f')
       else
-         ! Without its width an exponent of three digits loses its E.
-         form = '(ss,es40.' // integer_to_text(shown - 1) // trim(merge('e3)', ')  ', abs(value) &
-            >= 9.9e99_wp .or. (abs(value) > 0.0_wp .and. abs(value) < 1.0e-99_wp)))
+         string = formatted(value, '%.'//integer_to_text(shown - 1)//'E')
+         if (shown == 1) string = string(:index(string, 'E') - 1)//'.'//string(index(string, 'E'):)
       end if
-      write (buffer, form) value
-      string = trim(adjustl(buffer))
-      if (string(len(string):) == '.') string = string(:len(string) - 1)
    end function real_to_text
 
    !> A `value` > 0 with this many `digits`, rounded up: a least value that may be copied.

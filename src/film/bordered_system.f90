@@ -73,8 +73,8 @@ contains
       logical, intent(out) :: is_sound
       integer :: i
 
-      call fill_factors(system%factors, system%rows, system%by_pressure, system%by_film, &
-         system%is_cavitated)
+      call fill_factors(system%rows, system%by_pressure, system%by_film, system%is_cavitated, &
+         system%factors%lower, system%factors%upper, system%factors%diagonal)
       if (allocated(system%yields)) then   ! asperities bear the cavitated rows
          do i = 1, system%factors%n
             if (.not. system%is_cavitated(i)) cycle
@@ -92,25 +92,25 @@ contains
    end subroutine factor_bordered
 
    !> Fills the rows of the approximate matrix: exponentials everywhere, exact entries on the five
-   !> inner diagonals.
-   pure subroutine fill_factors(factors, rows, by_pressure, by_film, is_cavitated)
-      type(semiseparable_t), intent(inout) :: factors
-      type(kernel_rows_t), intent(in) :: rows(:)
-      real(wp), intent(in), contiguous :: by_pressure(-2:, :), by_film(-2:, :)
-      logical, intent(in) :: is_cavitated(:)
+   !> inner diagonals. On plain arrays, which the compiler knows to be apart.
+   pure subroutine fill_factors(rows, by_pressure, by_film, is_cavitated, lower, upper, diagonal)
+      type(kernel_rows_t), intent(in), contiguous :: rows(:)
+      logical, intent(in), contiguous :: is_cavitated(:)
+      real(wp), intent(in) :: by_pressure(-2:2, size(is_cavitated)), by_film(4, size(is_cavitated))
       integer, parameter :: q = terms
+      real(wp), intent(out) :: lower(q + 2, size(is_cavitated)), upper(q + 2, size(is_cavitated)), &
+         diagonal(size(is_cavitated))
       real(wp) :: slots(-2:2)
       integer :: d, i, l
 
-      do i = 1, factors%n
+      do i = 1, size(is_cavitated)
          if (is_cavitated(i)) then
-            factors%lower(:, i) = 0.0_wp
-            factors%upper(:, i) = 0.0_wp
-            factors%diagonal(i) = 1.0_wp
+            lower(:, i) = 0.0_wp
+            upper(:, i) = 0.0_wp
+            diagonal(i) = 1.0_wp
             cycle
          end if
-         associate (lower => factors%lower, upper => factors%upper, jh => by_film(:, i), &
-            row => rows(min(i, size(rows))))
+         associate (jh => by_film(:, i), row => rows(min(i, size(rows))))
             !$omp simd
             do l = 1, q
                lower(l, i) = jh(1)*row%left(l, -2) + jh(2)*row%left(l, -1) + jh(3)*row%left(l, 0) &
@@ -124,7 +124,7 @@ contains
             end do
             lower(q + 1, i) = slots(-1)
             lower(q + 2, i) = slots(-2)
-            factors%diagonal(i) = slots(0)
+            diagonal(i) = slots(0)
             upper(q + 1, i) = slots(1)
             upper(q + 2, i) = slots(2)
          end associate

@@ -124,7 +124,7 @@ contains
       real(wp), intent(in), optional :: solid(:)
       type(line_summary_t) :: summary
       type(friction_t) :: forces
-      real(wp) :: total(size(p))
+      real(wp) :: total(size(p)), values(2)
       integer :: i
 
       total = p
@@ -132,8 +132,12 @@ contains
       forces = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
       if (present(friction)) forces = friction
       do i = 1, quantity_count
-         summary%of(i) = new_quantity(i, quantity_values(i, x, merge(total, p, i == p_max &
-            .or. i == p_central), h, forces), time)
+         if (i == p_max .or. i == p_central) then
+            values = quantity_values(i, x, total, h, forces)
+         else
+            values = quantity_values(i, x, p, h, forces)
+         end if
+         summary%of(i) = new_quantity(i, values, time)
       end do
       summary%crests = crests_of(x, total, h)
       summary%limits = unknown_limits()

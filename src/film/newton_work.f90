@@ -186,7 +186,9 @@ contains
       call evaluate_slopes(level, jacobian)
       call apply_reynolds(level)
       call differentiate_flux(level, jacobian, 1, right_p, right_h)
-      associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => level%elastic%kernel)
+      associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => &
+         level%elastic%kernel, rho_p => jacobian%slopes%rho_p, rho => level%oil%density, &
+         h => level%state%film)
          do i = 1, n - 1
             left_p = right_p
             left_h = right_h
@@ -197,10 +199,14 @@ contains
             ! rH(i-2) ... rH(i) in the wedge and the squeeze term, the same from the second row on
             if (i <= 2) weights = wedge_weights(i)*level%lambda*level%entrainment/level%dx &
                + [0.0_wp, 0.0_wp, level%lambda*level%inverse_time_step]
-            do o = max(-2, -i), 0
-               jp(o, i) = jp(o, i) - weights(o)*jacobian%slopes%rho_p(i + o)*level%state%film(i + o)
-               jh(o, i) = jh(o, i) - weights(o)*level%oil%density(i + o)
+            do o = -1, 0
+               jp(o, i) = jp(o, i) - weights(o)*rho_p(i + o)*h(i + o)
+               jh(o, i) = jh(o, i) - weights(o)*rho(i + o)
             end do
+            if (i > 1) then
+               jp(-2, i) = jp(-2, i) - weights(-2)*rho_p(i - 2)*h(i - 2)
+               jh(-2, i) = jh(-2, i) - weights(-2)*rho(i - 2)
+            end if
             jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, &
                i)*kernel(0) - jh(1, i)*kernel(1)
          end do

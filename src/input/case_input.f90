@@ -31,11 +31,13 @@ contains
    !>
    !> `entries` of the command line are in it already; findings about them name --set. Findings: all
    !> that is wrong, see namelist_text, value_reader and case_validation; else `case` is filled.
-   subroutine read_case(content, file, case, findings, entries)
+   !> `defaults`: those of `read_defaults`, for many files.
+   subroutine read_case(content, file, case, findings, entries, defaults)
       character(*), intent(in) :: content, file
       type(case_t), intent(out) :: case
       type(findings_t), intent(out) :: findings
       type(set_entry_t), intent(in), optional :: entries(:)
+      type(input_values_t), intent(in), optional :: defaults
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
       character(:), allocatable :: oil
@@ -47,7 +49,7 @@ contains
       call split_namelist(content, pieces, values%findings)
       if (pieces%group_count > 0) then
          if (present(entries)) call mark_entries(entries, pieces, values%findings)
-         call read_values(pieces, values)
+         call read_values(pieces, values, defaults)
          is_alone = .false.
          oil = ''
          if (has_word(film, trim(values%problem))) then

@@ -650,9 +650,11 @@ contains
    !> Row of a group in `group_rows`; 0: not there.
    pure integer function find_group(group) result(row)
       character(*), intent(in) :: group
+      character(len=len(group_rows%group)) :: padded
 
+      padded = group   ! as in `find_key`
       do row = size(group_rows), 1, -1
-         if (group_rows(row)%group == group) return
+         if (group_rows(row)%group == padded) return
       end do
    end function find_group
 

@@ -30,6 +30,7 @@ module input_values
       character(len=word_length), allocatable :: words(:)
       character(:), allocatable :: text
       !> What the text of an array of numbers seems to mean, if not these numbers; else nothing.
+      !> Not allocated: there was no text.
       character(:), allocatable :: hint
       !> Elements that the user has set (arrays).
       logical, allocatable :: is_set(:)
@@ -64,8 +65,10 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
       type(value_t) :: slot
+      integer :: row
 
-      slot = self%slots(find_key(group, key, self%problem))
+      row = find_key(group, key, self%problem)   ! an index is evaluated for each component
+      slot = self%slots(row)
    end function slot
 
    !> The first real value of a key; `default` or 0 if there is none.

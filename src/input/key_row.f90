@@ -112,19 +112,17 @@ contains
    !> True if `word` is one of the blank-separated `words`: asked 4000 times a case, so no copies.
    pure logical function has_word(words, word)
       character(*), intent(in) :: words, word
-      integer :: before, first, found, next
+      integer :: first
 
       has_word = .false.
-      if (len(word) == 0 .or. index(word, ' ') > 0) return
-      first = 1
-      do while (.not. has_word)
-         found = index(words(first:), word)
-         if (found == 0) return
-         before = first + found - 2
-         next = before + len(word) + 1
-         has_word = is_blank(before) .and. is_blank(next)
-         first = next
+      if (len(word) == 0) return
+      do first = 1, len(words) - len(word) + 1
+         if (words(first:first) /= word(1:1)) cycle   ! it is faster than `index`
+         if (words(first:first + len(word) - 1) /= word) cycle
+         has_word = is_blank(first - 1) .and. is_blank(first + len(word))
+         if (has_word) exit
       end do
+      if (has_word) has_word = index(word, ' ') == 0
 
    contains
 

@@ -79,7 +79,7 @@ contains
       character(:), allocatable :: reason
       integer :: i
 
-      conditions = conditions_of(row%used, row%group)
+      conditions = conditions_of(trim(row%used), row%group)
       do i = 1, size(conditions)
          if (truth(values, conditions(i)) /= no) cycle
          reason = opposite(values, conditions(i))
@@ -97,7 +97,7 @@ contains
 
       is_used = row%used == ''
       if (is_used) return
-      conditions = conditions_of(row%used, row%group)
+      conditions = conditions_of(trim(row%used), row%group)
       is_used = all([(truth(values, conditions(i)) /= no, i=1, size(conditions))])
    end function is_used
 
@@ -110,7 +110,7 @@ contains
       integer :: i
 
       if (row%default /= is_required .and. row%needed == '') return
-      conditions = conditions_of(row%needed, row%group)
+      conditions = conditions_of(trim(row%needed), row%group)
       reason = ''
       do i = 1, size(conditions)
          if (truth(values, conditions(i)) /= yes) return
@@ -214,8 +214,9 @@ contains
       allocate (unusual(0))
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
-            if (row%typical == '' .or. .not. (any(slot%is_set) .and. slot%has_value)) cycle
+            if (row%typical == '' .or. .not. slot%has_value) cycle
             if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (.not. any(slot%is_set)) cycle
             place = findloc(is_typical(slot%reals, row%typical), .false., dim=1)
             if (place == 0) cycle
             question = slot%hint
@@ -235,7 +236,8 @@ contains
       character(len=len(rule)), allocatable :: parts(:)
       integer :: i
 
-      parts = split_words(rule, ',')
+      if (rule /= '' .and. index(rule, ',') == 0) parts = [rule]   ! as most
+      if (.not. allocated(parts)) parts = split_words(rule, ',')
       allocate (conditions(size(parts)))
       do i = 1, size(parts)
          conditions(i) = new_condition(trim(parts(i)), group)
@@ -262,7 +264,7 @@ contains
          condition%relation = condition%values(:index(condition%values, ' ') - 1)
          condition%values = adjustl(condition%values(index(condition%values, ' '):))
       end if
-      percent = index(name, '%')
+      percent = index(name(:len_trim(name)), '%')
       condition%is_elsewhere = percent > 0
       condition%group = group
       if (percent > 0) condition%group = name(:percent - 1)
@@ -278,8 +280,8 @@ contains
       type(key_row_t), intent(in) :: row
       character(:), allocatable :: text, used
 
-      text = joined(conditions_of(row%needed, row%group))
-      used = joined(conditions_of(row%used, row%group))
+      text = joined(conditions_of(trim(row%needed), row%group))
+      used = joined(conditions_of(trim(row%used), row%group))
       if (used == text) used = ''
       if (used /= '') used = '; only '//used
       if (text /= '') text = '; required '//text

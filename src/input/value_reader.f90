@@ -18,24 +18,31 @@ module value_reader
    implicit none (type, external)
    private
 
-   public :: read_values
+   public :: read_defaults, read_values
 
 contains
 
-   !> Fills `values` with the defaults of the table and the entries of `pieces`.
+   !> Fills `values` with the defaults of the table and the entries of `pieces`. `defaults`: as
+   !> `read_defaults` gives them, of which the problem gets its own.
    !>
    !> Finds unknown or not built groups, keys and words, values of the wrong type or number or out
    !> of range, arrays with elements left out.
-   subroutine read_values(pieces, values)
+   subroutine read_values(pieces, values, defaults)
       type(namelist_text_t), intent(in) :: pieces
       type(input_values_t), intent(inout) :: values
+      type(input_values_t), intent(in), optional :: defaults
       integer :: i, row
 
       values%last_line = pieces%lines
       values%problem = problem_of(pieces)
-      do i = 1, size(key_rows)
-         call read_default(key_rows(i), values%slots(i), values%findings)
-      end do
+      if (present(defaults)) then
+         do i = 1, size(key_rows)
+            if (has_word(key_rows(i)%problems, trim(values%problem))) values%slots(i) = &
+               defaults%slots(i)
+         end do
+      else
+         call read_defaults(values)
+      end if
       do i = 1, pieces%group_count
          associate (group => pieces%groups(i))
             row = find_group(group%name)
@@ -55,6 +62,7 @@ contains
       end do
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
+            if (.not. slot%is_given) cycle
             if (.not. all(slot%is_set)) call values%findings%add(slot%line, row%group, row%key, &
                'found element ' // to_text(size(slot%is_set)) // ' but not element ' &
                // to_text(findloc(slot%is_set, .false., dim=1)) &
@@ -62,6 +70,16 @@ contains
          end associate
       end do
    end subroutine read_values
+
+   !> Fills `values` with the defaults of the table: of many files they are read once.
+   subroutine read_defaults(values)
+      type(input_values_t), intent(inout) :: values
+      integer :: i
+
+      do i = 1, size(key_rows)
+         call read_default(key_rows(i), values%slots(i), values%findings)
+      end do
+   end subroutine read_defaults
 
    !> The problem that the file names; the lubricated one if that cannot be read.
    function problem_of(pieces) result(problem)
@@ -171,7 +189,6 @@ contains
       slot%reals = [real(wp) ::]
       slot%words = [character(len=word_length) ::]
       slot%is_set = [logical ::]
-      slot%hint = ''
    end subroutine clear
 
    !> Reads one entry into its slot; a default does not count any more. Findings: wrong number of
@@ -186,7 +203,10 @@ contains
       logical :: is_array
       integer :: i, missing
 
-      if (entry%is_broken .or. .not. slot%is_given) call clear(slot)
+      if (entry%is_broken .or. .not. slot%is_given) then
+         call clear(slot)
+         slot%hint = ''
+      end if
       slot%is_given = .true.
       slot%has_value = .false.
       slot%line = entry%line

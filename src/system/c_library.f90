@@ -1,13 +1,13 @@
 !> Calls of the C library (Linux), documented in its manual pages without `c_`.
 module c_library
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int16_t, &
+   use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_int16_t, &
       c_int32_t, c_int64_t, c_long, c_ptr, c_short, c_size_t
    implicit none (type, external)
    private
 
    public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_getrlimit, c_isatty, c_lseek, &
       c_mallopt, c_mkdir, c_open, c_poll, c_pread, c_pwrite, c_rename, c_setenv, &
-      c_setitimer, c_setrlimit, c_signal, c_statx, c_strfromd, c_sysconf, c_time, c_unlink, c_write
+      c_setitimer, c_setrlimit, c_signal, c_statx, c_sysconf, c_time, c_unlink, c_write
 
    !> File descriptors of the standard streams.
    integer(c_int), parameter, public :: standard_output = 1_c_int, standard_error = 2_c_int
@@ -106,14 +106,6 @@ module c_library
          character(kind=c_char), intent(in) :: path(*)
          type(statx_t), intent(inout) :: answer
       end function c_statx
-      !> strfromd(3): a number as `format` (%.17g) says, with a zero at its end; its length.
-      integer(c_int) function c_strfromd(text, bytes, format, number) bind(c, name='strfromd')
-         import
-         type(c_ptr), value :: text
-         integer(c_size_t), value :: bytes
-         character(kind=c_char), intent(in) :: format(*)
-         real(c_double), value :: number
-      end function c_strfromd
       !> rename(2): replaces `new` in one step.
       integer(c_int) function c_rename(old, new) bind(c, name='rename')
          import

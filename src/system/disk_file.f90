@@ -7,6 +7,7 @@ module disk_file
    use build_info, only: program_name
    use c_library, only: c_close, c_fcntl, c_fsync, c_ftruncate, c_lseek, c_mkdir, c_open, c_pread, &
       c_rename, c_statx, c_unlink, c_write, file_lock_t, statx_t
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -247,8 +248,8 @@ contains
       type(statx_t) :: answer
 
       if (c_statx(folder, path//c_null_char, flags, basic, answer) /= 0_c_int) return
-      write (identity%word, '(2(i0, a), i0)') answer%device(1), ':', answer%device(2), ':', &
-         answer%inode
+      identity%word = to_text(answer%device(1))//':'//to_text(answer%device(2))//':' &
+         //to_text(answer%inode)
       select case (iand(int(answer%mode), kind_bits))
       case (bits_regular)
          identity%kind = kind_regular

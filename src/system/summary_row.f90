@@ -1,11 +1,11 @@
 !> The row of a case in a table of many: what its result file would hold as single numbers and
 !> words, as CSV. Names of columns are those of the gathered table (batch/result_row.py).
 module summary_row
-   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_loc, c_null_char, c_size_t
-   use c_library, only: c_strfromd
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use disk_file, only: append_line
    use errors, only: error_t, fail, output_error
    use kinds, only: wp
+   use text, only: formatted
    implicit none (type, external)
    private
 
@@ -59,17 +59,20 @@ contains
       character(*), intent(in), optional :: text
       real(wp), intent(in), optional, contiguous, target :: numbers(..)
       real(wp), pointer :: number
-      character(len=name_length) :: name
-      character(kind=c_char, len=32), target :: buffer
-      integer :: k, length, slash
+      character(len=name_length) :: name, what
+      integer :: k, slash
 
+      if (path(:min(9, len(path))) == '/summary/' .and. all(attribute /= [character(len=14) :: &
+         '', 'error_estimate'])) return
       if (present(numbers)) then
          if (size(numbers) /= 1) return
          call c_f_pointer(c_loc(numbers), number)
       end if
       slash = index(path, '/', back=.true.)
       name = path(slash + 1:)
-      select case (path(:slash)//attribute)
+      what = path(:slash)
+      what(min(slash, name_length - 1) + 1:) = attribute   ! `//` would make a copy
+      select case (what)
       case ('/summary/', '/sweep/')
       case ('/summary/error_estimate', '/sweep/error_estimate')
          name = trim(name)//'_error'
@@ -98,9 +101,7 @@ contains
          end if
       end select
       if (present(numbers)) then
-         ! a reader gets the same bits (a `write` takes five times as long)
-         length = c_strfromd(c_loc(buffer), len(buffer, c_size_t), '%.17g'//c_null_char, number)
-         call self%set(name, unit, buffer(:length))
+         call self%set(name, unit, formatted(number, '%.17g'))   ! a reader gets the same bits
       else
          call self%set(name, unit, csv_cell(text))
       end if
