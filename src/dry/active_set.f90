@@ -18,7 +18,7 @@ module active_set
    public :: active_set_t, copy_survey, new_active_set, survey_solution
 
    !> Nodes of one row that are surveyed together.
-   integer, parameter :: block = 32
+   integer, parameter :: block = 64
 
    !> Sums and maxima over the nodes of a row. Sums are kept by rows: their order, and so every bit,
    !> is the same for any number of threads.
@@ -169,19 +169,14 @@ contains
       real(wp), intent(in) :: factor
       real(real32), contiguous, intent(in) :: product(:)
       real(wp), intent(out) :: least
-      real(wp) :: low(2)
-      integer :: i, n
+      integer :: i
 
-      n = size(v)
-      low = v(n) + factor*product(n)
-      do i = 1, n - 1, 2
+      least = huge(1.0_wp)
+      !$omp simd reduction(min:least)
+      do i = 1, size(v)
          v(i) = v(i) + factor*product(i)
-         v(i + 1) = v(i + 1) + factor*product(i + 1)
-         low(1) = merge(v(i), low(1), v(i) < low(1))
-         low(2) = merge(v(i + 1), low(2), v(i + 1) < low(2))
+         least = min(least, v(i))
       end do
-      if (mod(n, 2) == 1) v(n) = v(n) + factor*product(n)
-      least = min(low(1), low(2))
    end subroutine add_and_find_least
 
    !> Adds the nodes from `lower` on to F behind `last`, and to their row.

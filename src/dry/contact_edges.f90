@@ -48,8 +48,9 @@ contains
       subroutine compare(one, other)
          real(wp), intent(in) :: one, other
 
+         if (.not. max(one, other) > 0.0_wp) return
          if (one >= hardness .neqv. other >= hardness) edges(2) = edges(2) + 1
-         if (one > 0.0_wp .eqv. other > 0.0_wp) return
+         if (min(one, other) > 0.0_wp) return
          edges(1) = edges(1) + 1
          share = share + (one - other)**2
       end subroutine compare
@@ -66,8 +67,7 @@ contains
       nodes = 0.0_wp
       do side = -1, 1, 2
          along: do i = 0, n - 1
-            if (.not. pressure(i) > 0.0_wp) cycle along
-            if (pressure(modulo(i + side, n)) > 0.0_wp) cycle along
+            if (.not. pressure(i) > 0.0_wp .or. pressure(modulo(i + side, n)) > 0.0_wp) cycle along
             inner = modulo(i - side, n)
             if (pressure(inner) > pressure(i)) then
                r = min(pressure(i)/pressure(inner), largest_ratio)

@@ -78,7 +78,7 @@ contains
       best = huge(1.0_wp)
       stalled = 0
       associate (p => solution%pressure, report => solution%report)
-         call begin(problem, p, work)
+         call begin(problem, settings, p, work)
          do iteration = 0, settings%max_cycles
             ! the solution seems found, or the updates of v have collected too many rounding errors
             noise = single_noise*work%path/max(problem%height_scale, tiny(1.0_wp))
@@ -121,31 +121,23 @@ contains
          work%back(n), work%is_back(n))
    end subroutine new_work
 
-   !> Computes v = K p - z in single precision, enough while the error is large, and surveys.
-   subroutine begin(problem, p, work)
+   !> Computes v = K p - z and surveys. Single precision is enough for a guess, and for a tolerance
+   !> so small that rounding errors of the updates will have v recomputed.
+   subroutine begin(problem, settings, p, work)
       type(dry_problem_t), intent(inout) :: problem
+      type(dry_settings_t), intent(in) :: settings
       real(wp), contiguous, intent(in) :: p(:)
       type(work_t), intent(inout) :: work
       real(wp) :: scale
-      integer :: i, j, n
 
-      n = 0
-      associate (nx => problem%grid%nx, begin => work%set%begin)
-         do j = 1, problem%grid%ny
-            begin(j) = n + 1
-            row: do i = (j - 1)*nx + 1, j*nx
-               if (p(i) <= 0.0_wp) cycle row
-               n = n + 1
-               work%old_node(n) = i
-               work%q(n) = p(i)
-            end do row
-         end do
-         begin(problem%grid%ny + 1) = n + 1
-         call problem%elastic%single%apply_listed(work%old_node(:n), begin, work%q(:n), scale)
-      end associate
-      work%path = scale*problem%elastic%single%largest()
-      work%v = -problem%height
-      call problem%elastic%single%add_to(scale, work%v)
+      if (settings%is_rough .or. settings%tolerance < single_noise) then
+         scale = maxval(p)
+         call problem%elastic%single%apply(p/scale, work%v)
+         work%path = scale*maxval(abs(work%v))
+         work%v = scale*work%v - problem%height
+      else
+         call problem%find_v(p, work%v)
+      end if
       call work%set%survey(problem, p, work%v)
    end subroutine begin
 

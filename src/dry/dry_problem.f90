@@ -136,7 +136,7 @@ contains
       type(dry_scaling_t) :: scaling
 
       scaling%length = length
-      scaling%height = norm2(z - sum(z)/size(z))/sqrt(real(size(z), wp))
+      scaling%height = sqrt(sum((z - sum(z)/size(z))**2)/size(z))
       scaling%is_flat = scaling%height <= length*epsilon(1.0_wp)
       if (scaling%is_flat) scaling%height = length
       scaling%reduced_modulus = reduced_modulus
@@ -158,7 +158,7 @@ contains
       self%load = 0.0_wp
       self%height = height - sum(height)/size(height)
       self%top = maxval(self%height)
-      self%height_scale = norm2(self%height)/sqrt(real(size(height), wp))
+      self%height_scale = sqrt(sum(self%height**2)/size(height))
       if (self%height_scale <= epsilon(1.0_wp)) self%height_scale = 0.0_wp   ! flat but for rounding
       associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)
          select case (grid%kernel)

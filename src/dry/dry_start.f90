@@ -65,7 +65,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(dry_grid_t) :: grid
       real(wp), allocatable :: height(:)
-      integer :: i, j, jf, nx, share
+      integer :: below, i, j, nx, row, share
 
       grid = problem%grid
       nx = grid%nx
@@ -73,12 +73,13 @@ contains
       if (grid%ny > 1) grid%ny = grid%ny/2
       share = size(problem%height)/(grid%nx*grid%ny)
       allocate (height(grid%nx*grid%ny))
-      do j = 1, grid%ny
-         jf = (j - 1)*(share/2)
+      do j = 0, grid%ny - 1
+         row = (share/2)*nx*j
+         below = row + (share/4)*nx   ! of a line the row itself
          do i = 1, grid%nx
-            height(i + grid%nx*(j - 1)) = sum(problem%height(2*i - 1 + nx*jf:2*i + nx*jf))/share
-            if (share == 4) height(i + grid%nx*(j - 1)) = height(i + grid%nx*(j - 1)) &
-               + sum(problem%height(2*i - 1 + nx*(jf + 1):2*i + nx*(jf + 1)))/share
+            height(i + grid%nx*j) = 0.25_wp*(problem%height(row + 2*i - 1) &
+               + problem%height(row + 2*i) + problem%height(below + 2*i - 1) &
+               + problem%height(below + 2*i))
          end do
       end do
       ! A guess needs no exact element kernel, whose sums cost more than the guess.

@@ -171,7 +171,7 @@ contains
       real(wp), contiguous, intent(in) :: z(:), plastic(:), yielded(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(inout) :: fields
-      real(wp) :: deformation, gap, unloaded
+      real(wp) :: gap
       integer :: i, n
 
       n = size(z)
@@ -181,25 +181,19 @@ contains
             fields%plastic_deformation(n))
       end if
       ! One pass, since these fields do not fit into the cache; the nodes are independent.
-      !$omp parallel do num_threads(problem%grid%threads) private(deformation, gap, unloaded) &
-      !$omp    schedule(static)
+      !$omp parallel do simd num_threads(problem%grid%threads) private(gap) schedule(static)
       do i = 1, n
-         deformation = 0.0_wp
-         if (size(plastic) > 0) deformation = plastic(i)
-         gap = solution%v(i) + deformation - solution%datum
-         fields%gap(i) = scaling%height*merge(gap, 0.0_wp, gap > 0.0_wp &
-            .and. .not. solution%pressure(i) > 0.0_wp)
+         gap = scaling%height*max(solution%v(i) - solution%datum, 0.0_wp)
+         fields%gap(i) = merge(0.0_wp, gap, solution%pressure(i) > 0.0_wp)
          fields%pressure(i) = scaling%pressure*solution%pressure(i)
-         unloaded = z(i)
-         if (size(plastic) > 0) then
-            if (size(yielded) > 0) deformation = deformation + yielded(i)
-            fields%plastic_deformation(i) = scaling%height*deformation
-            unloaded = z(i) - fields%plastic_deformation(i)
-            fields%height_unloaded(i) = unloaded
-         end if
-         fields%height_loaded(i) = unloaded - scaling%height*(solution%v(i) + problem%height(i))
+         fields%height_loaded(i) = z(i) - scaling%height*(solution%v(i) + problem%height(i))
       end do
-      !$omp end parallel do
+      !$omp end parallel do simd
+      if (size(plastic) == 0) return
+      fields%plastic_deformation = scaling%height*plastic
+      if (size(yielded) > 0) fields%plastic_deformation = scaling%height*(plastic + yielded)
+      fields%height_unloaded = z - fields%plastic_deformation
+      fields%height_loaded = fields%height_unloaded - scaling%height*(solution%v + problem%height)
    end subroutine fill_fields
 
    !> Sets the roughness of the surfaces of one load from its fields and from that of the

@@ -92,12 +92,14 @@ contains
       first = 0.0_wp
       do turn = 1, max_returns
          outside = 0.0_wp
-         do k = 1, size(q)
+         nodes: do k = 1, size(q)
             if (turn > 1) q(k) = q(k) + change(k)
+            back(k) = 0.0_wp
+            if (q(k) >= 0.0_wp .and. q(k) <= hardness) cycle nodes
             back(k) = min(max(q(k), 0.0_wp), hardness) - q(k)
-            is_back(k) = is_back(k) .or. abs(back(k)) > 0.0_wp
+            is_back(k) = .true.
             outside = outside + abs(back(k))
-         end do
+         end do nodes
          if (turn == 1) first = outside
          if (.not. outside > worth_a_return*first) exit
          call network%solve(back, change, is_back)

@@ -15,7 +15,7 @@ module hdf5_input
       h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
    use hdf5_library, only: keep_hdf5_failure, start_hdf5
    use hdf5_source, only: hdf5_source_t, look_at, number_class, text_class
-   use kinds, only: wp
+   use kinds, only: exceeds, wp
    use text, only: to_text
    implicit none (type, external)
    private
@@ -345,6 +345,7 @@ contains
       real(wp), intent(inout) :: z(:)
       real(wp) :: factor, marks(2), shift, valid(2)
       integer :: i
+      logical :: has_marks
 
       if (reader%text_of(dataset, '_Unsigned') == 'true') call reader%refuse(dataset, &
          'found _Unsigned = true, expected an unsigned type of HDF5')
@@ -361,7 +362,8 @@ contains
          call reader%refuse('scale_factor', 'found 0, expected a number other than 0')
       end if
       if (allocated(reader%failure)) return
-      do i = 1, size(z)
+      has_marks = any(exceeds(huge(1.0_wp), abs([marks, valid])))
+      do i = 1, merge(size(z), 0, has_marks)
          if (.not. is_missing(z(i), marks, valid)) cycle
          call reader%refuse(dataset, 'node '//to_text(offset(1) + i)//': found '// &
             to_text(z(i), 4)//', the mark of a missing point (_FillValue, missing_value, '// &

@@ -211,6 +211,7 @@ contains
       integer :: i, k
 
       do i = 1, size(z)
+         if (z(i) > self%next(1) .and. -z(i) > self%next(2)) cycle   ! changes nothing
          do k = 1, 2
             value = merge(z(i), -z(i), k == 1)
             if (value < self%lowest(k)) then

@@ -76,8 +76,9 @@ contains
       do j = 1, size(z, 2)
          row = z(:, j)
          call fftw_execute_dft_r2c(plan, row, spectrum)
-         power = power + (spectrum%re**2 + spectrum%im**2)/size(z, 2)
+         power = power + (spectrum%re**2 + spectrum%im**2)
       end do
+      power = power/size(z, 2)
       !$omp critical (planning)
       call fftw_destroy_plan(plan)
       !$omp end critical (planning)

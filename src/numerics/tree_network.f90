@@ -180,11 +180,14 @@ contains
       real(wp), intent(in) :: resistance(0:)
       real(wp), contiguous, intent(in) :: given(:)
       logical, contiguous, intent(in), optional :: is_given(:)
-      integer :: first(levels + 1), level, nodes
+      integer :: first(levels + 1), k, level, nodes
 
       nodes = tree%first(1) - 1
       first = tree%first(1:levels + 1) - nodes
-      tree%seen(:, :first(levels + 1) - 1) = 0.0_wp
+      do k = 1, first(levels + 1) - 1   ! as an array each cell would be a call
+         tree%seen(1, k) = 0.0_wp
+         tree%seen(2, k) = 0.0_wp
+      end do
       if (present(is_given)) then
          call leave_mixed(1.0_wp/resistance(0), given, is_given, tree%place, tree%parent, tree%seen)
       else

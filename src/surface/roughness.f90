@@ -32,7 +32,7 @@ contains
    !> Parameters of the heights `z` (nx*ny), a profile if `is_line`. Parts of a profile differ by at
    !> most one node, the longer ones first.
    pure function roughness_of(z, is_line) result(values)
-      real(wp), intent(in) :: z(:)
+      real(wp), contiguous, intent(in) :: z(:)
       logical, intent(in) :: is_line
       type(roughness_t) :: values
       real(wp) :: highest, lowest, mean, ra, rq, rsk, rku
@@ -42,6 +42,7 @@ contains
       mean = 0.0_wp
       highest = -huge(1.0_wp)
       lowest = huge(1.0_wp)
+      !$omp simd reduction(+:mean) reduction(max:highest) reduction(min:lowest)
       do i = 1, n
          mean = mean + z(i)
          highest = max(highest, z(i))
@@ -50,6 +51,7 @@ contains
       mean = mean/n
       ra = 0.0_wp
       rq = 0.0_wp
+      !$omp simd reduction(+:ra, rq)
       do i = 1, n
          ra = ra + abs(z(i) - mean)
          rq = rq + (z(i) - mean)**2
@@ -59,6 +61,7 @@ contains
       if (values%rq > 0.0_wp) then
          rsk = 0.0_wp
          rku = 0.0_wp
+         !$omp simd reduction(+:rsk, rku)
          do i = 1, n
             rsk = rsk + ((z(i) - mean)/values%rq)**3
             rku = rku + ((z(i) - mean)/values%rq)**4
@@ -154,11 +157,12 @@ contains
       ny = size(z, 2)
       along = 0.0_wp
       across = 0.0_wp
+      in_y = 0.0_wp
       do j = 1, ny
          in_x(:nx - 1) = (z(2:, j) - z(:nx - 1, j))/dx
          in_x(nx) = (z(1, j) - z(nx, j))/dx
-         in_y = 0.0_wp
          if (ny > 1) in_y = (z(:, modulo(j, ny) + 1) - z(:, j))/dy
+         !$omp simd reduction(+:along, across)
          do i = 1, nx
             along = along + in_x(i)**2
             across = across + in_y(i)**2
@@ -190,6 +194,7 @@ contains
                second = 0.5_wp*(second + (after - 2.0_wp*z(:, j) + before)/dy**2)
             end associate
          end if
+         !$omp simd reduction(+:total)
          do i = 1, nx
             total = total + second(i)**2
          end do
