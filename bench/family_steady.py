@@ -63,7 +63,7 @@ def anything(lightest: float, truth: Groups) -> Draw:
 
 
 graded = anything(0.1, {"accuracy": {"target": 3e-4}})
-other = anything(0.5, {"domain": {"grid": "even"}, "solver": {"space_scheme": "kappa"}, "accuracy": {"target": 1e-4}})
+other = anything(0.5, {"domain": {"grid": "even", "intervals": 2**14}, "solver": {"space_scheme": "kappa"}})
 
 
 def contact(source: random.Random, is_eyring: bool, lightest: float, heaviest: float) -> tuple[float, float, Groups]:

@@ -10,9 +10,9 @@
 !> ratio: r(i) = q(i) - q(i+1) is 0 where P > 0. The film follows exactly from P (module
 !> graded_kernel), H = H0 + X^2/2 - Psi - K P, and Int P dX = pi/2.
 !>
-!> Behind X = 0, where ln mu changes by more than 1 in an element, and in two elements on either
-!> side, the scheme is the safe one: a = -h/(2 k), c = 0, and the mean of e at both nodes. A
-!> pressure spike that is not resolved overshoots without it.
+!> Behind X = 0 or where P falls, where ln mu changes by more than 1 in an element, and in two
+!> elements on either side, the scheme is the safe one: a = -h/(2 k), c = 0, and the mean of e at
+!> both nodes. A pressure spike that is not resolved overshoots without it.
 module graded_line
    use features, only: surface_height
    use film_state, only: film_state_t
@@ -30,7 +30,7 @@ module graded_line
    !> Change of ln mu in an element from which the scheme is the safe one, and elements on either
    !> side that are, too.
    real(wp), parameter :: steep = 1.0_wp
-   integer, parameter :: margin = 2
+   integer, parameter, public :: margin = 2
 
    !> Nodes 0..n, elements 1..n, element i in front of node i, and the contact on them.
    type :: graded_grid_t
@@ -120,7 +120,7 @@ contains
       end associate
    end subroutine choose_scheme
 
-   !> Whether ln mu of a pressure (0:n) changes by more than `steep` in the elements behind X = 0.
+   !> Whether ln mu of a pressure (0:n) changes by over `steep`, behind X = 0 or where it falls.
    pure function steep_elements(line, pressure) result(is_steep)
       class(graded_line_t), intent(in) :: line
       real(wp), intent(in) :: pressure(0:)
@@ -128,7 +128,8 @@ contains
       real(wp) :: ln_mu(0:line%n)
 
       call fluid_viscosity(line%fluid, pressure, ln_mu)
-      is_steep = abs(ln_mu(1:) - ln_mu(:line%n - 1)) > steep .and. line%x(1:) > 0.0_wp
+      is_steep = abs(ln_mu(1:) - ln_mu(:line%n - 1)) > steep .and. (line%x(1:) > 0.0_wp &
+         .or. pressure(1:) < pressure(:line%n - 1))
    end function steep_elements
 
    !> Sets the pressure (0:n), the rigid displacement and their film.

@@ -37,6 +37,7 @@ contains
       real(wp), intent(in) :: slide_to_roll
       type(functional_t), intent(out) :: list(functional_count)
       type(friction_t) :: ahead
+      real(wp) :: vertex, unused(0:line%n)
       integer :: i, middle
 
       do i = 1, functional_count
@@ -49,8 +50,11 @@ contains
             list(least_film)%by_film)
          list(middle_film)%value = h(middle)
          list(middle_film)%by_film(middle) = 1.0_wp
-         call find_vertex(x, p, maxloc(p(1:line%n - 1), 1), list(top)%value, &
-            list(top)%by_pressure)
+         i = maxloc(p(1:line%n - 1), 1)   ! the largest node, that lies below the vertex
+         call find_vertex(x, p, i, vertex, unused)
+         list(top)%value = p(i)
+         list(top)%by_pressure(i) = 1.0_wp
+         list(top)%quadrature(i:i + 1) = 0.5_wp*(vertex - p(i))
          list(middle_pressure)%value = p(middle)
          list(middle_pressure)%by_pressure(middle) = 1.0_wp
       end associate

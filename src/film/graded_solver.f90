@@ -9,7 +9,7 @@ module graded_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
    use contact_moment, only: newtonian_film
-   use graded_errors, only: estimate_errors, has_flank, hidden_spike
+   use graded_errors, only: estimate_errors, has_flank, hidden_spike, share_doubt
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
    use graded_nodes, only: first_nodes, monotone_cubic, refined_nodes
@@ -160,13 +160,13 @@ contains
 
       associate (line => solution%line, values => solution%values, bounds => solution%bounds)
          call estimate_errors(line, contact%slide_to_roll, rounds%factors, values, shares)
-         bounds = sum(abs(shares), 1) + 2*abs(sum(shares, 1))
+         bounds = share_doubt*sum(abs(shares), 1) + 2*abs(sum(shares, 1))
          goals = target*abs(values)
          goals(spike) = max(target*values(top), spike_share*(values(top) - values(spike)))
          if (.not. solution%is_limited) call judge_spike(bounds(top) > goals(top), rounds, solution)
          counts = abs(values) > 0.0_wp   ! known
          counts(rolling_power) = .false.   ! a spike holds most of it
-         if (solution%is_limited) counts([top, spike]) = .false.
+         if (solution%is_lost .or. rounds%failures >= max_failures) counts([top, spike]) = .false.
          if (solution%is_limited .and. .not. thins(line%fluid)) counts(sliding) = .false.
          is_marked = hidden_spike(line) .and. .not. solution%is_limited
          rounds%is_done = all(bounds < goals .or. .not. counts) .and. .not. any(is_marked)
@@ -208,8 +208,8 @@ contains
          if (values(spike) > 0.0_wp) bounds(top) = max(bounds(top), values(spike) + bounds(spike) &
             - values(top))
          if (.not. solution%is_limited) return
-         solution%is_lost = solution%is_lost .or. .not. bounds(top) < widest_bar*values(top)
-         if (solution%is_lost) bounds([top, spike]) = not_known()
+         bounds([top, spike]) = merge(bounds([top, spike]), not_known(), bounds(top) &
+            < merge(0.0_wp, widest_bar, solution%is_lost)*values(top))
          if (has_flank(solution%line)) bounds(sliding) = not_known()
       end associate
    end subroutine bound_top
