@@ -13,6 +13,7 @@ film floor, film statistics and reversal of points: 114, 51; targets of points i
 adequacy of points: 298, 57, how sure 33; many harmonics: 1, 6;
 reversal without drained films: 11, 8, 2 words; random cases of points, histories, mixed films, what they found: 48, 119;
 all limits of points, their mixed outcome, the lock before trial runs, bench of their adequacy: 127, 149, how sure 12, bench 17;
+spikes of points: 58, 32, how sure 15;
 a further case in fewer instructions: 83, 1, 12 words, how sure 1)."""
 
 import pathlib

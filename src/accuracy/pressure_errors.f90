@@ -50,6 +50,8 @@ module pressure_errors
    !> c_flow, that of an oil that thins, c_density and its power.
    real(wp), parameter :: flow_growth = 0.15_wp, corner_growth = 0.5_wp, density_growth = 1.1_wp, &
       density_power = 2.0_wp/3.0_wp
+   !> c_flow and c_density of the part that grows: of 14 point contacts on 64 to 1024 intervals.
+   real(wp), parameter :: part_growth(2) = [0.7_wp, 2.2_wp]
    !> A spike below the crest of the contact counts as passing it if this share of its growth would.
    real(wp), parameter :: sure_share = 1.0_wp/3.0_wp
    !> A in units of H_c^(2/3): height of the top node of a spike that a grid does not show.
@@ -78,6 +80,8 @@ module pressure_errors
    !> Sliding friction errs by up to this many times what a spike may add to it; not known if that
    !> exceeds the second share of it.
    real(wp), parameter :: shear_safety = 12.0_wp, largest_shear_growth = 0.02_wp
+   !> The largest share that friction may err by, and be known.
+   real(wp), parameter, public :: largest_doubt = shear_safety*largest_shear_growth
 
 contains
 
@@ -96,7 +100,7 @@ contains
       ceiling = 0.0_wp
       if (law%lambda <= 0.0_wp) return
       if (ieee_is_finite(crests%spike)) then
-         height = final_height(law, crests%spike, crests%spike_film, dx, is_corner)
+         height = final_height(law, crests%spike, crests%spike_film, dx, is_corner, crests%growing)
          crest = 0.0_wp
          if (ieee_is_finite(crests%other)) crest = crests%other
          ceiling = height
@@ -139,21 +143,22 @@ contains
    !> finer than `dx`; `endless` without a bound, 0 if the grid would resolve it. `film`: H at X =
    !> 0.
    !>
-   !> P = P_node sqrt(dX/distance) from the distance dX, that of the top node, to that of the final
-   !> height, and constant closer to the edge:
+   !> P = B + A sqrt(dX/distance), B = 0 of a line, from the distance dX, that of the top node, to
+   !> that of the final height, and constant closer to the edge:
    !>
-   !>     dX/H ( q^2 mu(P_node/q) + 2 Int_q^1 mu(P_node/r) r dr - mu(P_node) ) ,  q = P_node/P_end
+   !>     dX/H ( q^2 mu(B + A/q) + 2 Int_q^1 mu(B + A/r) r dr - mu(P_node) ) ,  q = A/(P_end - B)
    pure function shear_of_spike(law, crests, film, dx) result(growth)
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests
       real(wp), intent(in) :: film, dx
-      real(wp) :: growth, top, gap, height, lengths(2), share
+      real(wp) :: growth, top, gap, height, lengths(2), part, share
       real(wp), dimension(0:parts) :: place, mu, weights
       integer :: i
 
       growth = 0.0_wp
       top = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
       gap = film
+      part = crests%growing
       if (ieee_is_finite(crests%spike)) then
          top = crests%spike
          gap = crests%spike_film
@@ -161,37 +166,47 @@ contains
          lengths = smoothing_lengths(law, min(top, crests%highest), film)
          if (lengths(1) >= dx) return
       end if
-      height = final_height(law, top, gap, dx)
+      height = final_height(law, top, gap, dx, growing=part)
       growth = endless
       if (height >= endless) return
-      share = top/(top + pressure_safety*(height - top))
+      if (part <= 0.0_wp) part = top
+      share = part/(part + pressure_safety*(height - top))
       ! Simpson's rule
       place = [(share + (1 - share)*i/parts, i=0, parts)]
       weights = [1, (merge(4, 2, modulo(i, 2) == 1), i=1, parts - 1), 1]
-      call fluid_viscosity(law%fluid, top/place, mu)
+      call fluid_viscosity(law%fluid, top - part + part/place, mu)
       if (mu(0) > largest_exponent) return
       mu = exp(mu)
       growth = dx/gap*(share**2*mu(0) - mu(parts) + 2*(1 - share)/(3*parts)*sum(weights*mu*place))
    end function shear_of_spike
 
    !> Final height of a spike whose top node on a grid of spacing `dx` has this `pressure` and
-   !> `film`; `endless` if none is found. `is_corner`: its flanks may meet in a corner.
-   pure function final_height(law, pressure, film, dx, is_corner) result(height)
+   !> `film`; `endless` if none is found. `is_corner`: its flanks may meet in a corner; `growing`:
+   !> the part that grows, if not 0.
+   pure function final_height(law, pressure, film, dx, is_corner, growing) result(height)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: pressure, film, dx
       logical, intent(in), optional :: is_corner
-      real(wp) :: height, next, lengths(2), growth
+      real(wp), intent(in), optional :: growing
+      real(wp) :: height, next, growth, part
+      real(wp), dimension(2) :: by_density, by_flow, lengths, tops
       integer :: i
 
       growth = flow_growth
       if (present(is_corner)) growth = merge(corner_growth, flow_growth, is_corner)
+      part = 0.0_wp
+      if (present(growing)) part = growing
       height = pressure
       do i = 1, max_steps
          lengths = smoothing_lengths(law, height, film)/dx
-         next = huge(1.0_wp)
-         if (lengths(1) > tiny(1.0_wp)) next = growth/lengths(1)
-         if (lengths(2) > tiny(1.0_wp)) next = min(next, density_growth/lengths(2)**density_power)
-         next = pressure*sqrt(1.0_wp + next)
+         by_flow = huge(1.0_wp)
+         by_density = huge(1.0_wp)
+         if (lengths(1) > tiny(1.0_wp)) by_flow = [growth, part_growth(1)]/lengths(1)
+         if (lengths(2) > tiny(1.0_wp)) by_density = [density_growth, part_growth(2)] &
+            /lengths(2)**density_power
+         tops = sqrt(1.0_wp + min(by_flow, by_density))
+         next = pressure*tops(1)
+         if (part > 0.0_wp) next = min(next, pressure + part*(tops(2) - 1.0_wp))
          if (next > highest_growth*pressure) exit
          if (next - height <= accuracy*height) then
             height = next

@@ -49,6 +49,8 @@ module line_summary
       !> That maximum if the grid does not resolve its bends: P of its node, and its possible height
       !> between the nodes; 0: resolved; negative: extremes of several times.
       real(wp) :: corner = 0.0_wp, corner_top = 0.0_wp
+      !> Part of the spike that grows on finer grids, A of B + A/sqrt(distance); 0: all of it.
+      real(wp) :: growing = 0.0_wp
    end type crests_t
 
    !> (Of 90 contacts on 64 to 32768 intervals unresolved spikes fell by 0.3 and more, other maxima
@@ -94,15 +96,16 @@ contains
       if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of
 
-   !> The same of a point contact: smallest film, largest pressure and friction of all nodes, the
-   !> others on the middle row.
+   !> The same of a point contact: smallest film, largest pressure and friction of all nodes, maxima
+   !> on the row of the largest pressure, the others on the middle row.
    pure function summary_of_area(state) result(summary)
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
-      integer :: first, last
+      integer :: first, highest, last
 
       first = size(state%x)*(size(state%y)/2) + 1
       last = first + size(state%x) - 1
+      highest = size(state%x)*((maxloc(state%pressure, 1) - 1)/size(state%x))
       associate (h => state%film_thickness, time => state%time)
          summary = summary_of_fields(state%x, state%pressure(first:last), h(first:last), time, &
             state%friction)
@@ -111,7 +114,10 @@ contains
             summary%of(h_min)%value], time)
          summary%of(h_central) = new_quantity(h_central, spread(central_value(state%x, &
             h(first:last)), 1, 2), time)
-         summary%of(p_max) = new_quantity(p_max, spread(maxval(state%pressure), 1, 2), time)
+         summary%crests = crests_of(state%x, state%pressure(highest + 1:highest + size(state%x)), &
+            h(highest + 1:highest + size(state%x)), has_base=.true.)
+         summary%of(p_max) = new_quantity(p_max, [maxval(state%pressure), &
+            larger(maxval(state%pressure), summary%crests%highest)], time)
       end associate
       if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of_area
@@ -139,7 +145,7 @@ contains
          end if
          summary%of(i) = new_quantity(i, values, time)
       end do
-      summary%crests = crests_of(x, total, h)
+      summary%crests = crests_of(x, total, h, has_base=.false.)
       summary%limits = unknown_limits()
       summary%asperity_response = forces%asperity_response
       summary%power = summary%of(sliding_power)%value + summary%of(rolling_power)%value
@@ -192,11 +198,14 @@ contains
          .and. other%crests%spike <= summary%crests%spike) return
       summary%crests%spike = other%crests%spike
       summary%crests%spike_film = other%crests%spike_film
+      summary%crests%growing = other%crests%growing
    end subroutine keep_extremes
 
    !> Maxima of a pressure p with the film h on rising nodes x (nx). A plateau counts once.
-   pure function crests_of(x, p, h) result(crests)
+   !> `has_base`: of a spike only a part grows.
+   pure function crests_of(x, p, h, has_base) result(crests)
       real(wp), intent(in) :: x(:), p(:), h(:)
+      logical, intent(in) :: has_base
       type(crests_t) :: crests
       real(wp) :: top
       integer :: i
@@ -211,6 +220,7 @@ contains
          if (is_last .and. p(min(i + 2, size(p))) < (1.0_wp - spike_drop)*p(i)) then
             crests%spike = p(i)
             crests%spike_film = h(i)
+            if (has_base .and. i > 4) crests%growing = growing_part(p(i - 4:i))
          else
             crests%other = larger(crests%other, top)
          end if
@@ -218,6 +228,16 @@ contains
          is_last = .false.
       end do
    end function crests_of
+
+   !> A of a spike whose flank has the pressures `p`, the last one of its top, if these are B +
+   !> A/sqrt(distance), 5 to 1 spacings from the edge: the larger one of a linear B, by every other
+   !> node, and of a constant one, by the last two.
+   pure real(wp) function growing_part(p) result(part)
+      real(wp), intent(in) :: p(5)
+
+      part = max((p(5) - 2*p(3) + p(1))/(1.0_wp - 2/sqrt(3.0_wp) + 1/sqrt(5.0_wp)), &
+         (p(5) - p(4))/(1.0_wp - sqrt(0.5_wp)))
+   end function growing_part
 
    !> Checks whether the maximum of p on rising nodes x (nx) at node `top` has a corner where P has
    !> not yet fallen by `spike_drop` of its value: it is known to half a spacing, and the height to

@@ -163,12 +163,13 @@ contains
    end subroutine set_point_moment
 
    !> The smooth contact of T = 0, from whose steady state a passage starts: of one at rest, as if
-   !> it moved.
+   !> it moved. Its grids need to hold its own film only.
    pure function start_of(contact) result(start)
       type(point_contact_t), intent(in) :: contact
       type(point_contact_t) :: start
 
       start = contact
+      start%expected_film = start%first_film
       call smoothen_both(start)
       call set_point_moment(start, 0.0_wp)
       associate (speeds => start%moment%speeds)

@@ -4,11 +4,12 @@ module point_errors
    use errors, only: error_t
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
-   use kinds, only: not_known, wp
+   use kinds, only: exceeds, not_known, wp
    use line_contact, only: intervals_for_waves, steady_tolerance, time_settings_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use listener, only: listener_t
+   use lubricant, only: thins
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use point_contact, only: first_intervals, point_contact_t, start_of
@@ -17,6 +18,7 @@ module point_errors
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, summary_of_point
    use point_solver, only: point_run_t, tolerance_of
+   use pressure_errors, only: largest_doubt, shear_of_spike, spike_law_t
    use quantities, only: h_central, h_min, sliding_rows
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -44,7 +46,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: far, near
       type(line_summary_t), allocatable :: coarser(:)
-      real(wp) :: by_spike(size(sliding_rows)), start
+      real(wp) :: by_spike(size(sliding_rows)), dx, growths(2), shares(size(sliding_rows)), start
+      type(spike_law_t) :: law
       logical :: is_known
 
       missing = 'no solution'
@@ -54,11 +57,19 @@ contains
          return
       end if
       if (run%time%is_transient) then
-         ! what a spike may add to friction, as a share that of the smooth steady contact
-         associate (smooth => run%grids(size(run%grids))%of(sliding_rows), &
-            of => summary%of(sliding_rows))
-            summary%of(sliding_rows)%error_grid = smooth%error_grid*abs(of%value) &
-               /max(abs(smooth%value), tiny(1.0_wp))
+         ! what a spike may add to friction, as a share that of the smooth steady contact times how
+         ! much more the spike of the passage grows
+         law = spike_law_t(contact%fluid, contact%lambda)
+         dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
+         associate (smooth => run%grids(size(run%grids)), of => summary%of)
+            shares = smooth%of(sliding_rows)%error_grid/max(abs(smooth%of(sliding_rows)%value), &
+               tiny(1.0_wp))
+            growths = [shear_of_spike(law, summary%crests, of(h_central)%value, dx), &
+               shear_of_spike(law, smooth%crests, smooth%of(h_central)%value, dx)]
+            if (growths(1) > growths(2) .and. .not. thins(contact%fluid)) shares = (shares &
+               + tiny(1.0_wp))/max(growths(2)/growths(1), tiny(1.0_wp))
+            where (exceeds(shares, largest_doubt)) shares = not_known()
+            of(sliding_rows)%error_grid = shares*abs(of(sliding_rows)%value)
          end associate
       else
          summary = run%grids(size(run%grids))
@@ -144,7 +155,7 @@ contains
       if (allocated(run%coarser)) coarser = run%coarser
       if (allocated(run%coarser)) return
       do factor = 2, 4, 2
-         if (contact%domain%intervals/factor < first_intervals(contact, &
+         if (contact%domain%intervals/factor < first_intervals(start_of(contact), &
             contact%domain%intervals)) return
          call run_passage(run, contact, real(factor, wp), listener, last, is_known, error)
          if (allocated(error) .or. .not. is_known) return

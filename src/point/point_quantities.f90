@@ -6,7 +6,7 @@ module point_quantities
    use features, only: surface_height
    use film_shear, only: film_limits
    use grid_errors, only: error_on_grids, orders, safety
-   use kinds, only: exceeds, not_known, pi, wp
+   use kinds, only: exceeds, larger, not_known, pi, wp
    use line_contact, only: finest_wave
    use line_state, only: friction_t, line_state_t, stressed_share, turned, unknown_limits, &
       widen_limits
@@ -14,10 +14,10 @@ module point_quantities
    use lubricant, only: evaluate_stress, fluid_viscosity, limited_stress, wall_stress
    use point_contact, only: point_contact_t
    use point_level, only: point_level_t
-   use pressure_errors, only: allow_for_spike, pressure_safety, shear_doubt, spike_law_t
-   use quantities, only: exit_between_nodes, friction_coefficient, h_min, h_min_node, &
-      quantity_count, quantity_rows, rolling_coefficient, rule_between, rule_crest, &
-      sliding_power, sliding_rows
+   use pressure_errors, only: allow_for_spike, estimate_crest, pressure_safety, shear_doubt, &
+      spike_law_t
+   use quantities, only: exit_between_nodes, friction_coefficient, h_min, h_min_node, p_max, &
+      quantity_count, quantity_rows, rolling_coefficient, rule_between, sliding_power, sliding_rows
    implicit none (type, external)
    private
 
@@ -93,25 +93,28 @@ contains
 
       call fill_point_state(level, contact, 0.0_wp, state)
       summary = summary_of(state)
-      summary%of(sliding_rows)%error_grid = summary%of(sliding_rows)%value*shear_on_middle(level, &
+      summary%of(sliding_rows)%error_grid = summary%of(sliding_rows)%value*shear_on_highest(level, &
          contact, summary)
    end function summary_of_point
 
-   !> Share of the friction on y = 0 that a spike there may add on finer grids; NaN: not known.
-   pure real(wp) function shear_on_middle(level, contact, summary) result(share)
+   !> Share of the friction on the row of the largest pressure that a spike there may add on finer
+   !> grids; NaN: not known.
+   pure real(wp) function shear_on_highest(level, contact, summary) result(share)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
       type(line_summary_t), intent(in) :: summary
       type(line_summary_t) :: line
       type(friction_t) :: forces
+      integer :: row
 
-      call sum_forces(level, contact, spread(level%ny/2, 1, 2), forces)
+      row = maxloc(maxval(level%pressure, 1), 1) - 1
+      call sum_forces(level, contact, [row, row], forces)
       line = summary
       line%of(friction_coefficient)%value = abs(forces%sliding)/level%hy*2/pi
       line%of(sliding_power)%value = forces%sliding/level%hy*forces%sliding_speed
       share = shear_doubt(spike_law_t(contact%fluid, contact%lambda), level%hx, line, &
          friction_coefficient)
-   end function shear_on_middle
+   end function shear_on_highest
 
    !> Forces and the power of flow by the pressure, by the trapezoidal rule over the nodes with
    !> pressure of the first to the last of the `rows`, those on the border with differences to one
@@ -174,14 +177,14 @@ contains
    !> Sets the errors of `summary` from those on half and a quarter of the intervals and so on,
    !> `coarser`, from the residual, and from `near` and `far`, the domain and a longer one on the
    !> same coarse grid; without coarser grids they are not known. A spike may add to pressure and
-   !> friction what it does to those of a line contact on y = 0.
+   !> friction what it does to those of a line contact on the row of the largest pressure.
    pure subroutine estimate_point_errors(summary, contact, coarser, residual, near, far)
       type(line_summary_t), intent(inout) :: summary
       type(point_contact_t), intent(in) :: contact
       type(line_summary_t), intent(in) :: coarser(:)
       real(wp), intent(in) :: residual
       type(line_summary_t), intent(in), optional :: near, far
-      real(wp) :: both(2), spike, values(4)
+      real(wp) :: both(2), change, spike, values(4)
       integer :: i, k
 
       do i = 1, quantity_count
@@ -193,7 +196,7 @@ contains
             end do
             ! with the edge of the cavity forces may err to first order
             both = error_on_grids(values, merge(orders, orders(1), all(i /= forces)), lasts=.true.)
-            if (quantity_rows(i)%rule == rule_crest) both(1) = pressure_safety/safety*both(1)
+            if (i == p_max) both(1) = pressure_safety/safety*both(1)
             spike = 0.0_wp
             if (any(i == sliding_rows)) spike = of%error_grid
             of%error_grid = quantity_rows(i)%widening*both(1) + abs(of%value - of%between)
@@ -201,7 +204,15 @@ contains
                - summary%of(h_min_node)%value)
             if (.not. exceeds(of%error_grid - abs(spike), 0.0_wp)) of%error_grid = abs(spike)
             if (quantity_rows(i)%rule /= rule_between) of%extrapolated = both(2)
+            if (i == p_max .and. size(coarser) > 1) call estimate_crest(values(:3), [of%value, &
+               coarser(:2)%of(i)%value], of)
          end associate
+      end do
+      ! A of P = B + A/sqrt(dX) by the last rise, or by half of the one before
+      do k = 1, min(size(coarser), 2)
+         change = summary%crests%spike - coarser(1)%crests%spike
+         if (k == 2) change = 0.5_wp*(coarser(1)%crests%spike - coarser(2)%crests%spike)
+         summary%crests%growing = larger(summary%crests%growing, change/(1 - sqrt(0.5_wp)))
       end do
       call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), (contact%domain%x_outlet &
          - contact%domain%x_inlet)/contact%domain%intervals, summary)
