@@ -30,11 +30,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 50_329,
-    "how sure": 6_662,
-    "tests": 37_590,
+    "sources": 50_461,
+    "how sure": 6_678,
+    "tests": 37_623,
     "bench": 5_683,
-    "words of pages": 44_980,
+    "words of pages": 44_982,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,

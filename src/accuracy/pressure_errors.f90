@@ -50,7 +50,7 @@ module pressure_errors
    !> c_flow, that of an oil that thins, c_density and its power.
    real(wp), parameter :: flow_growth = 0.15_wp, corner_growth = 0.5_wp, density_growth = 1.1_wp, &
       density_power = 2.0_wp/3.0_wp
-   !> c_flow and c_density of the part that grows: of 14 point contacts on 64 to 1024 intervals.
+   !> c_flow and c_density of the part that grows: of 19 point contacts on 64 to 1024 intervals.
    real(wp), parameter :: part_growth(2) = [0.7_wp, 2.2_wp]
    !> A spike below the crest of the contact counts as passing it if this share of its growth would.
    real(wp), parameter :: sure_share = 1.0_wp/3.0_wp
