@@ -119,7 +119,7 @@ def test_what_does_not_converge_is_a_result_with_a_warning():
         result = asperity.run(MINIMAL.read_text(encoding="utf-8").replace("speed_2", "roughness_1 = 1e-6\nspeed_2"))
     assert (result.converged, result.outcome) == (True, "outside the model: mixed")
     assert f"<asperity.Result ehl_line, {result.reason}>" in repr(result)
-    assert "  lambda_ratio          0.4914 +- 0.009" in repr(result)
+    assert "  lambda_ratio          0.4914 +- 0.018" in repr(result)
 
 
 def test_files_of_heights_are_found_from_the_current_folder(tmp_path):

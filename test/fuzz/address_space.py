@@ -85,7 +85,7 @@ def oil(source: random.Random) -> str:
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    draw = source.choice([lambda: dry(source, folder), lambda: oil(source), lambda: valid_cases.lubricated(source)])
+    draw = source.choice([lambda: dry(source, folder), lambda: oil(source), lambda: valid_cases.lubricated(source, folder)])
     valid_cases.write_valid(program, folder, draw)
     kinds = source.choice([["address space"], ["address space"], ["data"], ["address space", "data"]])
     limits = {LIMITS[kind]: int(source.uniform(60, 400) * MEGABYTE) for kind in kinds}
