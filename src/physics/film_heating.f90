@@ -146,13 +146,22 @@ contains
 
    !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
    !> mean shear `stress` [p_h b/R] in the `film` [b^2/R], at rising nodes `x` [b], each (nx), or of
-   !> a point contact (nx ny), where heat spreads into the depth alone: each row is a band.
-   pure real(wp) function largest_rise(heating, x, stress, film) result(rise)
+   !> a point contact (nx ny), where heat spreads into the depth alone: each row is a band. Speeds
+   !> of a negative sum take the heat to the left.
+   pure recursive real(wp) function largest_rise(heating, x, stress, film) result(rise)
       type(heating_t), intent(in) :: heating
       real(wp), intent(in), contiguous :: x(:), stress(:), film(:)
+      type(heating_t) :: turned
       real(wp) :: heat(size(stress))
       integer :: first, last
 
+      if (sum(heating%speeds) < 0.0_wp) then
+         turned = heating
+         turned%speeds = -heating%speeds
+         rise = largest_rise(turned, -x(size(x):1:-1), stress(size(stress):1:-1), &
+            film(size(film):1:-1))
+         return
+      end if
       rise = 0.0_wp
       associate (speeds => heating%speeds)
          if (.not. abs(speeds(2) - speeds(1)) > 0.0_wp) return
