@@ -340,22 +340,16 @@ contains
       !> Of one surface.
       pure real(wp) function mean_square(surface)
          type(rough_surface_t), intent(in) :: surface
+         real(wp), allocatable :: z(:)
 
          mean_square = 0.0_wp
          if (allocated(surface%features)) mean_square = 0.5_wp*sum(surface%features%amplitude**2 &
             *merge(0.5_wp, 1.0_wp, surface%features%wavelength_y > 0.0_wp), &
             surface%features%kind == feature_sinusoid)
          if (.not. allocated(surface%profile)) return
-         if (allocated(surface%profile%rows)) then
-            associate (z => surface%profile%rows)
-               mean_square = mean_square + sum((z - sum(z)/size(z))**2)/size(z)
-            end associate
-            return
-         end if
-         if (.not. allocated(surface%profile%heights)) return
-         associate (z => surface%profile%heights)
-            mean_square = mean_square + sum((z - sum(z)/size(z))**2)/size(z)
-         end associate
+         if (allocated(surface%profile%heights)) z = surface%profile%heights
+         if (allocated(surface%profile%rows)) z = [surface%profile%rows]
+         if (allocated(z)) mean_square = mean_square + sum((z - sum(z)/size(z))**2)/size(z)
       end function mean_square
 
    end function composite_rms

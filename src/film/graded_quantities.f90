@@ -37,7 +37,7 @@ contains
       real(wp), intent(in) :: slide_to_roll
       type(functional_t), intent(out) :: list(functional_count)
       type(friction_t) :: ahead
-      real(wp) :: vertex, unused(0:line%n)
+      real(wp) :: vertex
       integer :: i, middle
 
       do i = 1, functional_count
@@ -51,9 +51,9 @@ contains
          list(middle_film)%value = h(middle)
          list(middle_film)%by_film(middle) = 1.0_wp
          i = maxloc(p(1:line%n - 1), 1)   ! the largest node, that lies below the vertex
-         call find_vertex(x, p, i, vertex, unused)
+         call find_vertex(x, p, i, vertex, list(top)%by_pressure)
          list(top)%value = p(i)
-         list(top)%by_pressure(i) = 1.0_wp
+         list(top)%by_pressure(i - 1:i + 1) = [0.0_wp, 1.0_wp, 0.0_wp]
          list(top)%quadrature(i:i + 1) = 0.5_wp*(vertex - p(i))
          list(middle_pressure)%value = p(middle)
          list(middle_pressure)%by_pressure(middle) = 1.0_wp

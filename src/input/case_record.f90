@@ -151,19 +151,15 @@ contains
    pure function case_identity(case) result(lines)
       type(case_t), intent(in) :: case
       character(:), allocatable :: lines
-      character(len=48) :: head
-      integer :: i, n
+      integer :: i
 
       lines = '&case problem = '//trim(case%problem)
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (entry%group == 'case' .or. any(entry%key == [character(len=24) :: &
+            if (entry%group == 'case' .or. any(entry%key == [character(len=19) :: &
                'checkpoint_interval', 'adequacy', 'si_copies', 'xdmf'])) cycle
-            head = new_line('a')//'&'//entry%group
-            n = len_trim(head) + 2
-            head(n:) = entry%key
-            n = len_trim(head)
-            lines = lines//head(:n)//' = '//effective_text(entry)
+            lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
+               //' = '//effective_text(entry)
          end associate
       end do
    end function case_identity
@@ -236,7 +232,6 @@ contains
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
       logical :: is_of_use
-      character(len=len(key_rows%default)), parameter :: chosen = is_chosen   ! no call compares it
       integer :: asked, i
 
       asked = 1
@@ -244,7 +239,7 @@ contains
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
             if (.not. slot%has_value) then
-               if (row%default /= chosen .or. row%key == 'output') cycle
+               if (row%default /= is_chosen .or. row%key == 'output') cycle
             end if
             if (.not. has_word(row%problems, trim(values%problem))) cycle
             ! a rule takes long, and rows of one group often have the same

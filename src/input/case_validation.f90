@@ -162,13 +162,12 @@ contains
    pure function even_reason(values) result(reason)
       type(input_values_t), intent(in) :: values
       character(:), allocatable :: reason
-      character(len=len(key_rows%group)), parameter :: solver = 'solver'   ! no call compares it
       integer :: i
 
       reason = ''
       do i = 1, size(key_rows)
          associate (row => key_rows(i))
-            if (row%group /= solver .or. index(row%key, 'film') > 0 .or. .not. &
+            if (row%group /= 'solver' .or. index(row%key, 'film') > 0 .or. .not. &
                has_word(row%problems, lubricated)) cycle
             if (.not. values%is_given('solver', trim(row%key))) cycle
             if (row%kind == word_kind) then
