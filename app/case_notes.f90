@@ -3,8 +3,7 @@
 module case_notes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
-   use domain_choice, only: find_finest_moment, inlet_error
-   use inlet_errors, only: domain_error
+   use domain_choice, only: find_finest_moment
    use iteration_report, only: report_t
    use kinds, only: exceeds, wp
    use line_contact, only: rough_contact_t
@@ -17,8 +16,8 @@ module case_notes
    implicit none (type, external)
    private
 
-   public :: add_note, note_coarse_waves, note_measured_error, note_missed_target, &
-      note_missed_error, note_target, note_unusual, time_text, unusual_text
+   public :: add_note, note_coarse_waves, note_measured_error, note_missed_error, &
+      note_target, note_unusual, time_text, unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -107,31 +106,6 @@ contains
       end associate
    end subroutine note_coarse_waves
 
-   !> Adds to `note` where the coarser runs of a transient do not predict its wanted accuracy.
-   subroutine note_missed_target(case, listener, note)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-      character(:), allocatable, intent(inout) :: note
-      character(:), allocatable :: words
-      real(wp) :: predicted
-
-      if (.not. (case%solver%target > 0.0_wp .and. case%time%is_transient) &
-         .or. allocated(case%duty)) return   ! with a duty its own error bars tell
-      words = 'no error of h_min is predicted: trial runs on coarser grids found no solution'
-      associate (forecast => listener%writer%bars%forecast)
-         if (forecast%is_known) then
-            predicted = forecast%error(h_min)/forecast%trial(h_min)
-            if (.not. case%domain%has_inlet) predicted = predicted &
-               + domain_error(inlet_error(case%contact))
-            if (predicted <= (1.0_wp + rounding)*case%solver%target) return
-            words = 'the target accuracy is beyond the finest trial run: of h_min a relative '// &
-               'error of '//to_text(predicted, 2)// &
-               ' is predicted, '//to_text(case%solver%target, 2)//' is the target'
-         end if
-      end associate
-      call add_note(case, listener, words, note)
-   end subroutine note_missed_target
-
    !> Adds to the notes of the `report` where the coarse runs of a transient show an error of h_min
    !> above the wanted one. On a given inlet the target is that of grid and time step alone.
    subroutine note_measured_error(case, listener, state, report)
@@ -142,8 +116,8 @@ contains
       type(line_summary_t) :: summary
       real(wp) :: measured
 
-      if (.not. report%converged .or. .not. (listener%writer%bars%apart%is_known .or. &
-         (allocated(case%duty) .and. case%solver%target > 0.0_wp))) return
+      if (.not. all([report%converged, case%time%is_transient, case%solver%wants_coarse_runs, &
+         case%solver%target > 0.0_wp])) return
       summary = listener%writer%quantities_at_end(state, report)
       associate (film => summary%of(h_min))
          measured = film%error_estimate

@@ -1,13 +1,12 @@
 !> Coarse runs of a case, made at the same time on another thread or after it, and what a solved
-!> case is compared with: itself on coarser grids; coarse runs that measure whether a grid that
-!> trial runs chose is as good as predicted; a farther inlet, the thesis's scheme, and a farther
-!> outlet where the outlet cuts the film off.
+!> case is compared with: itself on coarser grids; a farther inlet, the thesis's scheme, and a
+!> farther outlet where the outlet cuts the film off.
 module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: add_note, note_measured_error, note_missed_error
+   use case_notes, only: add_note
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
-      run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
+      copy_side_runs, run_farther, run_longer, run_other_scheme
    use domain_choice, only: choose_domain, cut_asperities
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
@@ -26,7 +25,7 @@ module grid_comparison
    implicit none (type, external)
    private
 
-   public :: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
+   public :: check_ends, compare_grids, solve_with_coarse_runs
 
    !> Relative change of the quantities by the outlet above which a note is given.
    real(wp), parameter :: largest_change = 1.0e-3_wp
@@ -67,30 +66,6 @@ contains
       listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
-
-   !> Whether a solution is as good as wanted: by coarse runs where trials chose its grid and
-   !> time step.
-   subroutine check_forecast(case, listener, state, report, seconds, error)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(inout) :: report
-      real(wp), intent(inout) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: start
-
-      call note_missed_error(case, listener, state, report)
-      if (.not. (case%solver%wants_coarse_runs .and. report%converged)) return
-      if (listener%writer%bars%forecast%is_known) then
-         start = wall_seconds()
-         call run_apart(listener%writer%bars, new_experiment(case%contact, case%solver, &
-            case%time), listener, error)
-         if (allocated(error)) return
-         seconds = seconds + wall_seconds() - start
-         report%converged = .not. listener%is_stopping
-      end if
-      call note_measured_error(case, listener, state, report)
-   end subroutine check_forecast
 
    !> Both ends of the domain of the solved contact, for its error bars. A note where one cuts off
    !> asperities, or the outlet the film, unless that is known to change the quantities a little.

@@ -1,14 +1,14 @@
 !> The solution of a lubricated case, with the coarse runs that measure its errors, and what the
 !> program has chosen in place of the user, for the list of effective values of its result.
 module line_solution
-   use case_notes, only: add_note, hour, note_coarse_waves, note_missed_target, note_unusual, &
-      time_text
+   use case_notes, only: add_note, hour, note_coarse_waves, note_measured_error, &
+      note_missed_error, note_unusual, time_text
    use case_record, only: case_t, list_passage, set_effective
    use coarse_runs, only: side_runs_t
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
    use film_heating, only: friction_doubt
-   use grid_comparison, only: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
+   use grid_comparison, only: check_ends, compare_grids, solve_with_coarse_runs
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
@@ -41,8 +41,7 @@ contains
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
-      listener%has_coarse_runs = case%solver%wants_coarse_runs .and. (allocated(case%duty) &
-         .or. .not. (case%time%is_transient .and. case%solver%target > 0.0_wp))
+      listener%has_coarse_runs = case%solver%wants_coarse_runs
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
@@ -61,7 +60,6 @@ contains
       call note_unusual(case, note)
       call add_note(case, listener, case%note, note)
       call note_coarse_waves(case, case%contact, listener, note)
-      call note_missed_target(case, listener, note)
       call add_note(case, listener, passage_note(case%contact, &
          listener%writer%run%passage%times), note)
       listener%writer%run%intervals = case%contact%domain%intervals
@@ -82,8 +80,8 @@ contains
       end if
       call check_ends(case, listener, report, error)
       if (allocated(error)) return
-      call check_forecast(case, listener, state, report, seconds, &
-         error)   ! error: the caller looks
+      call note_missed_error(case, listener, state, report)
+      call note_measured_error(case, listener, state, report)
       call fill_chosen(case, report, listener%writer%run%passage%times)
       call fill_numbers(case, report, listener%writer%choice)
       call complete_report(listener, seconds, report)
@@ -93,7 +91,6 @@ contains
    subroutine restore_resolution(case, listener)
       type(case_t), intent(inout) :: case
       type(run_observer_t), intent(inout) :: listener
-      type(error_bars_t) :: bars
 
       case%time%time_step = listener%writer%run%time_step
       associate (times => listener%writer%run%passage%times)
@@ -101,12 +98,6 @@ contains
             times = times%lengthened()
          end do
       end associate
-      if (case%solver%target > 0.0_wp) then   ! as before trial runs chose the rest
-         bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
-         bars%unseen = ''
-         bars%forecast = listener%writer%bars%forecast
-         listener%writer%bars = bars
-      end if
       if (listener%writer%run%intervals > 0) case%contact%domain%intervals = &
          listener%writer%run%intervals
       case%solver%space_scheme = listener%writer%run%space_scheme
@@ -135,13 +126,11 @@ contains
       type(run_observer_t), intent(inout) :: listener
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
-      type(error_bars_t) :: bars
       real(wp) :: start
 
       start = wall_seconds()
-      call choose_resolution(bars, case%contact, case%solver, case%time, listener, &
+      call choose_resolution(case%contact, case%solver, case%time, listener, &
          error)   ! error: the caller looks
-      listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine choose_grid
 

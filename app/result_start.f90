@@ -120,7 +120,6 @@ contains
       listener%output_seconds = checkpoint%march%report%cost%phase_seconds(phase_output)
       call listener%writer%name%expect_interruption(checkpoint%march%step)
       listener%writer%run = checkpoint%run_record_t
-      listener%writer%bars%forecast = checkpoint%forecast
       if (allocated(checkpoint%momentum)) listener%follower%earlier = checkpoint%momentum
       call listener%log%say(case%file//': continues after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')

@@ -2,7 +2,6 @@
 module bench_measure
    use case_input, only: read_case
    use case_record, only: case_t
-   use error_bars, only: error_bars_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
@@ -121,7 +120,6 @@ contains
       type(report_t) :: report
       type(time_settings_t) :: time
       type(solver_settings_t) :: settings
-      type(error_bars_t) :: bars
       real(wp) :: start
 
       contact = outcome%contact
@@ -135,7 +133,7 @@ contains
       settings = case%solver
       settings%wants_coarse_runs = job%has_bars
       if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_resolution(bars, contact, settings, time, listener, error)
+         call choose_resolution(contact, settings, time, listener, error)
          if (allocated(error)) return
       end if
       call solve_ehl_line(contact, settings, time, listener, state, report, error)

@@ -304,7 +304,7 @@ def pressure_in_time(source: random.Random, i: int) -> Member:
 
 
 def target_in_time(source: random.Random, i: int) -> Member:
-    """Grid, step and scheme in space chosen by trial runs, and the error bars that they predict; the target is not judged."""
+    """Grid and step chosen by trial runs, and the error bars of the result; the target is not judged."""
     kind = KINDS[i % len(KINDS)]
     slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
     load, oil = 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))

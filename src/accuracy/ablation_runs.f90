@@ -12,7 +12,7 @@ module ablation_runs
    use errors, only: error_t
    use film_temperature, only: solve_warm
    use kinds, only: exceeds, not_known, quotient, wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: finest_wave, line_contact_t
    use line_hierarchy, only: coarsest_for_film, new_level_of, roughness_at
    use line_level, only: line_level_t, set_film, set_plain_problem
    use line_state, only: line_state_t
@@ -28,8 +28,8 @@ module ablation_runs
    implicit none (type, external)
    private
 
-   public :: change_between, doubt_between, largest_change, lean_level_t, measure_at_rest, &
-      place_film, pose, pressure_on, set_change, set_change_by_one, solve_level_of
+   public :: change_between, doubt_between, largest_change, lean_level_t, measure_at_rest, pose, &
+      set_change, set_change_by_one
 
    !> Error of a change: this many times its difference from the coarser grid, a share of the
    !> change, a share of the largest change of a film, and at least the error of the iteration.
@@ -49,6 +49,8 @@ module ablation_runs
    !> Intervals of the finer of the two grids: at most the first where the budget allows, at least
    !> the second.
    integer, parameter :: most_intervals = 256, least_intervals = 64
+   !> Fewest nodes of the coarser grid in the finest wave.
+   real(wp), parameter, public :: least_nodes = 4.0_wp
 
    !> Tolerance on the last step of P, H0 and (ten times that) H; the remaining error is about its
    !> square.
@@ -248,7 +250,7 @@ contains
    end function change_between
 
    !> The finer and the coarser of two grids of n/2^k intervals on which this many solutions fit
-   !> into the budget; 0: none that carry the film.
+   !> into the budget; 0: none that carry the film and see every wave.
    pure function grids_for(contact, n, solutions, budget) result(grids)
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: n, solutions
@@ -256,7 +258,7 @@ contains
       integer :: grids(2), finer, least
 
       grids = 0
-      least = max(least_intervals, 2*coarsest_for_film(contact))
+      least = max(least_intervals, 2*coarsest_for_film(contact), intervals_in_waves(contact))
       finer = n
       do while (modulo(finer, 2) == 0 .and. finer/2 >= least .and. (finer > most_intervals &
          .or. 1.5_wp*finer*usual_steps*(solutions + 1) > budget))
@@ -264,6 +266,14 @@ contains
       end do
       if (modulo(finer, 2) == 0 .and. 1.5_wp*finer*usual_steps*2 <= budget) grids = [finer, finer/2]
    end function grids_for
+
+   !> Intervals from which half of them resolve every wave of the surfaces; 1 if they are smooth.
+   pure integer function intervals_in_waves(contact) result(intervals)
+      type(line_contact_t), intent(in) :: contact
+
+      intervals = ceiling(min(2*least_nodes*(contact%domain%x_outlet - contact%domain%x_inlet) &
+         /finest_wave(contact), 1.0e9_wp))
+   end function intervals_in_waves
 
    !> Poses `contact`, on a complete domain, on `intervals` with its surfaces at time 0, and solves
    !> it from `start` (0:intervals) by upwind2, in at most `work` nodes times Newton steps.
@@ -277,7 +287,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       self%contact = contact
-      call pose(self, contact, intervals, 0.0_wp, error)
+      call pose(self, contact, intervals, error)
       if (allocated(error)) return
       associate (state => self%level%state)
          state%pressure = start%pressure
@@ -312,19 +322,18 @@ contains
       self%level%state = thesis
    end subroutine add_kappa
 
-   !> The steady problem on one grid with the surfaces at `time`.
-   subroutine pose(self, contact, intervals, time, error)
+   !> The steady problem on one grid with the surfaces at time 0.
+   subroutine pose(self, contact, intervals, error)
       type(lean_level_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: intervals
-      real(wp), intent(in) :: time
       type(error_t), allocatable, intent(out) :: error
 
       allocate (semiseparable_jacobian_t :: self%newton%linear)
       associate (level => self%level)
          call new_level_of(contact, intervals, level, error)
          if (allocated(error)) return
-         call set_plain_problem(level, roughness_at(contact, level, time))
+         call set_plain_problem(level, roughness_at(contact, level, 0.0_wp))
       end associate
    end subroutine pose
 

@@ -10,11 +10,10 @@ module coarse_runs
    use listener, only: listener_t
    use quantities, only: x_cavitation
    use line_contact, only: max_chosen
-   use grid_errors, only: predicted_values, orders_in_time
    implicit none (type, external)
    private
 
-   public :: copy_side_runs, make_coarse_runs, make_side_runs, new_side_runs, run_apart, &
+   public :: copy_side_runs, make_coarse_runs, make_side_runs, new_side_runs, &
       run_farther, run_longer, run_other_scheme, side_runs_t
 
    !> Up to this loss of film the inlet rule gives the error; beyond, the change is measured.
@@ -125,40 +124,6 @@ contains
          end associate
       end do
    end subroutine copy_side_runs
-
-   !> Runs a transient of chosen resolution with twice the spacing and with twice the time step,
-   !> separately: both errors often cancel. If either finds no solution, neither is used.
-   subroutine run_apart(bars, experiment, listener, error)
-      type(error_bars_t), intent(inout) :: bars
-      type(experiment_t), intent(in) :: experiment
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(experiment_t) :: coarse, slow
-      type(outcome_t) :: outcome
-      real(wp) :: orders(3)
-      integer :: steps, slow_steps
-
-      steps = nint(experiment%time%end_time/experiment%time%time_step)
-      slow_steps = (steps + 1)/2
-      if (steps < 2) return
-      coarse = coarser(experiment, 2)
-      coarse%time = experiment%time
-      slow = experiment
-      slow%time%time_step = experiment%time%end_time/slow_steps
-      associate (apart => bars%apart)
-         call run_experiment(coarse, listener, outcome, error)
-         if (allocated(error) .or. .not. outcome%is_known) return
-         apart%half = outcome%summary
-         apart%coarse = predicted_values(apart%half)
-         call run_experiment(slow, listener, outcome, error)
-         if (allocated(error) .or. .not. outcome%is_known) return
-         apart%is_known = .true.
-         apart%slow = predicted_values(outcome%summary)
-         apart%step_ratio = real(steps, wp)/slow_steps
-         orders = orders_in_time(experiment%time%scheme)
-         apart%time_order = orders(2)
-      end associate
-   end subroutine run_apart
 
    !> Runs the case at the spacing of n/2 intervals on a domain lengthened behind the outlet, to
    !> measure what the outlet cuts off: twice the length; in steady contacts up to eight times,

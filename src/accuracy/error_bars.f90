@@ -8,8 +8,8 @@
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
-   use grid_errors, only: apart_t, apply_forecast, error_by_reference, error_from_levels, &
-      error_in_time, error_on_grids, forecast_t, kappa_share, limit_in_time, orders, safety
+   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, &
+      error_on_grids, kappa_share, limit_in_time, orders, safety
    use inlet_errors, only: inlet_change_t, inlet_shares
    use iteration_report, only: report_t
    use kinds, only: exceeds, larger, not_known, wp
@@ -60,10 +60,6 @@ module error_bars
       type(line_summary_t) :: cut, longer
       !> Measured influence of the inlet; replaces the inlet rule.
       type(inlet_change_t) :: inlet
-      !> Transients of chosen resolution: predictions of trial runs, and coarse runs with twice the
-      !> spacing and with twice the time step.
-      type(forecast_t) :: forecast
-      type(apart_t) :: apart
       !> Bound on the relative change of each quantity by what was left out of the model; NaN: not
       !> known.
       real(wp) :: left_out(quantity_count) = 0.0_wp
@@ -115,10 +111,7 @@ contains
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
 
-      if (bars%forecast%is_known) then
-         call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, summary)
-         call allow_for_spike(bars%spike_law, dx, summary)
-      else if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
+      if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars%coarse_values_t, is_transient, dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       end if
@@ -127,13 +120,12 @@ contains
       summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
    end subroutine estimate_on_even
 
-   !> Whether the surfaces have waves that coarse runs do not resolve; a prediction resolves them.
+   !> Whether the surfaces have waves that coarse runs do not resolve.
    pure logical function has_unseen_waves(bars)
       type(error_bars_t), intent(in) :: bars
 
       has_unseen_waves = .false.
-      if (allocated(bars%unseen)) has_unseen_waves = len(bars%unseen) > 0 &
-         .and. .not. bars%forecast%is_known
+      if (allocated(bars%unseen)) has_unseen_waves = len(bars%unseen) > 0
    end function has_unseen_waves
 
    !> Largest relative error by the outlet among the quantities of the closing table: 0 if it cuts
@@ -191,7 +183,7 @@ contains
          reason = 'the outlet cuts the film off'
       else if (len(lost) > 0) then
          reason = lost
-      else if (bars%grids > 1 .or. bars%forecast%is_known) then
+      else if (bars%grids > 1) then
          reason = 'a pressure spike that this grid does not resolve may pass the largest '// &
             'pressure on finer grids, or grow '// &
             'without a limit'

@@ -20,7 +20,7 @@ module measured_adequacy
    use errors, only: error_t
    use experiment, only: experiment_t, outcome_t, run_experiment
    use graded_contact, only: even_state
-   use kinds, only: quotient, wp
+   use kinds, only: wp
    use line_contact, only: domain_t, line_contact_t, without_surfaces
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
@@ -29,7 +29,6 @@ module measured_adequacy
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
    use quantities, only: quantity_count
-   use grid_errors, only: time_errors
    implicit none (type, external)
    private
 
@@ -167,7 +166,6 @@ contains
       coarse = pair_of(solved, 2)
       call measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
-      coarse%smooth(1) = fine%smooth(2)
       rough = new_influence('', '')
       i = findloc(list%kind, roughness, 1)
       if (i > 0) rough = adequacy%rows(i)
@@ -251,17 +249,12 @@ contains
       if (factor == 1) then
          pair = new_pair(solved%experiment, [1, 2], own_widths)
          pair%full = [solved%full, solved%bars%coarser(1)]
-         if (solved%bars%apart%is_known) then
-            pair%full(2) = solved%bars%apart%half   ! by the scheme of the run
-         else if (solved%bars%is_first_order) then
-            pair%full(1) = solved%bars%second_order
-         end if
+         if (solved%bars%is_first_order) pair%full(1) = solved%bars%second_order
       else
          pair = new_pair(solved%experiment, [2, 4], coarse_widths)
          pair%full = solved%bars%coarser(:2)
       end if
-      pair%is_known = solved%bars%grids >= factor .or. (factor == 1 &
-         .and. solved%bars%apart%is_known)
+      pair%is_known = solved%bars%grids >= factor
       if (allocated(solved%bars%unseen)) pair%is_known = pair%is_known &
          .and. solved%bars%unseen == ''
    end function pair_of
@@ -281,11 +274,7 @@ contains
 
       row%is_numerical = .true.
       is_first_order = solved%experiment%time%scheme == 'backward_euler'
-      if (solved%bars%forecast%is_known .and. solved%bars%apart%is_known) then
-         row%change = quotient(time_errors(solved%bars%apart, solved%full), &
-            abs(solved%full%of%value))
-         row%error = 0.0_wp*row%change
-      else if (.not. coarse%is_known .or. (is_first_order .and. solved%bars%grids < 2)) then
+      if (.not. coarse%is_known .or. (is_first_order .and. solved%bars%grids < 2)) then
          row%unknown = 'there is no error estimate, or a coarse grid does not see all waves'
       else if (is_first_order) then
          call set_step_error(solved%bars%second_order, solved%full, by_scheme, row)

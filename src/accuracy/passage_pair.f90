@@ -1,21 +1,16 @@
 !> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
-   use ablation_runs, only: change_between, doubt_between, lean_level_t, place_film, pose, &
-      pressure_on, set_change, solve_level_of
-   use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze
+   use ablation_runs, only: change_between, doubt_between, least_nodes, set_change
+   use ablations, only: contact_without, ingredient_t, roughness, squeeze
    use adequacy, only: influence_t
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
    use kinds, only: wp
-   use state_output, only: level_summary
-   use line_contact, only: finest_wave, line_contact_t, move_profiles, solver_settings_t, &
-      time_settings_t, without_surfaces
-   use line_hierarchy, only: coarsest_for_film, roughness_at
+   use line_contact, only: finest_wave, solver_settings_t, time_settings_t, without_surfaces
+   use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
-   use film_state, only: film_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times, passage_times_t
    use pressure_errors, only: doubt_spike
    use quantities, only: quantity_count
@@ -34,11 +29,6 @@ module passage_pair
    !> Newton steps from one position of the waves to the next, and the fewest positions while the
    !> finest wave moves by its own length.
    real(wp), parameter :: steps_to_next = 5.0_wp, least_places = 3.0_wp
-   !> The pressure of the waves is carried along if they move farther than this share of the finest
-   !> wave, and else left in place: near a spike not all of it moves.
-   real(wp), parameter :: far_share = 0.2_wp
-   !> Fewest nodes of the coarser grid in the finest wave.
-   real(wp), parameter :: least_nodes = 4.0_wp
 
    !> A transient on the finer and the coarser grid.
    type :: passage_pair_t
@@ -46,10 +36,6 @@ module passage_pair
       !> Extremes with all ingredients.
       type(line_summary_t) :: full(2)
       logical :: is_known = .false.
-      !> Period; 0: none.
-      real(wp) :: period = 0.0_wp
-      !> Smooth steady contact on each grid; pressures are not allocated if it is not solved.
-      type(film_state_t) :: smooth(2)
       !> Factors of the error of a change (`set_change`); whether that includes what spikes may add.
       real(wp) :: widths(4) = 0.0_wp
       logical :: counts_spikes = .true.
@@ -73,7 +59,6 @@ contains
       ! a leaner contact might count from another time
       times = new_passage_times(experiment%contact, experiment%time)
       pair%runs%time%statistics_from = times%counts_from
-      pair%period = times%period
       pair%widths = widths
    end function new_pair
 
@@ -124,14 +109,6 @@ contains
          call run_without(pair, g, ingredient, lean(g), is_known, listener, error)
          if (allocated(error) .or. .not. is_known) return
          changes(:, g) = change_between(lean(g), pair%full(g))
-         ! known on the finer grid only, the smooth contact gives the start of the coarser one
-         associate (smooth => pair%smooth, stride => pair%runs(1)%contact%domain%intervals &
-            /pair%runs(2)%contact%domain%intervals)
-            if (allocated(smooth(1)%pressure) .and. .not. allocated(smooth(2)%pressure)) then
-               smooth(2)%pressure = smooth(1)%pressure(::stride)
-               smooth(2)%film = smooth(1)%film(::stride)
-            end if
-         end associate
       end do
       doubt = 0.0_wp
       if (pair%counts_spikes) then
@@ -148,7 +125,7 @@ contains
       call set_change(row, changes, doubt, pair%widths)
    end subroutine measure_change
 
-   !> Extremes on grid `g` without an ingredient, from another transient or from steady solutions.
+   !> Extremes on grid `g` without an ingredient.
    subroutine run_without(pair, g, ingredient, summary, is_known, listener, error)
       type(passage_pair_t), intent(inout) :: pair
       integer, intent(in) :: g
@@ -159,33 +136,18 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: lean
       type(outcome_t) :: outcome
-      type(line_state_t) :: state
 
       lean = pair%runs(g)
       lean%contact = contact_without(lean%contact, ingredient, 0.0_wp)
       is_known = lean%contact%domain%intervals >= coarsest_for_film(lean%contact, min_intervals)
       if (.not. is_known) return
-      if (allocated(lean%contact%duty)) then   ! of squeeze: the steady contact of each moment
+      if (ingredient%kind == squeeze) then   ! the steady contact of each moment
          lean%time%scheme = 'quasi_steady'
          lean%time%tolerance = 0.0_wp
-         call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
-      else if (any(ingredient%kind == [roughness, squeeze])) then
-         associate (smooth => pair%smooth(g))
-            if (.not. allocated(smooth%pressure)) then
-               call solve_smooth(lean, listener, outcome, state, error)
-               if (allocated(error)) return
-               is_known = outcome%is_known
-               if (.not. is_known) return
-               pair%work = pair%work + steps_to_start*lean%contact%domain%intervals
-               smooth = pressure_on(state, size(state%x) - 1)
-            end if
-            ! smooth surfaces: the same at all times
-            if (ingredient%kind == roughness) lean%time%time_step = lean%time%end_time
-            call follow_waves(lean, smooth, outcome, listener, error)   ! error: the caller looks
-         end associate
-      else
-         call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
       end if
+      ! smooth surfaces: the same at all times
+      if (ingredient%kind == roughness) lean%time%time_step = lean%time%end_time
+      call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
       pair%work = pair%work + outcome%work
       is_known = outcome%is_known
       summary = outcome%summary
@@ -205,97 +167,21 @@ contains
          state)   ! error: the caller looks
    end subroutine solve_smooth
 
-   !> Extremes of steady solutions with the surfaces where they are at each time step that counts.
-   !> Each starts from the previous one, the first from `start`, the upwind2 solution for smooth
-   !> surfaces.
-   subroutine follow_waves(experiment, start, outcome, listener, error)
-      type(experiment_t), intent(in) :: experiment
-      type(film_state_t), intent(in) :: start
-      type(outcome_t), intent(out) :: outcome
-      class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(line_contact_t) :: own
-      type(lean_level_t) :: lean
-      type(passage_extremes_t) :: passage
-      real(wp), allocatable :: smooth(:)
-      real(wp) :: distance, last, now, speed
-      integer :: k, steps
-
-      own = experiment%contact
-      speed = 0.0_wp   ! dX/dT of the only rough surface; 0 if both are rough
-      if (.not. has_roughness(own%surface_1)) speed = own%surface_2%speed
-      if (.not. has_roughness(own%surface_2)) speed = own%surface_1%speed
-      passage = passage_extremes_t(new_passage_times(own, experiment%time))
-      steps = nint(experiment%time%end_time/experiment%time%time_step)
-      do k = 0, steps
-         now = k*experiment%time%time_step
-         if (.not. (passage%times%counts(now) .or. k == steps)) cycle
-         call move_profiles(own, now, error)
-         if (allocated(error)) return
-         if (lean%level%n == 0) then
-            call pose(lean, without_surfaces(own), size(start%pressure) - 1, now, error)
-            if (allocated(error)) return
-            lean%level%state%pressure = start%pressure
-            lean%level%is_kappa = experiment%settings%space_scheme == 'kappa'
-            call place_film(lean%level, minval(start%film))
-            if (lean%level%is_kappa) call solve_level_of(lean, huge(1.0_wp), listener)
-            smooth = lean%level%state%pressure
-            last = now
-         end if
-         distance = speed*(now - last)
-         if (distance > far_share*finest_wave(own)) call carry_waves(smooth, &
-            distance/lean%level%dx, lean%level%state%pressure)
-         last = now
-         lean%level%rhs_film = lean%level%gap - roughness_at(own, lean%level, now)
-         call place_film(lean%level, minval(lean%level%state%film))
-         call solve_level_of(lean, huge(1.0_wp), listener)
-         outcome%is_known = lean%is_solved
-         outcome%work = lean%work
-         if (.not. outcome%is_known) return
-         call passage%add(level_summary(lean%level), now, k == steps)
-      end do
-      outcome%summary = passage%extremes(level_summary(lean%level))
-   end subroutine follow_waves
-
-   !> Moves the difference from the `smooth` pressure by `distance` [dX], along with the waves.
-   pure subroutine carry_waves(smooth, distance, pressure)
-      real(wp), intent(in) :: smooth(0:), distance
-      real(wp), intent(inout) :: pressure(0:)
-      real(wp) :: change(0:ubound(smooth, 1)), place, part
-      integer :: i, k, n
-
-      n = ubound(smooth, 1)
-      change = pressure - smooth
-      do i = 1, n - 1
-         place = min(max(i - distance, 0.0_wp), real(n, wp))
-         k = min(int(place), n - 1)
-         part = place - k
-         pressure(i) = max(0.0_wp, smooth(i) + (1 - part)*change(k) + part*change(k + 1))
-      end do
-   end subroutine carry_waves
-
    !> Limits the number of positions at which the waves of a pair are solved, equal on both grids,
-   !> to `budget` (nodes times Newton steps) and to the number of time steps; of a periodic
-   !> transient to its last period. `is_enough`: at least `least_places` positions while the finest
-   !> wave moves by its own length.
+   !> to `budget` (nodes times Newton steps) and to the number of time steps. `is_enough`: at least
+   !> `least_places` positions while the finest wave moves by its own length.
    pure subroutine limit_places(pair, budget, is_enough)
       type(passage_pair_t), intent(inout) :: pair
       real(wp), intent(in) :: budget
       logical, intent(out) :: is_enough
-      real(wp) :: cost, from, start
+      real(wp) :: cost, start
       integer :: steps
 
       associate (run => pair%runs(1), grids => pair%runs%contact%domain%intervals)
-         from = run%time%statistics_from
-         if (pair%period > 0.0_wp) from = max(from, run%time%end_time - pair%period)
-         start = 0.0_wp
-         if (.not. allocated(pair%smooth(1)%pressure)) start = steps_to_start*grids(1)
-         ! only times that count are solved
-         cost = steps_to_next*sum(grids)*max(1 - from/run%time%end_time, epsilon(1.0_wp))
-         steps = int(max(1.0_wp, min(budget - start, cost*run%time%end_time/run%time%time_step) &
-            /cost))
+         start = steps_to_start*grids(1)
+         cost = steps_to_next*sum(grids)
+         steps = int(max(1.0_wp, min((budget - start)/cost, run%time%end_time/run%time%time_step)))
          pair%runs%time%time_step = run%time%end_time/steps
-         pair%runs%time%statistics_from = from
          is_enough = steps_in_wave(run%contact, pair%runs(1)%time) >= least_places &
             .and. start + cost*steps <= budget
       end associate

@@ -1,64 +1,46 @@
 !> Chooses grid and time step of a transient for a target accuracy of h_min.
 !>
-!> Trial runs separate the errors of grid and time step (module grid_errors). The first uses the
-!> coarsest grid that carries a film and dT <= dX; each further one halves the spacing or the time
-!> step, whichever leaves the larger uncertainty. As soon as a resolution up to four times finer
-!> than the last trial run (two times without an observed order) is predicted to meet the target,
-!> the cheapest such resolution is chosen, and the actual run is made once. A trial run costs at
-!> most `max_work` times the nodes and steps of the first one; if the target is still not met, the
-!> last resolution is used and its prediction states the error. Trial runs use the kappa scheme,
-!> which errs less, unless the user asks for another one or only upwind2 finds a solution. A
-!> prediction of the kappa scheme is trusted only after the last trial run has been repeated with
-!> upwind2.
+!> Trial runs, each with half the spacing and half the time step of the one before, start from the
+!> coarsest grid that carries the film and sees every wave, with dT <= dX. As soon as a resolution
+!> up to twice as fine as the last one is predicted to meet the target, the coarsest such one is
+!> chosen: the last two changes give the error (module grid_errors) and the order by which it falls.
+!> Where a wanted accuracy is beyond the largest trial run, twice its resolution is taken. The error
+!> bars of the result come from coarser runs of its own, as without a target.
 !>
-!> Where load, radius or speeds change, an error estimate divides the steps: grid and steps are
-!> refined together, and the error bars come from coarser runs of the result.
-!>
-!> `make accuracy-time` measures how often the target is met and at what cost; docs/decisions.md
-!> lists the alternatives tried.
+!> `bench/targets.py` measures how often the target is met and at what cost.
 module resolution_choice
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: inlet_error
-   use error_bars, only: error_bars_t, new_error_bars
+   use duty, only: span_of
    use errors, only: error_t, fail, input_error
+   use experiment, only: experiment_t, new_experiment, outcome_t, run_experiment
+   use grid_errors, only: error_in_time, observed_order
    use inlet_errors, only: domain_error
-   use experiment, only: coarser, experiment_t, new_experiment, outcome_t, run_experiment
-   use grid_errors, only: error_in_time, predicted_values
-   use kinds, only: exceeds, not_known, wp
-   use line_contact, only: leaves_scheme, line_contact_t, max_chosen, solver_settings_t, &
-      time_settings_t
+   use kinds, only: not_known, wp
+   use line_contact, only: intervals_for_waves, line_contact_t, max_chosen, &
+      solver_settings_t, time_settings_t
+   use line_hierarchy, only: coarsest_for_film
+   use line_summary, only: value_between
    use listener, only: listener_t
-   use trials, only: add_other_scheme, add_trial, begun_anew, cheapest_resolution, forecast_at, &
-      has_forecast, new_trials, next_direction, nothing, trials_t, refined, resolution_t
-   use quantities, only: h_min, quantity_count
+   use quantities, only: h_min
    use text, only: to_text
    implicit none (type, external)
    private
 
    public :: choose_resolution, settle_tolerance
 
-   !> Bounds on the tolerance of time steps, its share of the target, and the factor for trial runs.
-   real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, &
-      tolerance_fraction = 0.1_wp, looser = 10.0_wp
-   !> Largest nodes times steps of a trial run, over those of the first.
+   !> Bounds on the tolerance of time steps, and its share of the target.
+   real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, tolerance_fraction = 0.1_wp
+   !> Fewest intervals of the first trial run, and largest nodes times steps of a trial run over
+   !> those of the first.
+   integer, parameter :: min_intervals = 16
    real(wp), parameter :: max_work = 2.0_wp**14
-   !> An error of grid and steps falls at least by this factor when both are halved.
-   real(wp), parameter :: least_fall = 2.0_wp
-   !> Most intervals over the usual ones of a contact with a duty.
-   integer, parameter :: most_finer = 16
-
-   !> State of the search.
-   type :: search_t
-      !> The next trial run, apart from its resolution.
-      type(experiment_t) :: trial
-      !> Whether upwind2 may be tried if it finds no solution.
-      logical :: may_change_scheme = .false.
-      !> What the next trial run refines.
-      integer :: direction = nothing
-      !> Results so far, the last one, and the largest nodes times steps of the next.
-      type(trials_t) :: trials
-      type(outcome_t) :: last
-      real(wp) :: work_limit = 0.0_wp
-   end type search_t
+   !> Share of a step that is rounding.
+   real(wp), parameter :: rounding = 1.0e-6_wp
+   !> Resolutions between two trial runs, over the coarser one, and bounds of the order by which an
+   !> error falls from one to the next.
+   real(wp), parameter :: finer(*) = [1.0_wp, 1.25_wp, 1.5_wp, 1.75_wp, 2.0_wp], &
+      orders(2) = [1.0_wp, 1.5_wp]
 
 contains
 
@@ -70,180 +52,121 @@ contains
       settings%tolerance = min(max(tolerance_fraction*settings%target, tightest), loosest)
    end subroutine settle_tolerance
 
-   !> Sets `contact%domain%intervals`, the time step, the tolerance and an unspecified space scheme
-   !> of a transient to the cheapest choice predicted to keep the relative error of h_min below
-   !> `settings%target`, else to the finest trial run; `bars` receive the predictions. Error
-   !> (input_error): the coarsest trial run needs more intervals than allowed.
-   subroutine choose_resolution(bars, contact, settings, time, listener, error)
-      type(error_bars_t), intent(out) :: bars
+   !> Sets `contact%domain%intervals`, the time step and the tolerance of a transient to the
+   !> coarsest choice predicted to keep the relative error of h_min below `settings%target`, else to
+   !> twice the finest trial run. Error (input_error): the coarsest trial run needs more intervals
+   !> than allowed.
+   subroutine choose_resolution(contact, settings, time, listener, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(inout) :: settings
       type(time_settings_t), intent(inout) :: time
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(search_t) :: search
-      type(resolution_t) :: chosen
-      real(wp) :: target
-      logical :: is_last
-
-      bars = new_error_bars(contact, time, settings%space_scheme)
-      bars%unseen = ''   ! of a grid that is not the one
-      target = settings%target
-      if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
-      search = new_search(contact, settings, time)
-      call settle_tolerance(settings)
-      if (allocated(contact%duty)) then
-         call choose_intervals(new_experiment(contact, settings, time), target &
-            - settings%tolerance, max_chosen(settings), contact%domain%intervals, listener, &
-            error)   ! error: the caller looks
-         return
-      end if
-      associate (first => search%trials%last%intervals, most => search%trials%max_intervals)
-         if (first > most) call fail(error, input_error, '&domain intervals: found a contact '// &
-            'whose coarsest trial run has '//to_text(first)//', expected at most '// &
-            to_text(most)//" with method = '"//trim(settings%method)//"' and this memory")
-      end associate
-      if (allocated(error)) return
-      do
-         call run_trial(search, listener, error)
-         if (allocated(error)) return
-         settings%space_scheme = search%trial%settings%space_scheme
-         if (listener%is_stopping) return
-         associate (last => search%trials%last)
-            if (.not. search%last%is_known .and. 2*last%intervals &
-               > search%trials%max_intervals) exit
-            if (search%last%is_known) then
-               call add_trial(search%trials, search%direction, &
-                  predicted_values(search%last%summary), search%last%films)
-            else   ! again, twice as fine
-               search%trials = begun_anew(search%trials, resolution_t(2*last%intervals, &
-                  2*last%steps))
-            end if
-            search%direction = next_direction(search%trials)
-            ! another refinement is not allowed, or costs too much
-            is_last = 2*last%intervals > search%trials%max_intervals &
-               .or. 2.0_wp*last%intervals*last%steps > search%work_limit
-         end associate
-         chosen = cheapest_resolution(search%trials, target)
-         if (chosen%intervals > 0 .or. is_last) then
-            call run_other_scheme(search, listener, error)
-            if (allocated(error)) return
-            chosen = cheapest_resolution(search%trials, target)
-         end if
-         if (chosen%intervals > 0 .or. is_last) exit
-      end do
-      if (chosen%intervals == 0) chosen = search%trials%last
-      contact%domain%intervals = chosen%intervals
-      contact%domain%intervals_are_chosen = .false.
-      time%time_step = time%end_time/chosen%steps
-      bars%waves%time_step = time%time_step
-      if (has_forecast(search%trials)) bars%forecast = forecast_at(search%trials, chosen)
-   end subroutine choose_resolution
-
-   !> Chooses the `intervals` of a contact with a duty, at most `most`: the first of trial runs on
-   !> 1/8, 1/4, 1/2, 1 ... of the usual ones whose error of h_min is below `target`, or that twice
-   !> as fine if its error surely is; the usual ones if a trial run has no solution.
-   subroutine choose_intervals(usual, target, most, intervals, listener, error)
-      type(experiment_t), intent(in) :: usual
-      real(wp), intent(in) :: target
-      integer, intent(in) :: most
-      integer, intent(inout) :: intervals
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: next
       type(outcome_t) :: outcome
-      real(wp) :: films(3), found
-      integer :: factor
+      real(wp) :: films(3), ratio, target, work_limit
+      integer :: most
 
+      target = settings%target
+      if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
+      call settle_tolerance(settings)
+      most = max_chosen(settings)
+      next = first_trial(new_experiment(contact, settings, time))
+      if (next%contact%domain%intervals > most) then
+         call fail(error, input_error, '&domain intervals: found a contact whose coarsest '// &
+            'trial run has '//to_text(next%contact%domain%intervals)//', expected at most ' &
+            //to_text(most)//" with method = '"//trim(settings%method)//"' and this memory")
+         return
+      end if
+      work_limit = max_work*work_of(next)
       films = not_known()
-      next = usual
-      factor = 8
       do
-         call run_experiment(coarser(next, factor), listener, outcome, error)
-         if (allocated(error) .or. .not. outcome%is_known) return
-         films = [outcome%summary%of(h_min)%between, films(:2)]
-         factor = factor/2
-         if (factor > 1) cycle
-         factor = 2
-         found = error_in_time(films)/films(1)
-         if (exceeds(least_fall*target, found) .or. 2*next%contact%domain%intervals > min(most, &
-            most_finer*usual%contact%domain%intervals)) exit
-         next%contact%domain%intervals = 2*next%contact%domain%intervals
-         next%time%time_step = 0.5_wp*next%time%time_step
-         next%time%tolerance = next%time%tolerance/8
+         call run_experiment(next, listener, outcome, error)
+         if (allocated(error) .or. listener%is_stopping) return
+         films = [not_known(), films(:2)]
+         if (outcome%is_known) films(1) = value_between(outcome%summary, h_min)
+         ratio = refinement_for(films, target)
+         associate (n => next%contact%domain%intervals)
+            if (ratio <= finer(size(finer)) .or. 2*n > most .or. 4*work_of(next) > work_limit) exit
+         end associate
+         next = times_finer(next, 2.0_wp)
       end do
-      intervals = next%contact%domain%intervals/merge(2, 1, found <= target)
-   end subroutine choose_intervals
+      contact%domain%intervals_are_chosen = .false.
+      ratio = min(ratio, 2.0_wp)
+      if (ratio*next%contact%domain%intervals > most) ratio = 1.0_wp
+      next = times_finer(next, ratio)
+      contact%domain%intervals = next%contact%domain%intervals
+      ! with a duty an error estimate divides the usual steps
+      if (allocated(contact%duty)) next%time%time_step = min(time%time_step, next%time%time_step)
+      time%time_step = next%time%time_step
+   end subroutine choose_resolution
 
-   !> Prepares the first trial run of a contact on a complete domain: kappa if no scheme is given,
-   !> with a looser tolerance than the actual run.
-   function new_search(contact, settings, time) result(search)
-      type(line_contact_t), intent(in) :: contact
-      type(solver_settings_t), intent(in) :: settings
-      type(time_settings_t), intent(in) :: time
-      type(search_t) :: search
-      type(solver_settings_t) :: settled
+   !> The first trial run: the fewest intervals that carry the film and have two nodes in the finest
+   !> wave, and dT <= dX; with a duty an eighth of the usual intervals and steps, or as few as carry
+   !> the film of its mean.
+   pure function first_trial(usual) result(first)
+      type(experiment_t), intent(in) :: usual
+      type(experiment_t) :: first
+      real(wp) :: length
+      integer :: n
 
-      search%trial = new_experiment(contact, settings, time)
-      search%may_change_scheme = leaves_scheme(settings)
-      if (search%may_change_scheme) search%trial%settings%space_scheme = 'kappa'
-      settled = settings
-      call settle_tolerance(settled)
-      if (settings%tolerance <= 0.0_wp) search%trial%settings%tolerance = looser*settled%tolerance
-      search%trials = new_trials(contact, time, max_chosen(settings))
-      associate (first => search%trials%last)
-         search%work_limit = max_work*first%intervals*first%steps
-      end associate
-   end function new_search
-
-   !> Makes the next trial run. Without a solution it is repeated with upwind2, if allowed; if that
-   !> succeeds, the search starts again from here with upwind2.
-   subroutine run_trial(search, listener, error)
-      type(search_t), intent(inout) :: search
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(resolution_t) :: resolution
-
-      resolution = refined(search%trials%last, search%direction)
-      associate (trial => search%trial)
-         trial%contact%domain%intervals = resolution%intervals
-         trial%time%time_step = trial%time%end_time/resolution%steps
-         call run_experiment(trial, listener, search%last, error)
-         if (allocated(error)) return
-         if (search%last%is_known .or. .not. search%may_change_scheme &
-            .or. listener%is_stopping) return
-         trial%settings%space_scheme = 'upwind2'
-         call run_experiment(trial, listener, search%last, error)
-         if (allocated(error)) return
-         if (search%last%is_known) then
-            search%may_change_scheme = .false.
-            search%trials = begun_anew(search%trials, resolution)
-            search%direction = nothing
+      first = usual
+      associate (contact => usual%contact, domain => usual%contact%domain)
+         length = domain%x_outlet - domain%x_inlet
+         n = max(coarsest_for_film(contact, min_intervals), min_intervals)
+         do while (4*n < intervals_for_waves(contact))
+            n = 2*n
+         end do
+         if (allocated(contact%duty)) then
+            do while (16*n <= domain%intervals)
+               n = 2*n
+            end do
+            first = times_finer(usual, real(n, wp)/domain%intervals)
          else
-            trial%settings%space_scheme = 'kappa'
+            first%contact%domain%intervals = n
+            first%time%time_step = usual%time%end_time/max(2, ceiling(usual%time%end_time*n/length))
          end if
       end associate
-   end subroutine run_trial
+   end function first_trial
 
-   !> Repeats the last trial run with upwind2, if that is not known on its grid: changes of the
-   !> kappa scheme may be small although it still errs.
-   subroutine run_other_scheme(search, listener, error)
-      type(search_t), intent(inout) :: search
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(experiment_t) :: other
-      type(outcome_t) :: outcome
-      real(wp) :: values(quantity_count)
+   !> The same on `ratio` times the intervals with as many times shorter steps, a whole number of
+   !> them to the end or in a cycle.
+   pure function times_finer(self, ratio) result(finer)
+      type(experiment_t), intent(in) :: self
+      real(wp), intent(in) :: ratio
+      type(experiment_t) :: finer
+      real(wp) :: whole
 
-      if (search%trial%settings%space_scheme /= 'kappa' .or. listener%is_stopping) return
-      if (search%trials%is_difference_known .or. .not. has_forecast(search%trials)) return
-      other = search%trial
-      other%settings%space_scheme = 'upwind2'
-      call run_experiment(other, listener, outcome, error)
-      if (allocated(error)) return
-      values = not_known()
-      if (outcome%is_known) values = predicted_values(outcome%summary)
-      call add_other_scheme(search%trials, values)
-   end subroutine run_other_scheme
+      finer = self
+      finer%contact%domain%intervals = nint(ratio*self%contact%domain%intervals)
+      whole = self%time%end_time
+      if (self%time%may_lengthen) whole = span_of(self%contact%duty)
+      finer%time%time_step = whole/ceiling(ratio*whole/self%time%time_step - rounding)
+      finer%time%tolerance = self%time%tolerance/ratio**3
+   end function times_finer
+
+   !> Nodes times steps of a trial run.
+   pure real(wp) function work_of(self) result(work)
+      type(experiment_t), intent(in) :: self
+
+      work = self%contact%domain%intervals*self%time%end_time/self%time%time_step
+   end function work_of
+
+   !> How many times finer than the last one a run meets `target`, one of `finer`; huge: not known,
+   !> or more.
+   pure real(wp) function refinement_for(films, target) result(ratio)
+      real(wp), intent(in) :: films(3), target
+      real(wp) :: found, order
+      integer :: k
+
+      ratio = huge(ratio)
+      if (.not. all(ieee_is_finite(films))) return
+      found = error_in_time(films)/films(1)
+      order = observed_order(films(1), films(2), films(3), orders)
+      if ((films(1) - films(2))*(films(2) - films(3)) <= 0.0_wp) order = orders(1)
+      do k = size(finer), 1, -1
+         if (found <= target*finer(k)**order) ratio = finer(k)
+      end do
+   end function refinement_for
 
 end module resolution_choice

@@ -21,7 +21,6 @@ module checkpoint
    use march_state, only: excess_t, march_state_t, max_excesses, momentum_history_t, past_t
    use passage_extremes, only: passage_extremes_t
    use line_contact, only: word_length
-   use grid_errors, only: forecast_t
    use text, only: to_text
    implicit none (type, external)
    private
@@ -32,7 +31,7 @@ module checkpoint
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 23
+   integer, parameter :: format_number = 24
 
    !> What a run has gathered and chosen, and goes on with from its checkpoint.
    type :: run_record_t
@@ -53,8 +52,6 @@ module checkpoint
    !> What a checkpoint holds.
    type, extends(run_record_t) :: checkpoint_t
       type(march_state_t) :: march
-      !> What trial runs predicted, where they chose the resolution.
-      type(forecast_t) :: forecast
       !> Where the full momentum equations stand, where they are solved too.
       type(momentum_history_t), allocatable :: momentum
       !> The checksum of NAME.part.
@@ -178,16 +175,6 @@ contains
       end associate
       if (file%has('/statistics', allocated(checkpoint%statistics%thresholds))) call &
          visit_statistics(file, checkpoint%statistics)
-      associate (forecast => checkpoint%forecast)
-         forecast%is_known = file%has('/forecast', forecast%is_known)
-         if (forecast%is_known) then
-            call file%visit('/forecast/trial', forecast%trial)
-            call file%visit('/forecast/trial_error', forecast%trial_error)
-            call file%visit('/forecast/error', forecast%error)
-            call file%visit('/forecast/shift', forecast%shift)
-            call file%visit('/forecast/least_doubt', forecast%least_doubt)
-         end if
-      end associate
       call visit_march(file, checkpoint%march)
       if (file%has('/momentum', allocated(checkpoint%momentum))) then
          if (file%is_read) allocate (checkpoint%momentum, checkpoint%film_passage)

@@ -130,7 +130,6 @@ contains
 
       begin = wall_seconds()
       checkpoint%run_record_t = self%writer%run
-      checkpoint%forecast = self%writer%bars%forecast
       checkpoint%march = history
       checkpoint%march%film = state%film_thickness
       checkpoint%march%report = report
