@@ -1,7 +1,6 @@
 !> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
-   use ablation_runs, only: change_between, doubt_between, lean_level_t, place_film, pose, &
-      pressure_on, set_change, solve_level_of
+   use ablation_runs, only: change_between, doubt_between, set_change
    use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze
    use adequacy, only: influence_t
    use errors, only: error_t
@@ -14,6 +13,7 @@ module passage_pair
    use line_state, only: line_state_t
    use film_state, only: film_state_t
    use line_summary, only: line_summary_t
+   use lean_levels, only: lean_level_t, place_film, pose, pressure_on, solve_level_of
    use listener, only: listener_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times, passage_times_t
