@@ -3,33 +3,27 @@
 !>
 !> The cost is bounded beforehand in nodes times Newton steps, so that a repeated run measures the
 !> same. What does not fit is not known. Newton's method on one grid starts from the pressure of the
-!> contact with all ingredients.
+!> contact with all ingredients, or from that without the ingredient on the coarser grid.
 module ablation_runs
-   use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_is_finite, &
-      ieee_set_halting_mode, ieee_usual
-   use ablations, only: contact_without, ingredient_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use ablations, only: ingredient_t
    use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence, no_solution
    use errors, only: error_t
-   use film_temperature, only: solve_warm
    use kinds, only: exceeds, not_known, quotient, wp
    use line_contact, only: finest_wave, line_contact_t
-   use line_hierarchy, only: coarsest_for_film, new_level_of, roughness_at
-   use line_level, only: line_level_t, set_film, set_plain_problem
+   use lean_levels, only: kappa, lean_level_t, pose, pressure_on, refined, solve_by, &
+      solve_without, upwind
+   use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use film_state, only: film_state_t
    use line_summary, only: line_summary_t, value_between
    use listener, only: listener_t
-   use newton_work, only: newton_t
-   use pressure_errors, only: doubt_spike
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
-   use reynolds_line, only: evaluate_coefficients
-   use semiseparable_jacobian, only: semiseparable_jacobian_t
-   use state_output, only: level_summary
    implicit none (type, external)
    private
 
-   public :: change_between, doubt_between, largest_change, lean_level_t, measure_at_rest, pose, &
-      set_change, set_change_by_one
+   public :: change_between, doubt_between, largest_change, measure_at_rest, set_change, &
+      set_change_by_one
 
    !> Error of a change: this many times its difference from the coarser grid, a share of the
    !> change, a share of the largest change of a film, and at least the error of the iteration.
@@ -44,35 +38,11 @@ module ablation_runs
    real(wp), parameter :: least_share = 0.5_wp
    !> Typical Newton steps from a neighbouring solution, with the cost of setting up its grid.
    real(wp), parameter :: usual_steps = 11.0_wp
-   !> Most Newton steps of one ingredient on a grid.
-   real(wp), parameter :: most_steps = 50.0_wp
    !> Intervals of the finer of the two grids: at most the first where the budget allows, at least
    !> the second.
    integer, parameter :: most_intervals = 256, least_intervals = 64
    !> Fewest nodes of the coarser grid in the finest wave.
    real(wp), parameter, public :: least_nodes = 4.0_wp
-
-   !> Tolerance on the last step of P, H0 and (ten times that) H; the remaining error is about its
-   !> square.
-   real(wp), parameter :: lean_tolerance = 1.0e-3_wp
-   !> Most Newton steps.
-   integer, parameter :: max_newton_steps = 18
-   !> Fraction of an ingredient that is kept if it cannot be left out.
-   real(wp), parameter, public :: largest_rest = 0.75_wp
-
-   !> One grid, its solution and its cost.
-   type :: lean_level_t
-      type(line_contact_t) :: contact
-      type(line_level_t) :: level
-      type(newton_t) :: newton
-      !> By upwind2 and, if `has_kappa`, by the kappa scheme.
-      type(line_summary_t) :: summary, kappa
-      logical :: is_solved = .false., has_kappa = .false.
-      !> Nodes times Newton steps so far.
-      real(wp) :: work = 0.0_wp
-      !> How much of an ingredient is kept; below 0: 0 or, where that has no solution, 3/4.
-      real(wp) :: kept = -1.0_wp
-   end type lean_level_t
 
 contains
 
@@ -87,80 +57,126 @@ contains
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(lean_level_t) :: full(2)
+      type(lean_level_t) :: levels(2, 2)   ! with all ingredients, without one
       integer :: g, i
 
       adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
-      associate (grids => adequacy%at_rest)
+      associate (grids => adequacy%at_rest, full => levels(:, 1))
          if (any(grids == 0)) return
          do g = 1, 2
-            call solve_from(full(g), contact, grids(g), pressure_on(state, grids(g)), &
-               budget, listener, error)
-            if (allocated(error) .or. listener%is_stopping) return
-            if (full(g)%is_solved) call add_kappa(full(g), budget - full(g)%work, listener)
-            budget = budget - full(g)%work
+            call pose(full(g), contact, grids(g), error)
+            if (allocated(error)) return
+            call solve_by(full(g), upwind, pressure_on(state, grids(g)), budget, listener)
+            if (listener%is_stopping) return
+            if (full(g)%is_solved) call solve_by(full(g), kappa, full(g)%by(upwind)%state, budget, &
+               listener)
          end do
-         if (.not. all(full%is_solved)) return
+         if (.not. all(full%by(upwind)%is_known)) return
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
-            call measure_one(list(i), full, budget, adequacy, i, listener, error)
+            levels(:, 2)%ingredient = list(i)
+            call measure_one(contact, levels, budget, adequacy, i, listener, error)
             if (allocated(error) .or. listener%is_stopping) return
          end do
       end associate
    end subroutine measure_at_rest
 
-   !> One ingredient, row `i`, on the finer grid first, which tells how much of it can be left out:
-   !> by the scheme of the thesis and, unless it is plainly needed already and that ends it, by
-   !> kappa.
-   subroutine measure_one(ingredient, full, budget, adequacy, i, listener, error)
-      type(ingredient_t), intent(in) :: ingredient
-      type(lean_level_t), intent(in) :: full(2)
+   !> One ingredient, row `i`: by kappa, which errs less, on the coarser grid first, from whose
+   !> solution the finer one takes few steps; if that finds none, or what is plainly needed ends
+   !> early, by both schemes.
+   subroutine measure_one(contact, levels, budget, adequacy, i, listener, error)
+      type(line_contact_t), intent(in) :: contact
+      type(lean_level_t), intent(inout) :: levels(2, 2)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       integer, intent(in) :: i
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(lean_level_t) :: lean(2)
-      type(influence_t) :: told
-      real(wp), dimension(quantity_count, 2) :: changes, doubt
+      type(film_state_t) :: start
+      logical :: is_known
       integer :: g
 
-      associate (row => adequacy%rows(i))
+      associate (full => levels(:, 1), lean => levels(:, 2))
+         is_known = all(full%by(kappa)%is_known) .and. .not. adequacy%ends_early
+         do g = 2, 1, -1
+            if (.not. is_known) exit
+            lean(g)%kept = 0.0_wp
+            start = full(g)%by(kappa)%state
+            if (g == 1) start = refined(lean(2)%by(kappa)%state)
+            call solve_without(lean(g), contact, kappa, start, budget, listener, error)
+            if (allocated(error) .or. listener%is_stopping) return
+            is_known = lean(g)%is_solved
+         end do
+      end associate
+      if (is_known) then
+         call set_row(levels, kappa, adequacy%rows(i))
+      else
+         call measure_by_both(contact, levels, budget, adequacy, i, listener, &
+            error)   ! error: the caller looks
+      end if
+   end subroutine measure_one
+
+   !> The same by the scheme of the thesis on the finer grid first, which tells how much of the
+   !> ingredient can be left out, and then, unless it is plainly needed and that ends it, by kappa.
+   subroutine measure_by_both(contact, levels, budget, adequacy, i, listener, error)
+      type(line_contact_t), intent(in) :: contact
+      type(lean_level_t), intent(inout) :: levels(2, 2)
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      integer, intent(in) :: i
+      class(listener_t), intent(inout) :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(influence_t) :: told
+      integer :: g
+
+      associate (row => adequacy%rows(i), full => levels(:, 1), lean => levels(:, 2))
+         lean(1)%kept = -1.0_wp
          do g = 1, 2
             if (g == 2) lean(2)%kept = lean(1)%kept
-            call solve_without(lean(g), ingredient, full(g), min(budget, &
-               most_steps*full(g)%level%n), listener, error)
+            call solve_without(lean(g), contact, upwind, full(g)%by(upwind)%state, budget, &
+               listener, error)
             if (allocated(error) .or. listener%is_stopping) return
-            budget = budget - lean(g)%work
             if (.not. lean(g)%is_solved) row%unknown = no_solution
             if (.not. lean(1)%is_solved) return
-            changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
          end do
-         doubt = doubt_between(lean(1)%summary, full(1)%summary)
          if (.not. lean(2)%is_solved) then
             told = row
             told%left_out = 1 - lean(2)%kept
-            call set_change_by_one(changes(:, 1), doubt, told)
+            associate (there => lean(1)%by(upwind)%summary, whole => full(1)%by(upwind)%summary)
+               call set_change_by_one(change_between(there, whole), doubt_between(there, whole), &
+                  told)
+            end associate
             if (is_plainly_needed(told, adequacy%accuracy)) row = told
             return
          end if
-         row%left_out = 1 - lean(2)%kept
-         call set_change(row, changes, doubt, widths)
+         call set_row(levels, upwind, row)
          if (adequacy%ends_early .and. is_plainly_needed(row, adequacy%accuracy)) return
-         if (.not. all(full%has_kappa)) return
+         if (.not. all(full%by(kappa)%is_known)) return
          do g = 1, 2
-            budget = budget + lean(g)%work
-            call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, &
-               listener)
-            budget = budget - lean(g)%work
-            if (.not. lean(g)%has_kappa) return
-            changes(:, g) = change_between(lean(g)%kappa, full(g)%kappa)
+            call solve_by(lean(g), kappa, lean(g)%by(upwind)%state, budget, listener)
+            if (.not. lean(g)%is_solved) return
          end do
-         doubt = doubt_between(lean(1)%kappa, full(1)%kappa)
-         call set_change(row, changes, doubt, widths)
+         call set_row(levels, kappa, row)
       end associate
-   end subroutine measure_one
+   end subroutine measure_by_both
+
+   !> Sets a row from the solutions by a scheme.
+   pure subroutine set_row(levels, scheme, row)
+      type(lean_level_t), intent(in) :: levels(2, 2)
+      integer, intent(in) :: scheme
+      type(influence_t), intent(inout) :: row
+      real(wp) :: changes(quantity_count, 2)
+      integer :: g
+
+      row%left_out = 1 - levels(2, 2)%kept
+      do g = 1, 2
+         changes(:, g) = change_between(levels(g, 2)%by(scheme)%summary, &
+            levels(g, 1)%by(scheme)%summary)
+      end do
+      call set_change(row, changes, doubt_between(levels(1, 2)%by(scheme)%summary, &
+         levels(1, 1)%by(scheme)%summary), widths)
+   end subroutine set_row
 
    !> Sets the changes of a row from those of films on one grid alone.
    pure subroutine set_change_by_one(changes, doubt, row)
@@ -274,165 +290,5 @@ contains
       intervals = ceiling(min(2*least_nodes*(contact%domain%x_outlet - contact%domain%x_inlet) &
          /finest_wave(contact), 1.0e9_wp))
    end function intervals_in_waves
-
-   !> Poses `contact`, on a complete domain, on `intervals` with its surfaces at time 0, and solves
-   !> it from `start` (0:intervals) by upwind2, in at most `work` nodes times Newton steps.
-   subroutine solve_from(self, contact, intervals, start, work, listener, error)
-      type(lean_level_t), intent(inout) :: self
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: intervals
-      type(film_state_t), intent(in) :: start
-      real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
-
-      self%contact = contact
-      call pose(self, contact, intervals, error)
-      if (allocated(error)) return
-      associate (state => self%level%state)
-         state%pressure = start%pressure
-         if (allocated(self%level%rough) .and. allocated(start%separation)) then
-            state%asperity_pressure = start%asperity_pressure
-            call place_film(self%level, minval(start%separation))
-         else   ! oil bears what asperities did
-            if (allocated(start%separation)) state%pressure = start%pressure &
-               + start%asperity_pressure
-            call place_film(self%level, minval(start%film))
-         end if
-      end associate
-      call solve_level_of(self, work, listener)
-      if (self%is_solved) self%summary = summary_with_doubt(self%level)
-   end subroutine solve_from
-
-   !> Adds the quantities by the kappa scheme, which errs less, from a solution by upwind2, if there
-   !> are any; the state remains.
-   subroutine add_kappa(self, work, listener)
-      type(lean_level_t), intent(inout) :: self
-      real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: listener
-      type(film_state_t) :: thesis
-
-      thesis = self%level%state
-      self%level%is_kappa = .true.
-      call solve_level_of(self, work, listener)
-      self%has_kappa = self%is_solved
-      if (self%has_kappa) self%kappa = summary_with_doubt(self%level)
-      self%is_solved = .true.
-      self%level%is_kappa = .false.
-      self%level%state = thesis
-   end subroutine add_kappa
-
-   !> The steady problem on one grid with the surfaces at time 0.
-   subroutine pose(self, contact, intervals, error)
-      type(lean_level_t), intent(inout) :: self
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: intervals
-      type(error_t), allocatable, intent(out) :: error
-
-      allocate (semiseparable_jacobian_t :: self%newton%linear)
-      associate (level => self%level)
-         call new_level_of(contact, intervals, level, error)
-         if (allocated(error)) return
-         call set_plain_problem(level, roughness_at(contact, level, 0.0_wp))
-      end associate
-   end subroutine pose
-
-   !> Sets H0 so that the film, or the separation of rough surfaces, of the present pressure has the
-   !> minimum `smallest`.
-   subroutine place_film(level, smallest)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: smallest
-
-      level%state%rigid_displacement = 0.0_wp
-      call set_film(level)
-      if (allocated(level%rough)) then
-         level%state%rigid_displacement = smallest - minval(level%state%separation)
-         call set_film(level)
-      else
-         level%state%rigid_displacement = smallest - minval(level%state%film)
-         level%state%film = level%state%film + level%state%rigid_displacement
-      end if
-   end subroutine place_film
-
-   !> Solves the posed problem from its present state, in at most `work` nodes times Newton steps.
-   subroutine solve_level_of(self, work, listener)
-      type(lean_level_t), intent(inout) :: self
-      real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: listener
-      logical :: halts(size(ieee_usual))
-
-      ! A trial may overflow, which is then no solution; checked builds must go on too.
-      call ieee_get_halting_mode(ieee_usual, halts)
-      call ieee_set_halting_mode(ieee_usual, .false.)
-      call solve_warm(self%newton, self%level, lean_tolerance, &
-         int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
-      call ieee_set_halting_mode(ieee_usual, halts)
-      self%work = self%work + real(self%newton%steps, wp)*self%level%n
-      self%is_solved = self%newton%is_converged
-      if (self%is_solved) call evaluate_coefficients(self%level)
-   end subroutine solve_level_of
-
-   !> Quantities of a solution; the error of the largest pressure is what a spike may add to it.
-   pure function summary_with_doubt(level) result(summary)
-      type(line_level_t), intent(in) :: level
-      type(line_summary_t) :: summary
-
-      summary = level_summary(level)
-      summary%crests%corner_top = -1.0_wp   ! contacts on one grid: by their nodes
-      call doubt_spike(level%fluid, level%lambda, level%dx, summary)
-   end function summary_with_doubt
-
-   !> The contact without an ingredient, but for what is `kept` of it, from the solution of the
-   !> `full` one on the same grid. At most `work` nodes times Newton steps.
-   subroutine solve_without(lean, ingredient, full, work, listener, error)
-      type(lean_level_t), intent(inout) :: lean
-      type(ingredient_t), intent(in) :: ingredient
-      type(lean_level_t), intent(in) :: full
-      real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(line_contact_t) :: other
-      logical :: is_open
-
-      lean%work = 0.0_wp
-      call start_anew(lean)
-      is_open = lean%kept < 0.0_wp
-      if (is_open) lean%kept = 0.0_wp
-      other = contact_without(full%contact, ingredient, lean%kept)
-      if (full%level%n >= coarsest_for_film(other)) call solve_from(lean, other, full%level%n, &
-         full%level%state, work, listener, error)
-      if (allocated(error) .or. lean%is_solved) return
-      if (.not. (is_open .and. ingredient%can_reduce)) return
-      lean%kept = largest_rest
-      call start_anew(lean)
-      call solve_from(lean, contact_without(full%contact, ingredient, lean%kept), full%level%n, &
-         full%level%state, work - lean%work, listener, error)   ! error: the caller looks
-   end subroutine solve_without
-
-   !> Resets the solution but keeps the contact and the cost so far.
-   subroutine start_anew(lean)
-      type(lean_level_t), intent(inout) :: lean
-      type(lean_level_t), allocatable :: fresh
-
-      allocate (fresh)
-      fresh%work = lean%work
-      fresh%kept = lean%kept
-      lean = fresh
-   end subroutine start_anew
-
-   !> Pressures and films of a state at every (n/intervals)-th node; `intervals` divides n.
-   pure function pressure_on(state, intervals) result(coarse)
-      type(line_state_t), intent(in) :: state
-      integer, intent(in) :: intervals
-      type(film_state_t) :: coarse
-      integer :: stride
-
-      stride = (size(state%pressure) - 1)/intervals
-      coarse%pressure = state%pressure(::stride)
-      coarse%film = state%film_thickness(::stride)
-      if (.not. allocated(state%separation)) return
-      coarse%asperity_pressure = state%asperity_pressure(::stride)
-      coarse%separation = state%separation(::stride)
-   end function pressure_on
 
 end module ablation_runs

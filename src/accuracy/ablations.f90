@@ -10,7 +10,8 @@ module ablations
    implicit none (type, external)
    private
 
-   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_surfaces, leave_out
+   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_oil, &
+      is_of_surfaces, leave_out
 
    !> Kinds of ingredients.
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
@@ -112,6 +113,14 @@ contains
 
       is_of_surfaces = any(ingredient%kind == [squeeze, roughness, one_surface, one_feature])
    end function is_of_surfaces
+
+   !> Whether the contact without an ingredient is the same but for its oil.
+   pure logical function is_of_oil(ingredient)
+      type(ingredient_t), intent(in) :: ingredient
+
+      is_of_oil = any(ingredient%kind == [compressibility, shear_thinning, roelands_law, &
+         piezoviscosity])
+   end function is_of_oil
 
    !> The line contact without an ingredient, or with a fraction `rest` of it.
    pure function contact_without(contact, ingredient, rest) result(lean)

@@ -158,8 +158,9 @@ contains
          associate (entry => case%effective(i))
             if (entry%group == 'case' .or. any(entry%key == [character(len=19) :: &
                'checkpoint_interval', 'adequacy', 'si_copies', 'xdmf'])) cycle
-            lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
-               //' = '//effective_text(entry)
+            ! in brackets: each `//` copies what stands in front of it
+            lines = lines//(new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
+               //' = '//effective_text(entry))
          end associate
       end do
    end function case_identity

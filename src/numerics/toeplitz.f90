@@ -9,15 +9,16 @@
 !>   a = (lambda(k) + lambda(n-k))/2,   b = (lambda(k) - lambda(n-k))/2,
 !>
 !> as the transforms of even and odd indices, E and O, make X(k) = E + exp(-it) O and X(k+n) = E -
-!> exp(-it) O. FFTW plans complex transforms in a tenth of the time of real ones. Plans are made by
+!> exp(-it) O. FFTW plans complex transforms in a tenth of the time of real ones; the way back is
+!> the same transform of values whose real and imaginary parts are exchanged. Plans are made by
 !> FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated run gives the same bits.
 !> Those of short transforms are made once in a process, for all matrices.
 module toeplitz
    use, intrinsic :: iso_c_binding, only: c_associated, c_double_complex, c_f_pointer, &
       c_int, c_loc, c_null_ptr, c_ptr, c_size_t
    use errors, only: error_t, fail, internal_error
-   use fftw, only: fftw_alloc_complex, fftw_backward, fftw_destroy_plan, fftw_estimate, &
-      fftw_execute_dft, fftw_forward, fftw_free, fftw_plan_dft_1d
+   use fftw, only: fftw_alloc_complex, fftw_destroy_plan, fftw_estimate, fftw_execute_dft, &
+      fftw_forward, fftw_free, fftw_plan_dft_1d
    use kinds, only: pi, wp
    use text, only: to_text
    implicit none (type, external)
@@ -25,13 +26,7 @@ module toeplitz
 
    public :: toeplitz_t, new_toeplitz
 
-   !> The two transforms of a length.
-   type :: plans_t
-      type(c_ptr) :: forward = c_null_ptr
-      type(c_ptr) :: backward = c_null_ptr
-   end type plans_t
-
-   !> Longest transform whose plans are kept: they hold some numbers for each of its values.
+   !> Longest transform whose plan is kept: it holds some numbers for each of its values.
    integer, parameter :: longest_kept = 4096
 
    !> The matrix T(i,j) = column(|i-j|), i = 0..n, applied to vectors that are zero at both ends,
@@ -40,7 +35,7 @@ module toeplitz
    type :: toeplitz_t
       private
       integer :: n = 0
-      type(plans_t) :: plans
+      type(c_ptr) :: plan = c_null_ptr
       !> Values by pairs, and their transform (0:n-1).
       complex(c_double_complex), pointer, contiguous :: pairs(:) => null()
       complex(c_double_complex), pointer, contiguous :: spectrum(:) => null()
@@ -70,9 +65,9 @@ contains
       is_planned = associated(self%pairs) .and. associated(self%spectrum)
       if (is_planned) then
          !$omp critical (fftw_planner)
-         call find_plans(self)
+         call find_plan(self)
          !$omp end critical (fftw_planner)
-         is_planned = c_associated(self%plans%forward) .and. c_associated(self%plans%backward)
+         is_planned = c_associated(self%plan)
       end if
       if (is_planned) then
          call find_coefficients(self, column)
@@ -82,22 +77,18 @@ contains
       end if
    end subroutine new_toeplitz
 
-   !> Sets the plans for the length of the matrix, from the kept ones if it is short: FFTW needs 40
-   !> 000 instructions even for a plan that it has made before. One thread at a time may call this.
-   subroutine find_plans(self)
+   !> Sets the plan for the length of the matrix, the kept one if it is short: FFTW needs 40 000
+   !> instructions even for a plan that it has made before. One thread at a time may call this.
+   subroutine find_plan(self)
       type(toeplitz_t), intent(inout) :: self
-      type(plans_t), save :: kept(longest_kept)
+      type(c_ptr), save :: kept(longest_kept) = c_null_ptr
 
-      if (self%n <= longest_kept) self%plans = kept(self%n)
-      if (c_associated(self%plans%backward)) return
-      associate (length => int(self%n, c_int), plans => self%plans)
-         plans%forward = fftw_plan_dft_1d(length, self%pairs, self%spectrum, fftw_forward, &
-            fftw_estimate)
-         plans%backward = fftw_plan_dft_1d(length, self%spectrum, self%pairs, fftw_backward, &
-            fftw_estimate)
-      end associate
-      if (self%n <= longest_kept .and. c_associated(self%plans%forward)) kept(self%n) = self%plans
-   end subroutine find_plans
+      if (self%n <= longest_kept) self%plan = kept(self%n)
+      if (c_associated(self%plan)) return
+      self%plan = fftw_plan_dft_1d(int(self%n, c_int), self%pairs, self%spectrum, fftw_forward, &
+         fftw_estimate)
+      if (self%n <= longest_kept) kept(self%n) = self%plan
+   end subroutine find_plan
 
    !> Allocates (0:n-1) by FFTW, where its transforms are fastest; not associated: no memory.
    function new_complex(n) result(values)
@@ -122,7 +113,7 @@ contains
          circulant(:n) = column
          circulant(n + 1:) = column(n - 1:1:-1)
          self%pairs = cmplx(circulant(0::2), circulant(1::2), wp)
-         call fftw_execute_dft(self%plans%forward, self%pairs, self%spectrum)
+         call fftw_execute_dft(self%plan, self%pairs, self%spectrum)
          do k = 0, n
             associate (z => self%spectrum(modulo(k, n)), c => conjg(self%spectrum(modulo(-k, n))))
                even = 0.5_wp*(z + c)
@@ -150,14 +141,15 @@ contains
       half = (n + 1)/2
       self%pairs(:half - 1) = cmplx(x(0:2*half - 2:2), x(1:2*half - 1:2), wp)
       self%pairs(half:) = (0.0_wp, 0.0_wp)
-      call fftw_execute_dft(self%plans%forward, self%pairs, self%spectrum)
+      call fftw_execute_dft(self%plan, self%pairs, self%spectrum)
       call multiply(self%spectrum, self%own, self%mirrored, self%crossed)
-      call fftw_execute_dft(self%plans%backward, self%spectrum, self%pairs)
-      y(0:n:2) = self%pairs(:n/2)%re
-      y(1:n:2) = self%pairs(:half - 1)%im
+      call fftw_execute_dft(self%plan, self%spectrum, self%pairs)
+      y(0:n:2) = self%pairs(:n/2)%im
+      y(1:n:2) = self%pairs(:half - 1)%re
    end subroutine apply
 
-   !> Replaces `z` (0:n-1) by Z'(k) and Z'(n-k).
+   !> Replaces `z` (0:n-1) by Z'(k) and Z'(n-k), real and imaginary parts exchanged. (By parts: a
+   !> real times a complex number is compiled as the product of two complex ones.)
    pure subroutine multiply(z, own, mirrored, crossed)
       complex(wp), intent(inout) :: z(0:)
       real(wp), intent(in) :: own(0:), mirrored(0:), crossed(0:)
@@ -165,29 +157,29 @@ contains
       integer :: k, n
 
       n = size(z)
-      ! k = 0 and, if n is even, n/2 pair with themselves
-      z(0) = own(0)*z(0) + crossed(0)*cmplx(z(0)%im, z(0)%re, wp)
-      if (modulo(n, 2) == 0) z(n/2) = own(n/2)*z(n/2)
+      ! k = 0 and, if n is even, n/2 pair with themselves; i conj(z) = (im z, re z)
+      z(0) = own(0)*cmplx(z(0)%im, z(0)%re, wp) + crossed(0)*z(0)
+      if (modulo(n, 2) == 0) z(n/2) = own(n/2)*cmplx(z(n/2)%im, z(n/2)%re, wp)
       do k = 1, (n - 1)/2
          first = z(k)
          last = z(n - k)
-         ! i conj(z) = (im z, re z)
-         z(k) = own(k)*first + crossed(k)*cmplx(last%im, last%re, wp)
-         z(n - k) = mirrored(k)*last + crossed(k)*cmplx(first%im, first%re, wp)
+         z(k) = cmplx(own(k)*first%im + crossed(k)*last%re, own(k)*first%re &
+            + crossed(k)*last%im, wp)
+         z(n - k) = cmplx(mirrored(k)*last%im + crossed(k)*first%re, mirrored(k)*last%re &
+            + crossed(k)*first%im, wp)
       end do
    end subroutine multiply
 
-   !> Releases plans and memory.
+   !> Releases plan and memory.
    subroutine destroy_toeplitz(self)
       type(toeplitz_t), intent(inout) :: self
 
       if (self%n > longest_kept) then
          !$omp critical (fftw_planner)
-         if (c_associated(self%plans%forward)) call fftw_destroy_plan(self%plans%forward)
-         if (c_associated(self%plans%backward)) call fftw_destroy_plan(self%plans%backward)
+         if (c_associated(self%plan)) call fftw_destroy_plan(self%plan)
          !$omp end critical (fftw_planner)
       end if
-      self%plans = plans_t()
+      self%plan = c_null_ptr
       if (associated(self%pairs)) call fftw_free(c_loc(self%pairs))
       if (associated(self%spectrum)) call fftw_free(c_loc(self%spectrum))
       nullify (self%pairs, self%spectrum)

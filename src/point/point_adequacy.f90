@@ -2,14 +2,14 @@
 !> start, where it is known with all of them; rules and errors are those of line contacts (module
 !> ablation_runs). In time the ingredients of the oil are left out of the smooth steady start.
 module point_adequacy
-   use ablation_runs, only: change_between, doubt_between, largest_rest, set_change, &
-      set_change_by_one, widths
+   use ablation_runs, only: change_between, doubt_between, set_change, set_change_by_one, widths
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out
    use adequacy, only: accuracy_for, adequacy_t, influence_t, new_influence, no_solution, &
       verdict_needed, verdict_on
    use errors, only: error_t
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: not_known, wp
+   use lean_levels, only: largest_rest
    use line_contact, only: smoothen_both
    use line_summary, only: line_summary_t
    use listener, only: listener_t
