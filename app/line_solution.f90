@@ -9,7 +9,7 @@ module line_solution
    use errors, only: error_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, check_forecast, compare_grids, solve_with_coarse_runs
-   use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
+   use iteration_report, only: phase_error_bars, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
    use adequacy, only: model_choice_t, number_choice_t
@@ -86,7 +86,10 @@ contains
          error)   ! error: the caller looks
       call fill_chosen(case, report, listener%writer%run%passage%times)
       call fill_numbers(case, report, listener%writer%choice)
-      call complete_report(listener, seconds, report)
+      call listener%complete(report)
+      associate (phases => report%cost%phase_seconds)
+         phases(phase_error_bars) = phases(phase_error_bars) + seconds
+      end associate
    end subroutine solve_line_case
 
    !> Grid, time step and scheme of the run that this one goes on with.
@@ -144,21 +147,6 @@ contains
       listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine choose_grid
-
-   !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
-   !> separate coarse runs and of output.
-   subroutine complete_report(listener, seconds, report)
-      type(run_observer_t), intent(in) :: listener
-      real(wp), intent(in) :: seconds
-      type(report_t), intent(inout) :: report
-
-      call listener%name_breakdown(report)
-      associate (phases => report%cost%phase_seconds)
-         phases(phase_error_bars) = phases(phase_error_bars) + seconds
-         phases(phase_output) = listener%output_seconds
-         phases(phase_transient) = max(phases(phase_transient) - listener%output_seconds, 0.0_wp)
-      end associate
-   end subroutine complete_report
 
    !> A solution that is not finite counts as not converged.
    subroutine refuse_nonsense(state, report)

@@ -197,16 +197,19 @@ contains
       end do
    end subroutine write_inputs
 
-   !> Copies the time steps into /transient, with fields of this `shape`; series in SI too if they
-   !> are wanted.
-   subroutine copy_steps(self, has_si, shape)
+   !> Copies the time steps into /transient, with fields as those of `state`; series in SI too if
+   !> they are wanted.
+   subroutine copy_steps(self, has_si, state)
       class(result_file_t), intent(inout) :: self
       logical, intent(in) :: has_si
-      integer, intent(in) :: shape(:)
+      type(line_state_t), intent(in) :: state
+      integer, allocatable :: extents(:)
 
       if (.not. self%is_transient .or. allocated(self%file%failure) &
          .or. allocated(self%file%row)) return
-      call self%store%copy_into(self%file, self%scaling, has_si, shape)
+      extents = shape(state%x)
+      if (allocated(state%y)) extents = [extents, size(state%y)]
+      call self%store%copy_into(self%file, self%scaling, has_si, extents)
       call self%keep_failure()
    end subroutine copy_steps
 
