@@ -4,7 +4,7 @@
 !> outlet where the outlet cuts the film off.
 module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: add_note, note_measured_error, note_missed_error
+   use case_notes, only: add_note, note_missed_error
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
       run_apart, copy_side_runs, run_farther, run_longer, run_other_scheme
@@ -79,9 +79,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
-      call note_missed_error(case, listener, state, report)
-      if (.not. (case%solver%wants_coarse_runs .and. report%converged)) return
-      if (listener%writer%bars%forecast%is_known) then
+      if (case%solver%wants_coarse_runs .and. report%converged .and. &
+         listener%writer%bars%forecast%is_known) then
          start = wall_seconds()
          call run_apart(listener%writer%bars, new_experiment(case%contact, case%solver, &
             case%time), listener, error)
@@ -89,7 +88,7 @@ contains
          seconds = seconds + wall_seconds() - start
          report%converged = .not. listener%is_stopping
       end if
-      call note_measured_error(case, listener, state, report)
+      call note_missed_error(case, listener, state, report)
    end subroutine check_forecast
 
    !> Both ends of the domain of the solved contact, for its error bars. A note where one cuts off

@@ -37,7 +37,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
       type(side_runs_t), allocatable :: side_runs
-      real(wp) :: seconds
+      type(error_bars_t) :: bars
+      real(wp) :: seconds, start
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
@@ -46,8 +47,11 @@ contains
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_grid(case, listener, seconds, error)
+         start = wall_seconds()
+         call choose_resolution(bars, case%contact, case%solver, case%time, listener, error)
          if (allocated(error) .or. listener%is_stopping) return
+         listener%writer%bars = bars
+         seconds = wall_seconds() - start
       end if
       listener%writer%bars%spike_law%fluid = case%contact%fluid
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
@@ -72,8 +76,7 @@ contains
       report%fit%nodes_per_wave = nodes_in_wave(case%contact)
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
-      call refuse_nonsense(state, report)
-      call keep_coarser(listener)
+      call look_at_solution(listener, state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
          call compare_grids(case, listener, side_runs, seconds, error)
@@ -116,11 +119,17 @@ contains
       call settle_tolerance(case%solver)
    end subroutine restore_resolution
 
-   !> Errors of a graded grid are known; coarser grids that a steady solution has passed need not be
-   !> run any more.
-   subroutine keep_coarser(listener)
+   !> One that is not finite counts as not converged. Errors of a graded grid are known; coarser
+   !> grids that a steady solution has passed need not be run any more.
+   subroutine look_at_solution(listener, state, report)
       type(run_observer_t), intent(inout) :: listener
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
 
+      if (report%converged .and. .not. all_finite(state)) then
+         report%converged = .false.
+         report%reason = 'the solution holds values that are not finite'
+      end if
       if (allocated(listener%grid_errors)) then
          listener%writer%bars%grid_errors = listener%grid_errors
          listener%has_coarse_runs = .false.
@@ -129,34 +138,7 @@ contains
       if (size(listener%coarser) < 2) return
       call copy_coarser(listener%writer%bars, listener%coarser)
       listener%has_coarse_runs = .false.
-   end subroutine keep_coarser
-
-   !> Intervals and time step for the accuracy that is wanted of a transient, by trial runs, and the
-   !> `seconds` that they took. Error: memory or a library failed.
-   subroutine choose_grid(case, listener, seconds, error)
-      type(case_t), intent(inout) :: case
-      type(run_observer_t), intent(inout) :: listener
-      real(wp), intent(out) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      type(error_bars_t) :: bars
-      real(wp) :: start
-
-      start = wall_seconds()
-      call choose_resolution(bars, case%contact, case%solver, case%time, listener, &
-         error)   ! error: the caller looks
-      listener%writer%bars = bars
-      seconds = wall_seconds() - start
-   end subroutine choose_grid
-
-   !> A solution that is not finite counts as not converged.
-   subroutine refuse_nonsense(state, report)
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(inout) :: report
-
-      if (.not. report%converged .or. all_finite(state)) return
-      report%converged = .false.
-      report%reason = 'the solution holds values that are not finite'
-   end subroutine refuse_nonsense
+   end subroutine look_at_solution
 
    !> Lists what the program has chosen in place of the user among the effective values, with the
    !> `times` that count and where the surfaces began; 0: not used by the method.

@@ -39,8 +39,19 @@ contains
       type(error_t), allocatable :: error
 
       associate (writer => listener%writer)
-         if (listener%is_stopping .and. .not. (report%converged .or. writer%has_failed())) then
-            call suspend_result(listener, outcome)
+         if (listener%is_stopping .and. .not. (report%converged .or. &
+            allocated(writer%file%failure))) then
+            ! what a run needs to go on is kept
+            outcome%status = merge(status_not_written, status_interrupted, &
+               allocated(listener%failure))
+            outcome%reason = writer%name%interruption_text()
+            call disarm_exit_message()
+            call listener%log%say_error(outcome%reason)
+            if (writer%name%has_checkpoint) then
+               call writer%suspend()
+            else
+               call writer%discard()
+            end if
             return
          end if
          if (report%converged) call judge_limits(case, state, report, listener)
@@ -141,24 +152,5 @@ contains
             writer%run%passage%times, words, writer%limits)
       end associate
    end subroutine print_table
-
-   !> The end of an interrupted run: the files needed to go on are kept and named.
-   subroutine suspend_result(listener, outcome)
-      type(run_observer_t), intent(inout) :: listener
-      type(case_outcome_t), intent(out) :: outcome
-      character(:), allocatable :: words
-
-      outcome%status = status_interrupted
-      if (allocated(listener%failure)) outcome%status = status_not_written
-      words = listener%writer%name%interruption_text()
-      outcome%reason = words
-      call disarm_exit_message()
-      call listener%log%say_error(words)
-      if (listener%writer%name%has_checkpoint) then
-         call listener%writer%suspend()
-      else
-         call listener%writer%discard()
-      end if
-   end subroutine suspend_result
 
 end module result_end

@@ -38,13 +38,13 @@ contains
       character(:), allocatable :: earlier, path, reason, words
       logical :: is_complete, is_resume
 
-      log = new_progress_log(command%is_quiet, command%has_outcomes)
-      log%is_verbose = command%is_verbose
+      log = new_progress_log(command%has('--quiet'), command%has('--outcomes'))
+      log%is_verbose = command%has('--verbose')
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
       is_complete = .false.
-      is_resume = command%is_resume .and. .not. allocated(case%table)
+      is_resume = command%has('--resume') .and. .not. allocated(case%table)
       if (allocated(case%table)) then
          path = case%table%path
          is_complete = allocated(case%table%outcome)

@@ -58,7 +58,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      procedure :: store_step, quantities_of, quantities_at_end, lambda_ratio, finish
+      procedure :: store_step, quantities_of, quantities_at_end, finish
    end type result_writer_t
 
 contains
@@ -118,14 +118,6 @@ contains
          summary)
    end function quantities_at_end
 
-   !> Smallest film over composite roughness; NaN: not known.
-   pure real(wp) function lambda_ratio(self)
-      class(result_writer_t), intent(in) :: self
-
-      lambda_ratio = not_known()
-      if (allocated(self%limits)) lambda_ratio = self%limits(mixed_lubrication)%value
-   end function lambda_ratio
-
    !> Writes input, last solution, quantities and report, closes the file and gives it its final
    !> name. An error leaves only an older result (and NAME.part, if there is a checkpoint).
    subroutine finish(self, case, state, report, error)
@@ -134,6 +126,7 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: ratio
 
       associate (file => self%file, summary => self%summary)
          call self%begin_end(case)
@@ -153,9 +146,10 @@ contains
             if (report%converged .and. .not. self%run%passage%times%is_settled()) self%missing = &
                'the start is in the quantities, see /report/note'
          end if
-         call write_summary(file, summary, self%scaling, self%is_transient, self%missing, &
-            self%lambda_ratio())
-         if (has_duty(self) .and. .not. allocated(case%point)) call write_mean_power(file, &
+         ratio = not_known()
+         if (allocated(self%limits)) ratio = self%limits(mixed_lubrication)%value
+         call write_summary(file, summary, self%scaling, self%is_transient, self%missing, ratio)
+         if (all([has_duty(self), .not. allocated(case%point)])) call write_mean_power(file, &
             self%run%passage%counted, self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, &
             self%missing)
          if (self%is_transient) call write_times(file, self%run%passage%times)
@@ -172,7 +166,7 @@ contains
          call judge(self%adequacy, summary)
          call write_adequacy(file, self%adequacy)
          call write_decision(file, self%choice)
-         if (.not. allocated(case%point) .or. case%solver%film_floor > 0.0_wp) call &
+         if (any([.not. allocated(case%point), case%solver%film_floor > 0.0_wp])) call &
             write_breakdown(file, report%breakdown, self%scaling)
          if (allocated(self%work)) then
             call make_counter(file, '/report/grid', size(self%work, 2), 'number of the grid')

@@ -72,7 +72,7 @@ contains
       call self%log%on_step(step, steps, state, report)
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
          breakdown_sentence(report%breakdown, self%film_floor, self%log%scaling))
-      self%is_stopping = self%writer%has_failed()
+      self%is_stopping = allocated(self%writer%file%failure)
       is_asked = is_interrupted()
       is_due = is_asked .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) is_due = is_due .or. begin - self%start > long_run
