@@ -9,15 +9,15 @@ module case_notes
    use line_contact, only: rough_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use quantities, only: h_central, h_min, quantity_rows
+   use quantities, only: h_min, quantity_rows
    use run_observer, only: run_observer_t
    use text, only: add_sentence, duration_text, prefixed_text, to_text
    use wave_resolution, only: coarse_waves, intervals_at_least, long_steps
    implicit none (type, external)
    private
 
-   public :: add_note, note_coarse_waves, note_measured_error, note_missed_error, &
-      note_target, note_unusual, time_text, unusual_text
+   public :: add_note, note_coarse_waves, note_missed_error, note_unusual, time_text, &
+      unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -106,33 +106,9 @@ contains
       end associate
    end subroutine note_coarse_waves
 
-   !> Adds to the notes of the `report` where the coarse runs of a transient show an error of h_min
-   !> above the wanted one. On a given inlet the target is that of grid and time step alone.
-   subroutine note_measured_error(case, listener, state, report)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(inout) :: report
-      type(line_summary_t) :: summary
-      real(wp) :: measured
-
-      if (.not. all([report%converged, case%time%is_transient, case%solver%wants_coarse_runs, &
-         case%solver%target > 0.0_wp])) return
-      summary = listener%writer%quantities_at_end(state, report)
-      associate (film => summary%of(h_min))
-         measured = film%error_estimate
-         if (case%domain%has_inlet) measured = film%error_grid
-         measured = measured/film%value
-      end associate
-      if (.not. ieee_is_finite(measured)) return
-      if (measured <= (1.0_wp + rounding)*case%solver%target) return
-      call add_note(case, listener, 'the target accuracy is not shown: a relative error of '// &
-         'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%solver%target, 2)// &
-         ' is the target', report%note)
-   end subroutine note_measured_error
-
-   !> Adds to the notes of the `report` the quantity of the closing table whose error misses the
-   !> target of a graded grid by most, if one does.
+   !> Adds to the notes of the `report` an error that is above the wanted one: of a steady contact
+   !> that which misses it by most in the closing table, in time that of h_min, if it was measured;
+   !> on a given inlet the target is that of grid and time step alone.
    subroutine note_missed_error(case, listener, state, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
@@ -143,40 +119,32 @@ contains
       real(wp) :: error, worst
       integer :: i
 
-      if (.not. (case%solver%target > 0.0_wp .and. report%converged) .or. &
-         case%time%is_transient) return
+      if (.not. (case%solver%target > 0.0_wp .and. report%converged)) return
+      if (case%time%is_transient .and. .not. case%solver%wants_coarse_runs) return
       summary = listener%writer%quantities_at_end(state, report)
       worst = (1.0_wp + rounding)*case%solver%target
       found = ''
       do i = 1, size(summary%of)
+         if (case%time%is_transient) exit
          if (quantity_rows(i)%short == '' .or. .not. exceeds(summary%of(i)%value, 0.0_wp)) cycle
          error = summary%of(i)%error_estimate/summary%of(i)%value
          if (error <= worst) cycle
-         found = trim(quantity_rows(i)%short)//': no error is estimated'
+         found = ' of '//trim(quantity_rows(i)%short)//': no error is estimated'
          if (.not. ieee_is_finite(error)) exit
          worst = error
-         found = trim(quantity_rows(i)%short)//': a relative error of '//to_text(error, 2) &
+         found = ' of '//trim(quantity_rows(i)%short)//': a relative error of '//to_text(error, 2) &
             //' is estimated'
       end do
-      if (found /= '') call add_note(case, listener, 'the target accuracy is not shown of '//found &
+      if (case%time%is_transient) then
+         associate (film => summary%of(h_min))
+            error = merge(film%error_grid, film%error_estimate, case%domain%has_inlet)/film%value
+         end associate
+         if (exceeds(error, worst)) found = ': a relative error of h_min of '//to_text(error, 2) &
+            //' is estimated'
+      end if
+      if (found /= '') call add_note(case, listener, 'the target accuracy is not shown'//found &
          //', '//to_text(case%solver%target, 2)//' is the target', report%note)
    end subroutine note_missed_error
-
-   !> Notes a target of a point contact that is not shown.
-   subroutine note_target(case, summary, report)
-      type(case_t), intent(in) :: case
-      type(line_summary_t), intent(in) :: summary
-      type(report_t), intent(inout) :: report
-
-      if (.not. (case%solver%target > 0.0_wp .and. report%converged)) return
-      associate (of => summary%of([h_min, h_central]))
-         if (all(of%error_estimate <= case%solver%target*of%value)) return
-         call add_sentence(report%note, 'the target accuracy is not shown: relative errors of '// &
-            'h_min and h_central of '//to_text(of(1)%error_estimate/of(1)%value, 2)//' and ' &
-            //to_text(of(2)%error_estimate/of(2)%value, 2)//' are estimated, ' &
-            //to_text(case%solver%target, 2)//' is the target')
-      end associate
-   end subroutine note_target
 
    !> Logs `words`, if there are any, and adds them to `note`.
    subroutine add_note(case, listener, words, note)

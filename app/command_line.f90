@@ -27,18 +27,12 @@ module command_line
       character(:), allocatable :: summary
       !> Threads of areal problems [-].
       integer :: threads = 1
-      !> True: no progress.
-      logical :: is_quiet = .false.
-      !> True: the closing tables are whole.
-      logical :: is_verbose = .false.
-      !> True: go on from checkpoints.
-      logical :: is_resume = .false.
-      !> True: a line for each case on standard output.
-      logical :: has_outcomes = .false.
-      !> True: cases with bad input are left out, the others run.
-      logical :: keeps_going = .false.
+      !> Options without a value, as they are given.
+      character(len=16), allocatable :: flags(:)
       !> Entries that replace or complete those of every namelist.
       type(set_entry_t), allocatable :: entries(:)
+   contains
+      procedure :: has
    end type command_t
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
@@ -58,14 +52,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: word
       integer :: i, count, files
-      logical :: has_profiles
 
       command%action = 'run'
-      has_profiles = .false.
       command%output_dir = ''
       command%summary = ''
       count = command_argument_count()
-      allocate (command%files(count), command%entries(0))
+      allocate (command%files(count), command%flags(0), command%entries(0))
       files = 0
       i = 1
       do while (i <= count)
@@ -81,21 +73,11 @@ contains
             else
                call read_file_name(command, word, files, error)
             end if
-         case ('--quiet')
-            command%is_quiet = .true.
-         case ('--verbose')
-            command%is_verbose = .true.
+         case ('--quiet', '--verbose', '--profiles', '--resume', '--outcomes', '--keep-going')
+            command%flags = [character(len=16) :: command%flags, word]
          case ('--template', '--output', '--threads', '--set', '--format', '--summary')
             i = i + 1
             call read_option_value(command, word, argument(i), error)
-         case ('--profiles')
-            has_profiles = .true.
-         case ('--resume')
-            command%is_resume = .true.
-         case ('--outcomes')
-            command%has_outcomes = .true.
-         case ('--keep-going')
-            command%keeps_going = .true.
          case default
             call read_file_name(command, word, files, error)
          end select
@@ -103,8 +85,8 @@ contains
          i = i + 1
       end do
       command%files = command%files(:files)
-      if (has_profiles) command%form = 'profiles'
-      if (has_profiles .and. .not. (command%action == 'table' .and. files == 1)) then
+      if (command%has('--profiles')) command%form = 'profiles'
+      if (command%form == 'profiles' .and. .not. (command%action == 'table' .and. files == 1)) then
          call fail(error, input_error, 'found --profiles, expected asperity table RESULT.h5 '// &
             '--profiles with one result'//see_help)
          return
@@ -112,15 +94,19 @@ contains
       if (command%summary /= '' .and. command%output_dir /= '') call fail(error, input_error, &
          'found --summary and --output, expected one of them: a table has no results beside it')
       if (size(command%files) > 0 .or. allocated(error)) return
-      select case (command%action)
-      case ('run', 'check')
-         call fail(error, input_error, 'found no namelist file, expected at least one' // see_help)
-      case ('table')
-         call fail(error, input_error, 'found no result, expected at least one' // see_help)
-      case default
-         return
-      end select
+      if (any(command%action == ['run  ', 'check'])) call fail(error, input_error, &
+         'found no namelist file, expected at least one' // see_help)
+      if (command%action == 'table') call fail(error, input_error, &
+         'found no result, expected at least one' // see_help)
    end subroutine read_command_line
+
+   !> Whether an `option` without a value is given.
+   pure logical function has(self, option)
+      class(command_t), intent(in) :: self
+      character(*), intent(in) :: option
+
+      has = any(self%flags == option)
+   end function has
 
    !> Argument number `i`; empty if there is none.
    function argument(i) result(word)

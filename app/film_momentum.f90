@@ -28,18 +28,17 @@ contains
       type(momentum_march_t) :: march
 
       if (case%layers == 0 .or. .not. case%time%is_transient) return
-      march%walls = walls_of(case, listener)
+      march%walls = walls_of(case)
       march%layers = case%layers
       allocate (listener%follower, source=march)
    end subroutine prepare_momentum
 
    !> What the equations need to know of the bodies.
-   function walls_of(case, listener) result(walls)
+   function walls_of(case) result(walls)
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(in) :: listener
       type(walls_t) :: walls
 
-      associate (scaling => listener%log%scaling)
+      associate (scaling => case%scaling)
          walls%delta = scaling%slope
          ! rho_0 u_s^2/p_h: inertia of the oil at ambient pressure over the pressure of the contact
          if (case%has_inertia) walls%inertia = case%materials%density*scaling%speed_sum**2 &
@@ -75,21 +74,20 @@ contains
                call add_note(case, listener, words//'); '//difference_sentence(writer%momentum), &
                   report%note)
             end select
-            report%cost%peak_memory = peak_memory()
-            return
-         end if
-         writer%reynolds = state
-         allocate (writer%momentum)
-         call solve_film_momentum(case%contact, walls_of(case, listener), case%layers, state, &
-            writer%momentum, report, error)
-         if (allocated(error)) return
-         report%cost%peak_memory = peak_memory()
-         if (report%converged) then
-            call add_note(case, listener, difference_sentence(writer%momentum), report%note)
          else
-            deallocate (writer%momentum, writer%reynolds)
+            writer%reynolds = state
+            allocate (writer%momentum)
+            call solve_film_momentum(case%contact, walls_of(case), case%layers, state, &
+               writer%momentum, report, error)
+            if (allocated(error)) return
+            if (report%converged) then
+               call add_note(case, listener, difference_sentence(writer%momentum), report%note)
+            else
+               deallocate (writer%momentum, writer%reynolds)
+            end if
          end if
       end associate
+      report%cost%peak_memory = peak_memory()
    end subroutine follow_momentum
 
 end module film_momentum

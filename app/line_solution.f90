@@ -1,15 +1,15 @@
 !> The solution of a lubricated case, with the coarse runs that measure its errors, and what the
 !> program has chosen in place of the user, for the list of effective values of its result.
 module line_solution
-   use case_notes, only: add_note, hour, note_coarse_waves, note_measured_error, &
-      note_missed_error, note_unusual, time_text
+   use case_notes, only: add_note, hour, note_coarse_waves, note_missed_error, note_unusual, &
+      time_text
    use case_record, only: case_t, list_passage, set_effective
    use coarse_runs, only: side_runs_t
-   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
+   use error_bars, only: copy_coarser, new_error_bars
    use errors, only: error_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, compare_grids, solve_with_coarse_runs
-   use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
+   use iteration_report, only: phase_error_bars, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
    use adequacy, only: model_choice_t, number_choice_t
@@ -37,7 +37,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
       type(side_runs_t), allocatable :: side_runs
-      real(wp) :: seconds
+      real(wp) :: seconds, start
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
@@ -45,8 +45,10 @@ contains
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_grid(case, listener, seconds, error)
+         start = wall_seconds()
+         call choose_resolution(case%contact, case%solver, case%time, listener, error)
          if (allocated(error) .or. listener%is_stopping) return
+         seconds = wall_seconds() - start
       end if
       listener%writer%bars%spike_law%fluid = case%contact%fluid
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
@@ -70,8 +72,7 @@ contains
       report%fit%nodes_per_wave = nodes_in_wave(case%contact)
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
-      call refuse_nonsense(state, report)
-      call keep_coarser(listener)
+      call look_at_solution(listener, state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
          call compare_grids(case, listener, side_runs, seconds, error)
@@ -81,10 +82,12 @@ contains
       call check_ends(case, listener, report, error)
       if (allocated(error)) return
       call note_missed_error(case, listener, state, report)
-      call note_measured_error(case, listener, state, report)
       call fill_chosen(case, report, listener%writer%run%passage%times)
       call fill_numbers(case, report, listener%writer%choice)
-      call complete_report(listener, seconds, report)
+      call listener%complete(report)
+      associate (phases => report%cost%phase_seconds)
+         phases(phase_error_bars) = phases(phase_error_bars) + seconds
+      end associate
    end subroutine solve_line_case
 
    !> Grid, time step and scheme of the run that this one goes on with.
@@ -104,11 +107,17 @@ contains
       call settle_tolerance(case%solver)
    end subroutine restore_resolution
 
-   !> Errors of a graded grid are known; coarser grids that a steady solution has passed need not be
-   !> run any more.
-   subroutine keep_coarser(listener)
+   !> One that is not finite counts as not converged. Errors of a graded grid are known; coarser
+   !> grids that a steady solution has passed need not be run any more.
+   subroutine look_at_solution(listener, state, report)
       type(run_observer_t), intent(inout) :: listener
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
 
+      if (report%converged .and. .not. all_finite(state)) then
+         report%converged = .false.
+         report%reason = 'the solution holds values that are not finite'
+      end if
       if (allocated(listener%grid_errors)) then
          listener%writer%bars%grid_errors = listener%grid_errors
          listener%has_coarse_runs = .false.
@@ -117,47 +126,7 @@ contains
       if (size(listener%coarser) < 2) return
       call copy_coarser(listener%writer%bars, listener%coarser)
       listener%has_coarse_runs = .false.
-   end subroutine keep_coarser
-
-   !> Intervals and time step for the accuracy that is wanted of a transient, by trial runs, and the
-   !> `seconds` that they took. Error: memory or a library failed.
-   subroutine choose_grid(case, listener, seconds, error)
-      type(case_t), intent(inout) :: case
-      type(run_observer_t), intent(inout) :: listener
-      real(wp), intent(out) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: start
-
-      start = wall_seconds()
-      call choose_resolution(case%contact, case%solver, case%time, listener, &
-         error)   ! error: the caller looks
-      seconds = wall_seconds() - start
-   end subroutine choose_grid
-
-   !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
-   !> separate coarse runs and of output.
-   subroutine complete_report(listener, seconds, report)
-      type(run_observer_t), intent(in) :: listener
-      real(wp), intent(in) :: seconds
-      type(report_t), intent(inout) :: report
-
-      call listener%name_breakdown(report)
-      associate (phases => report%cost%phase_seconds)
-         phases(phase_error_bars) = phases(phase_error_bars) + seconds
-         phases(phase_output) = listener%output_seconds
-         phases(phase_transient) = max(phases(phase_transient) - listener%output_seconds, 0.0_wp)
-      end associate
-   end subroutine complete_report
-
-   !> A solution that is not finite counts as not converged.
-   subroutine refuse_nonsense(state, report)
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(inout) :: report
-
-      if (.not. report%converged .or. all_finite(state)) return
-      report%converged = .false.
-      report%reason = 'the solution holds values that are not finite'
-   end subroutine refuse_nonsense
+   end subroutine look_at_solution
 
    !> Lists what the program has chosen in place of the user among the effective values, with the
    !> `times` that count and where the surfaces began; 0: not used by the method.

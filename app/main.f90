@@ -74,35 +74,24 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t), allocatable :: cases(:)
       type(refused_t), allocatable :: refused(:)
+      type(progress_log_t) :: log
+      type(case_outcome_t) :: outcome
+      integer :: i
 
       call listen_to_signals()
-      if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error))
+      if (.not. command%has('--quiet')) call watch_silence(is_terminal(standard_error))
       call read_all_cases(command, cases, refused, error)
       if (allocated(error)) return
       call report_refused(refused, command, status, error)
       if (allocated(error)) return
       if (command%action == 'check') then
          call report_good(cases, error)
-      else
-         call make_folder(command%output_dir)
-         call run_cases(cases, command, status, error)
+         return
       end if
-   end subroutine check_or_run
-
-   !> Runs one case after another; `status` becomes the largest of theirs. After an interruption no
-   !> further case is started. Error: standard output is lost.
-   subroutine run_cases(cases, command, status, error)
-      type(case_t), intent(inout) :: cases(:)
-      type(command_t), intent(in) :: command
-      integer, intent(inout) :: status
-      type(error_t), allocatable, intent(out) :: error
-      type(progress_log_t) :: log
-      type(case_outcome_t) :: outcome
-      integer :: i
-
+      call make_folder(command%output_dir)
       do i = 1, size(cases)
-         if (is_interrupted()) then
-            log = new_progress_log(command%is_quiet)
+         if (is_interrupted()) then   ! no further case is started
+            log = new_progress_log(command%has('--quiet'))
             call disarm_exit_message()
             if (outcome%status /= status_interrupted) call log%say_error('interrupted before ' &
                // cases(i)%file)
@@ -110,9 +99,9 @@ contains
             return
          end if
          call run_one_case(cases(i), command, outcome)
-         call count_outcome(cases(i)%file, outcome, command%has_outcomes, status, error)
+         call count_outcome(cases(i)%file, outcome, command%has('--outcomes'), status, error)
          if (allocated(error)) return
       end do
-   end subroutine run_cases
+   end subroutine check_or_run
 
 end program asperity

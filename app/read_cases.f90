@@ -31,7 +31,7 @@ module read_cases
    !> Exit status of bad input, usage or file.
    integer, parameter, public :: status_bad_input = 1
 
-   !> A file with bad input.
+   !> A file, and what is wrong with it.
    type :: refused_t
       character(:), allocatable :: file, findings
    end type refused_t
@@ -59,56 +59,44 @@ contains
       type(case_t), allocatable, intent(out) :: cases(:)
       type(refused_t), allocatable, intent(out) :: refused(:)
       type(error_t), allocatable, intent(out) :: error
-      character(len=len(command%files)), allocatable :: files(:)
-      logical :: is_good(size(command%files))
+      type(case_t), allocatable :: good(:)
+      type(input_values_t), allocatable :: defaults   ! not of one file: it does not need a copy
       character(:), allocatable :: problems
+      type(refused_t) :: files(size(command%files))
+      logical :: is_good(size(files))
       integer :: i
 
-      allocate (refused(0))
-      call read_files(command%files, command, cases, is_good, refused)
-      if (command%keeps_going .and. .not. all(is_good)) then
-         files = pack(command%files, is_good)
-         call read_files(files, command, cases, is_good(:size(files)), refused)
+      allocate (cases(size(files)))
+      if (size(cases) > 1) then
+         allocate (defaults)
+         call read_defaults(defaults)
       end if
+      do i = 1, size(cases)
+         files(i)%file = trim(command%files(i))
+         call read_one(files(i)%file, command, cases(i), files(i)%findings, defaults)
+         is_good(i) = len(files(i)%findings) == 0
+      end do
+      refused = files(pack([(i, i=1, size(files))], .not. is_good))
       problems = ''
-      if (command%keeps_going .or. all(is_good)) then
-         if (command%summary == '') then
-            problems = output_findings(cases, command%output_dir, command%is_resume)
-         else
-            call plan_rows(cases, command%is_resume, error)   ! error: handed up
-         end if
-      else
+      if (size(refused) > 0 .and. .not. command%has('--keep-going')) then
          do i = 1, size(refused)
             if (i > 1) problems = problems // new_line('a')
             problems = problems // refused(i)%findings
          end do
+      else
+         if (size(refused) > 0) then
+            allocate (good(count(is_good)))
+            good = cases(pack([(i, i=1, size(cases))], is_good))
+            call move_alloc(good, cases)
+         end if
+         if (command%summary == '') then
+            problems = output_findings(cases, command%output_dir, command%has('--resume'))
+         else
+            call plan_rows(cases, command%has('--resume'), error)   ! error: handed up
+         end if
       end if
       if (len(problems) > 0) call fail(error, input_error, problems)
    end subroutine read_all_cases
-
-   !> Reads `files` (n) into `cases`; which are good, and what is wrong with the others.
-   subroutine read_files(files, command, cases, is_good, refused)
-      character(*), intent(in) :: files(:)
-      type(command_t), intent(in) :: command
-      type(case_t), allocatable, intent(out) :: cases(:)
-      logical, intent(out) :: is_good(:)
-      type(refused_t), allocatable, intent(inout) :: refused(:)
-      type(refused_t), allocatable :: all_files(:)
-      type(input_values_t), allocatable :: defaults   ! not of one file: it does not need a copy
-      integer :: i
-
-      allocate (cases(size(files)), all_files(size(files)))
-      if (size(files) > 1) then
-         allocate (defaults)
-         call read_defaults(defaults)
-      end if
-      do i = 1, size(files)
-         all_files(i)%file = trim(files(i))
-         call read_one(all_files(i)%file, command, cases(i), all_files(i)%findings, defaults)
-         is_good(i) = len(all_files(i)%findings) == 0
-      end do
-      refused = [refused, all_files(pack([(i, i=1, size(files))], .not. is_good))]
-   end subroutine read_files
 
    !> Reads one file; `found` is what is wrong with it, or nothing. `defaults`: of `read_case`.
    subroutine read_one(file, command, case, found, defaults)
@@ -156,7 +144,7 @@ contains
          call log%say(refused(i)%findings)
          outcome%status = status_bad_input
          outcome%reason = refused(i)%findings
-         call count_outcome(refused(i)%file, outcome, command%has_outcomes, status, error)
+         call count_outcome(refused(i)%file, outcome, command%has('--outcomes'), status, error)
          if (allocated(error)) return
       end do
    end subroutine report_refused
@@ -180,7 +168,9 @@ contains
    end subroutine report_good
 
    !> All objections to the results of `cases` in the folder `output_dir` (empty: where the cases
-   !> say), a line each. A run that goes on with a checkpoint looks at it, and at NAME.part, itself.
+   !> say), a line each. Of two outputs in one place the later one is objected to, and only a result
+   !> can be in the way of another one's files. A run that goes on with a checkpoint looks at it
+   !> itself, and at NAME.part.
    function output_findings(cases, output_dir, is_resume) result(problems)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
@@ -194,11 +184,21 @@ contains
       call link_places(places)
       problems = ''
       do i = inputs + 1, size(places)
-         found = first_finding(places, i, inputs, cases)
-         if (found == '') found = taken_finding(places(i), is_resume)
-         if (found == '') cycle
-         if (problems /= '') problems = problems//new_line('a')
-         problems = problems//cases(places(i)%owner)%file//': '//found
+         associate (output => places(i), other => places(places(i)%first))
+            if (output%first <= inputs) then
+               found = 'found the '//trim(other%what)//' '//other%path//' as its ' &
+                  //trim(output%what)//', expected another &case output'
+            else if (other%owner /= output%owner .and. any([other%what, output%what] &
+               == 'result')) then
+               found = 'found the '//trim(output%what)//' '//output%path//', which is also '// &
+                  'that of '//cases(other%owner)%file//', expected different names'
+            else
+               found = taken_finding(output, is_resume)
+            end if
+            if (found == '') cycle
+            if (problems /= '') problems = problems//new_line('a')
+            problems = problems//cases(output%owner)%file//': '//found
+         end associate
       end do
    end function output_findings
 
@@ -295,27 +295,6 @@ contains
          end associate
       end do
    end subroutine link_places
-
-   !> The first objection to output `number` because of other places, of which this many are
-   !> `inputs`; empty: none. Of two outputs in one place the later one is objected to, and only a
-   !> result can be in the way of another one's files.
-   function first_finding(places, number, inputs, cases) result(found)
-      type(place_t), intent(in) :: places(:)
-      integer, intent(in) :: number, inputs
-      type(case_t), intent(in) :: cases(:)
-      character(:), allocatable :: found
-
-      found = ''
-      associate (output => places(number), other => places(places(number)%first))
-         if (output%first <= inputs) then
-            found = 'found the '//trim(other%what)//' '//other%path//' as its ' &
-               //trim(output%what)//', expected another &case output'
-         else if (other%owner /= output%owner .and. any([other%what, output%what] == 'result')) then
-            found = 'found the '//trim(output%what)//' '//output%path//', which is also that of ' &
-               //cases(other%owner)%file//', expected different names'
-         end if
-      end associate
-   end function first_finding
 
    !> The objection to an `output` because of what is there already; empty: nothing, or an older
    !> one. (A folder stops its own case only, later; so does a link instead of a temporary file.)

@@ -15,7 +15,7 @@ module result_start
    use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
    use run_observer, only: run_observer_t
-   use scaling, only: new_heating, scaling_t
+   use scaling, only: new_heating
    use text, only: to_text
    use transient_store, only: breakdown_name, duty_names, mixed_names, point_duty_names, &
       sliding_names
@@ -55,45 +55,38 @@ contains
          if (is_resume) call listener%log%say(case%file//': no checkpoint '//path &
             //'.ckpt: starts at the beginning')
          call open_result(listener%writer, case, path, error)
-         if (.not. allocated(error)) listener%writer%fields = stored_fields(case, &
-            listener%log%scaling)
+         if (.not. allocated(error)) listener%writer%fields = stored_fields(case)
       end if
       if (allocated(error)) return
       associate (statistics => listener%writer%run%statistics, &
          thresholds => case%output_settings%film_thresholds)
          if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
-            statistics = new_statistics(thresholds/listener%log%scaling%film)
+            statistics = new_statistics(thresholds/case%scaling%film)
          end if
          if (case%problem == point) statistics%border = dry_border(case%point)
       end associate
-      listener%writer%heating = new_heating(listener%log%scaling, case%bodies, &
+      listener%writer%heating = new_heating(case%scaling, case%bodies, &
          case%materials%effusivity, case%materials%conductivity)
       if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
          listener%writer%profile_stride
-      listener%writer%has_si = case%output_settings%has_si .and. listener%log%scaling%is_dimensional
-      listener%writer%scaling = listener%log%scaling
+      listener%writer%has_si = case%output_settings%has_si .and. case%scaling%is_dimensional
+      listener%writer%scaling = case%scaling
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
    !> there is a floor, and of what sliding and asperities do, where that is known.
-   function stored_fields(case, scaling) result(names)
+   function stored_fields(case) result(names)
       type(case_t), intent(in) :: case
-      type(scaling_t), intent(in) :: scaling
       character(len=field_name_length), allocatable :: names(:)
 
-      names = [character(len=field_name_length) :: case%output_settings%fields]
-      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
-         breakdown_name]
-      if (ieee_is_finite(scaling%slide_to_roll)) names = [character(len=field_name_length) :: &
-         names, sliding_names]
-      if (allocated(case%contact%asperities)) names = [character(len=field_name_length) :: names, &
-         mixed_names]
-      if (.not. allocated(case%duty)) return
-      if (case%problem == point) then
-         names = [character(len=field_name_length) :: names, point_duty_names]
-      else
-         names = [character(len=field_name_length) :: names, duty_names]
-      end if
+      associate (has_duty => allocated(case%duty), is_point => case%problem == point)
+         names = [character(len=field_name_length) :: case%output_settings%fields, &
+            pack([breakdown_name], case%solver%film_floor > 0.0_wp), &
+            pack(sliding_names, ieee_is_finite(case%scaling%slide_to_roll)), &
+            pack(mixed_names, allocated(case%contact%asperities)), &
+            pack(point_duty_names, has_duty .and. is_point), &
+            pack(duty_names, has_duty .and. .not. is_point)]
+      end associate
    end function stored_fields
 
    !> Goes on at the checkpoint of `path`.
@@ -109,7 +102,7 @@ contains
          associate (stride => listener%writer%profile_stride)   ! 0: chosen with the time step
             if (stride == 0) stride = usual_stride(case%time%end_time, checkpoint%time_step)
          end associate
-         call reopen_result(listener%writer, path, stored_fields(case, listener%log%scaling), &
+         call reopen_result(listener%writer, path, stored_fields(case), &
             size(checkpoint%march%film), checkpoint%march%step + 1, checkpoint%part_digits, error)
       end if
       if (allocated(error)) then

@@ -7,10 +7,10 @@ module result_table
    use build_info, only: program_name
    use dry_quantities, only: contact_area, dry_table, mean_separation, plastic_area
    use errors, only: error_t, fail, input_error
-   use file_bytes, only: has_seal, seal_fault
+   use file_bytes, only: no_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: ending_text, has_converged, has_not_converged
-   use kinds, only: not_known, wp
+   use kinds, only: exceeds, not_known, wp
    use quantities, only: quantity_rows
    use read_cases, only: status_bad_input
    use standard_streams, only: print_text, write_text
@@ -160,7 +160,7 @@ contains
          return
       end if
       fault = seal_fault(file)
-      if (fault /= '' .and. has_seal(file)) then   ! the library may not survive it
+      if (fault /= '' .and. fault /= no_seal) then   ! the library may not survive it
          row%reason = fault
          return
       end if
@@ -168,7 +168,7 @@ contains
       if (reader%text('/', 'program') /= program_name) call reader%refuse('program', &
          'found no result of '//program_name)
       row%problem = reader%text('/', 'problem')
-      row%is_converged = reader%integer_value('/', 'converged') == 1
+      row%is_converged = exceeds(reader%real_value('/', 'converged'), 0.5_wp)
       row%outcome = reader%text_of('/', 'outcome')
       if (row%outcome == '') then   ! of an earlier version
          row%outcome = has_not_converged

@@ -7,7 +7,7 @@ module run_case
    use errors, only: error_t
    use film_momentum, only: follow_momentum, prepare_momentum
    use iteration_report, only: ending_text, has_converged, report_t
-   use key_row, only: lubricated, point
+   use key_row, only: film, has_word, point
    use line_contact, only: line_contact_t
    use line_model, only: choose_lean_model, measure_model, print_full_cost
    use line_solution, only: solve_line_case
@@ -38,13 +38,13 @@ contains
       character(:), allocatable :: earlier, path, reason, words
       logical :: is_complete, is_resume
 
-      log = new_progress_log(command%is_quiet, command%has_outcomes)
-      log%is_verbose = command%is_verbose
+      log = new_progress_log(command%has('--quiet'), command%has('--outcomes'))
+      log%is_verbose = command%has('--verbose')
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
       is_complete = .false.
-      is_resume = command%is_resume .and. .not. allocated(case%table)
+      is_resume = command%has('--resume') .and. .not. allocated(case%table)
       if (allocated(case%table)) then
          path = case%table%path
          is_complete = allocated(case%table%outcome)
@@ -68,11 +68,8 @@ contains
       end if
       words = unusual_text(case)
       if (words /= '') call log%say(words(2:))
-      if (case%problem == lubricated) then
+      if (has_word(film, trim(case%problem))) then
          call run_lubricated_case(case, path, is_resume, command%threads, log, outcome)
-      else if (case%problem == point) then
-         call solve_point_case(case, path, is_resume, log, command%threads, outcome, error)
-         if (allocated(error)) call give_up(error, log, outcome)
       else
          call solve_and_write(case, path, log, command%threads, outcome, error)
          if (allocated(error)) call give_up(error, log, outcome)
@@ -105,12 +102,15 @@ contains
       call prepare_momentum(case, listener)
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then
-         call choose_lean_model(case, listener, error)
-         if (.not. allocated(error)) call print_full_cost(case, listener)
-         if (.not. allocated(error)) call solve_line_case(case, listener, state, report, &
-            error)
-         if (.not. allocated(error)) call measure_model(case, listener, state, report, error)
-         if (.not. allocated(error)) call follow_momentum(case, listener, state, report, error)
+         if (case%problem == point) then
+            call solve_point_case(case, listener, state, report, error)
+         else
+            call choose_lean_model(case, listener, error)
+            if (.not. allocated(error)) call print_full_cost(case, listener)
+            if (.not. allocated(error)) call solve_line_case(case, listener, state, report, error)
+            if (.not. allocated(error)) call measure_model(case, listener, state, report, error)
+            if (.not. allocated(error)) call follow_momentum(case, listener, state, report, error)
+         end if
          if (allocated(error)) call listener%writer%discard()
       end if
       rough%domain = case%contact%domain

@@ -93,6 +93,7 @@ contains
       type(dry_record_t), intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
       type(dry_trial_t), allocatable :: trials(:)
+      character(:), allocatable :: reason
       real(wp) :: seconds(size(record%outcome%seconds)), phases(phase_count)
       integer :: most, nodes(2)
 
@@ -122,7 +123,16 @@ contains
          call refine_heights(dry, nodes, error)
          if (allocated(error)) return
       end do
-      if (.not. allocated(error)) call note_unmet(dry, trials(size(trials))%doubt, most)
+      if (allocated(error)) return
+      associate (doubt => trials(size(trials))%doubt)
+         if (doubt >= unknown_doubt) return   ! without a solution the reason is told elsewhere
+         reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
+         if (most < max_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
+         if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
+         call add_sentence(dry%note, 'the target accuracy is not met: of the contact area a '// &
+            'relative error of '//to_text(doubt, 2)//' is estimated, '//to_text(dry%target, 2) &
+            //' is the target, and '//reason)
+      end associate
    end subroutine solve_to_target
 
    !> Solves the grid of `dry` and estimates errors, if asked for. Errors as in `solve_dry_sweep`.
@@ -161,22 +171,5 @@ contains
          if (most <= dry%grid%nx) exit
       end do
    end function max_nodes
-
-   !> Notes that the target is not met by an estimated error of `doubt`, and why (without a solution
-   !> the reason is told elsewhere).
-   subroutine note_unmet(dry, doubt, most)
-      type(dry_case_t), intent(inout) :: dry
-      real(wp), intent(in) :: doubt
-      integer, intent(in) :: most
-      character(:), allocatable :: reason
-
-      if (doubt >= unknown_doubt) return
-      reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
-      if (most < max_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
-      if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
-      call add_sentence(dry%note, 'the target accuracy is not met: of the contact area a '// &
-         'relative error of '//to_text(doubt, 2)// &
-         ' is estimated, '//to_text(dry%target, 2)//' is the target, and '//reason)
-   end subroutine note_unmet
 
 end module run_dry_case

@@ -30,7 +30,7 @@ contains
       real(wp), intent(out) :: value
       logical, intent(out) :: good
       character(len=longest_number + 10) :: buffer
-      integer :: letter, status
+      integer :: first, letter, point, status
       integer(int64) :: exponent
       logical :: is_short
 
@@ -43,13 +43,19 @@ contains
       associate (mantissa => string(:letter - 1))
          if (.not. is_mantissa(mantissa)) return
          exponent = 0
-         if (letter <= len(string)) then
-            call read_exponent(string(letter:), exponent, good)
+         if (letter <= len(string)) then   ! with its letter, or only with its sign: e-8, D+3, +3
+            first = letter + scan(string(letter:letter), 'eEdDqQ')
+            if (len(string) - first > 7) return
+            call read_integer(string(first:), exponent, good)
             if (.not. good) return
          end if
          good = .false.
-         if (scan(mantissa, '123456789') > 0) then
-            if (abs(exponent + leading_exponent(mantissa)) > largest_exponent) return
+         first = scan(mantissa, '123456789')
+         if (first > 0) then
+            point = index(mantissa, '.')
+            if (point == 0) point = len(mantissa) + 1
+            if (first < point) point = point - 1
+            if (abs(exponent + point - first) > largest_exponent) return   ! of its first digit
          else
             exponent = 0
          end if
@@ -104,32 +110,6 @@ contains
       is_mantissa = scan(string, '0123456789') > 0 .and. index(string, '.', back=.true.) == point &
          .and. verify(string(start:), '0123456789.') == 0
    end function is_mantissa
-
-   !> Reads an exponent with its letter, or only with its sign: e-8, D+3, +3.
-   pure subroutine read_exponent(string, exponent, good)
-      character(*), intent(in) :: string
-      integer(int64), intent(out) :: exponent
-      logical, intent(out) :: good
-      integer :: start
-
-      start = 1
-      if (scan(string(1:1), 'eEdDqQ') == 1) start = 2
-      exponent = 0
-      good = .false.
-      if (len(string) - start <= 7) call read_integer(string(start:), exponent, good)
-   end subroutine read_exponent
-
-   !> Decimal exponent of the first digit of `mantissa` that is not zero.
-   pure function leading_exponent(mantissa) result(exponent)
-      character(*), intent(in) :: mantissa
-      integer :: exponent, point, first
-
-      point = index(mantissa, '.')
-      if (point == 0) point = len(mantissa) + 1
-      first = scan(mantissa, '123456789')
-      exponent = point - first
-      if (first < point) exponent = exponent - 1
-   end function leading_exponent
 
    !> Reads [+-]digits that fill all of `string`; `good` is false for all else and beyond 64 bits.
    pure subroutine read_integer(string, value, good)

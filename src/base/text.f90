@@ -215,10 +215,8 @@ contains
       character(len=*), parameter :: prefixes = 'pnum kMGT'
       integer :: exponent
 
-      if (.not. ieee_is_finite(value)) then
-         string = 'unknown'
-         return
-      end if
+      string = 'unknown'
+      if (.not. ieee_is_finite(value)) return
       exponent = 0
       if (abs(value) > 0.0_wp) exponent = floor(log10(abs(value))/3.0_wp)
       exponent = min(max(exponent, -4), 4)

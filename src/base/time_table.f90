@@ -34,8 +34,9 @@ contains
       real(wp), intent(in) :: times(:), values(:)
       logical, intent(in) :: is_linear, is_periodic
       type(time_table_t) :: table
-      real(wp) :: slope(0:size(times) + 1), rise(0:size(times)), gap(0:size(times))
-      integer :: i, n
+      real(wp) :: slope(0:size(times) + 1), rise(0:size(times)), gap(0:size(times)), change, least
+      logical :: is_kink(size(times) - 1)
+      integer :: before, i, n
 
       n = size(times)
       table%times = times
@@ -59,7 +60,17 @@ contains
       do i = 2, n
          table%sums(i) = table%sums(i - 1) + piece_integral(table%cubic(:, i - 1), gap(i - 1))
       end do
-      table%kink_times = kinks_of(table)
+      least = kink_share*maxval(abs(values))
+      is_kink = .false.
+      do i = merge(1, 2, is_periodic), n - 1   ! of the two rows that join periods the first
+         before = merge(n - 1, i - 1, i == 1)
+         associate (left => gap(before), right => gap(i), c => table%cubic)
+            change = abs(c(1, i) - c(1, before) - left*(2*c(2, before) + 3*left*c(3, before))) &
+               *min(left, right) + merge(abs(values(1) - values(n)), 0.0_wp, i == 1)
+         end associate
+         is_kink(i) = change > least
+      end do
+      table%kink_times = pack(times(:n - 1), is_kink)
    end function new_time_table
 
    !> Slopes at n + 1 nodes by the weighted harmonic mean of the slopes `rise` (n) of the intervals
@@ -103,29 +114,6 @@ contains
       integral = integral + min(time - self%times(1), 0.0_wp)*self%values(1) &
          + max(time - self%times(n), 0.0_wp)*self%values(n)
    end function integral
-
-   !> Times of the rows at which the slope jumps; of the two that join periods the first.
-   pure function kinks_of(table) result(times)
-      type(time_table_t), intent(in) :: table
-      real(wp), allocatable :: times(:)
-      logical :: is_kink(size(table%times) - 1)
-      real(wp) :: change, least
-      integer :: before, i, n
-
-      n = size(table%times)
-      least = kink_share*maxval(abs(table%values))
-      is_kink = .false.
-      do i = merge(1, 2, table%is_periodic), n - 1
-         before = merge(n - 1, i - 1, i == 1)
-         associate (left => table%times(before + 1) - table%times(before), &
-            right => table%times(i + 1) - table%times(i), c => table%cubic)
-            change = abs(c(1, i) - c(1, before) - left*(2*c(2, before) + 3*left*c(3, before))) &
-               *min(left, right) + merge(abs(table%values(1) - table%values(n)), 0.0_wp, i == 1)
-         end associate
-         is_kink(i) = change > least
-      end do
-      times = pack(table%times(:n - 1), is_kink)
-   end function kinks_of
 
    !> Times behind `from` and before `to`, rising, at which the slope jumps.
    pure function kinks(self, from, to) result(times)

@@ -42,7 +42,7 @@ contains
       copy = label%si_scale*flat
       call file%check_values('/si'//path, copy)
       call write_values(file, '/si'//path, file%real_type, shape(values), c_loc(copy), &
-         label%in_si())
+         new_label(label%long_name, label%si_units))
       call name_axes(file, '/si'//path, axes)
    end subroutine write_field
 

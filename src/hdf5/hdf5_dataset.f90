@@ -1,5 +1,5 @@
 !> Labelled datasets and attributes of an HDF5 file being written: reals, 64-bit integers, strings
-!> of fixed length in UTF-8; series, written block by block. Shapes are as Fortran sees them; h5py
+!> of fixed length in UTF-8; records, written block by block. Shapes are as Fortran sees them; h5py
 !> shows them reversed.
 module hdf5_dataset
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -14,8 +14,8 @@ module hdf5_dataset
    implicit none (type, external)
    private
 
-   public :: attach_values, create_series, label_t, new_label, series_t, &
-      write_attribute, write_dataset, write_string, write_values, write_zeros
+   public :: attach_values, label_t, new_label, write_attribute, write_dataset, write_records, &
+      write_string, write_values, write_zeros
 
    !> Numbers at most that are stored in the header of their dataset, with no place of their own.
    integer, parameter :: few = 16
@@ -31,7 +31,7 @@ module hdf5_dataset
       !> Follows `long_name` where the stored number is another one than in SI.
       character(:), allocatable :: definition
    contains
-      procedure :: has_scale, in_si
+      procedure :: has_scale
    end type label_t
 
    !> Stores a labelled dataset; groups above it are made as needed.
@@ -43,19 +43,6 @@ module hdf5_dataset
    interface write_attribute
       module procedure :: attach_reals, attach_quantity, attach_integer, attach_string
    end interface write_attribute
-
-   !> A series in an open file: numbers (n) or records (shape, n), in h5py (n, shape backwards).
-   type :: series_t
-      !> Records written so far.
-      integer :: records = 0
-      !> Extents of a record; none: single numbers.
-      integer, allocatable :: shape(:)
-      character(:), allocatable, private :: path
-      integer(hid_t), private :: id = -1_hid_t
-   contains
-      procedure :: append
-      procedure :: close => close_series
-   end type series_t
 
 contains
 
@@ -80,14 +67,6 @@ contains
       has_scale = abs(self%si_scale - 1.0_wp) > 0.0_wp
    end function has_scale
 
-   !> The label of the same values times `si_scale`.
-   pure function in_si(self) result(label)
-      class(label_t), intent(in) :: self
-      type(label_t) :: label
-
-      label = new_label(self%long_name, self%si_units)
-   end function in_si
-
    !> Reals of any rank; with `is_single` the file has them in single precision. Many zeros are not
    !> written: HDF5 gives zeros for what a file does not have.
    subroutine write_reals(file, path, value, label, is_single)
@@ -96,40 +75,29 @@ contains
       real(wp), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
       logical, intent(in), optional :: is_single
-      integer(hid_t) :: stored_type
       real(wp), pointer :: flat(:)
       logical :: is_blank
 
       call file%check_values(path, value)
       if (allocated(file%row)) call file%row%put(path, '', label%si_units, numbers=value)
-      stored_type = file%real_type
-      if (present(is_single)) stored_type = merge(file%single_type, stored_type, is_single)
       is_blank = size(value) > many
       if (is_blank) then
          call c_f_pointer(c_loc(value), flat, [size(value)])
          is_blank = are_zero(flat)
       end if
       call write_values(file, path, file%real_type, shape(value), merge(c_null_ptr, c_loc(value), &
-         is_blank), label, stored_type)
+         is_blank), label, is_single)
    end subroutine write_reals
 
-   !> Reals of the `extents` that are all zero, as `write_reals`.
+   !> Reals of the `extents`, zero until `write_records` brings others, as `write_reals`.
    subroutine write_zeros(file, path, extents, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer, intent(in) :: extents(:)
       type(label_t), intent(in) :: label
-      logical, intent(in) :: is_single
-      real(wp), target :: zeros(many)
-      type(c_ptr) :: values
+      logical, intent(in), optional :: is_single
 
-      values = c_null_ptr
-      if (product(int(extents, int64)) <= many) then
-         zeros = 0.0_wp
-         values = c_loc(zeros)
-      end if
-      call write_values(file, path, file%real_type, extents, values, label, &
-         merge(file%single_type, file%real_type, is_single))
+      call write_values(file, path, file%real_type, extents, c_null_ptr, label, is_single)
    end subroutine write_zeros
 
    !> Whether all `values` are zero.
@@ -171,16 +139,16 @@ contains
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
 
-   !> Creates, writes and labels a dataset of the `extents` (none: one value), stored as
-   !> `stored_type` if present. Null in place of `values`: they stay unwritten.
-   subroutine write_values(file, path, type_id, extents, values, label, stored_type)
+   !> Creates, writes and labels a dataset of the `extents` (none: one value); with `is_single` the
+   !> file has it in single precision. Null in place of `values`: they stay unwritten.
+   subroutine write_values(file, path, type_id, extents, values, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: type_id
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: values
       type(label_t), intent(in), optional :: label
-      integer(hid_t), intent(in), optional :: stored_type
+      logical, intent(in), optional :: is_single
       integer(hid_t) :: space, dataset, file_type
       integer :: status
 
@@ -190,7 +158,7 @@ contains
       associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
          file%real_type .or. type_id == file%integer_type))
          file_type = type_id
-         if (present(stored_type)) file_type = stored_type
+         if (present(is_single)) file_type = merge(file%single_type, type_id, is_single)
          call create_labelled(file, path, file_type, space, merge(file%shared%small_creation, &
             file%shared%creation, is_small), label, dataset)
       end associate
@@ -330,63 +298,32 @@ contains
       if (len(value) == 0) copy = c_null_char
    end function stored_text
 
-   !> Makes a series at `path` for this many `records`.
-   subroutine create_series(series, file, path, shape, records, label)
-      type(series_t), intent(out) :: series
+   !> Writes `values` (n, records), records of the `extents`, behind the first `before` ones of the
+   !> dataset at `path`.
+   subroutine write_records(file, path, extents, before, values)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      integer, intent(in) :: shape(:), records
-      type(label_t), intent(in) :: label
-      integer(hid_t) :: space
-      integer :: status
-
-      if (allocated(file%failure)) return
-      series%path = path
-      series%shape = shape
-      call h5screate_simple_f(size(shape) + 1, int([shape, records], hsize_t), space, status)
-      call file%check(status, path)
-      call create_labelled(file, path, file%real_type, space, file%shared%creation, label, &
-         series%id)
-      if (allocated(file%failure)) return
-      call h5sclose_f(space, status)
-      call file%check(status, path)
-   end subroutine create_series
-
-   !> Writes records behind the last one, each flat.
-   subroutine append(self, file, values)
-      class(series_t), intent(inout) :: self
-      class(hdf5_file_t), intent(inout) :: file
+      integer, intent(in) :: extents(:), before
       real(wp), intent(in), contiguous, target :: values(:, :)
-      integer(hid_t) :: file_space, memory_space
+      integer(hid_t) :: dataset, file_space, memory_space
       integer :: status
 
       if (allocated(file%failure) .or. size(values, 2) == 0) return
-      call file%check_values(self%path, values)
-      associate (start => int([0*self%shape, self%records], hsize_t), &
-         count => int([self%shape, size(values, 2)], hsize_t))
-         call h5dget_space_f(self%id, file_space, status)
+      call file%check_values(path, values)
+      dataset = file%object_at(path)
+      if (allocated(file%failure)) return
+      associate (start => int([0*extents, before], hsize_t), &
+         count => int([extents, size(values, 2)], hsize_t))
+         call h5dget_space_f(dataset, file_space, status)
          if (status >= 0) call h5screate_simple_f(size(count), count, memory_space, status)
          if (status >= 0) call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, count, &
             status)
-         if (status >= 0) call h5dwrite_f(self%id, file%real_type, c_loc(values), status, &
+         if (status >= 0) call h5dwrite_f(dataset, file%real_type, c_loc(values), status, &
             memory_space, file_space)
          if (status >= 0) call h5sclose_f(memory_space, status)
          if (status >= 0) call h5sclose_f(file_space, status)
       end associate
-      call file%check(status, self%path)
-      self%records = self%records + size(values, 2)
-   end subroutine append
-
-   !> Closes the dataset of the series.
-   subroutine close_series(self, file)
-      class(series_t), intent(inout) :: self
-      class(hdf5_file_t), intent(inout) :: file
-      integer :: status
-
-      if (allocated(file%failure)) return
-      call h5dclose_f(self%id, status)
-      self%id = -1_hid_t
-      call file%check(status, self%path)
-   end subroutine close_series
+      call file%check(status, path)
+   end subroutine write_records
 
 end module hdf5_dataset

@@ -9,7 +9,7 @@ module hdf5_input
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use hdf5, only: h5_integer_kind, h5_real_kind, h5aexists_by_name_f, h5aopen_by_name_f, &
+   use hdf5, only: h5_real_kind, h5aexists_by_name_f, h5aopen_by_name_f, &
       h5dget_space_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fis_hdf5_f, h5fopen_f, &
       h5kind_to_type, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
@@ -34,8 +34,8 @@ module hdf5_input
       integer(hid_t), private :: id = -1_hid_t
       logical, private :: is_open = .false.
    contains
-      procedure :: has, has_attribute, reals, real_value, integer_value, number_of, read_numbers, &
-         text, text_of, scale_of, check, refuse
+      procedure :: has, has_attribute, reals, real_value, number_of, read_numbers, text, &
+         text_of, scale_of, check, refuse
       procedure :: open => open_source
       procedure :: close => close_reader
    end type hdf5_input_t
@@ -159,26 +159,27 @@ contains
       character(*), intent(in) :: path
       real(wp), allocatable, target :: values(:)
       type(hdf5_source_t) :: source
-      integer(int64) :: count
       integer :: status
 
-      count = 0_int64
-      call self%open(source, path)
-      if (.not. allocated(self%failure)) then
-         count = max(source%values, 0_int64)
-         call source%close()
-      end if
-      if (count > max_values) then
+      allocate (values(0))
+      call self%open(source, path, class=number_class, count=-1_int64)
+      if (allocated(self%failure)) return
+      if (source%values > max_values) then
          call self%refuse(path, 'found more than '//to_text(max_values)//' values')
-         count = 0_int64
+      else
+         deallocate (values)
+         allocate (values(max(source%values, 0_int64)), source=0.0_wp, stat=status)
+         if (status /= 0) then
+            call self%refuse(path, 'found '//to_text(source%values)//' values, for which there '// &
+               'is no memory')
+            allocate (values(0))
+         end if
       end if
-      allocate (values(count), source=0.0_wp, stat=status)
-      if (status /= 0) then
-         call self%refuse(path, 'found '//to_text(count)//' values, for which there is no memory')
-         allocate (values(0))
+      if (size(values) > 0) then
+         call source%read_into(h5kind_to_type(wp, h5_real_kind), c_loc(values), status)
+         call self%check(status, path)
       end if
-      if (size(values) > 0) call self%read_numbers(path, count, h5kind_to_type(wp, h5_real_kind), &
-         c_loc(values))
+      call source%close()
    end function reals
 
    !> The number of a dataset or attribute that holds one.
@@ -192,18 +193,6 @@ contains
       call self%read_numbers(path, 1_int64, h5kind_to_type(wp, h5_real_kind), c_loc(value), &
          attribute)
    end function real_value
-
-   !> The number of a dataset or attribute that holds one.
-   function integer_value(self, path, attribute) result(value)
-      class(hdf5_input_t), intent(inout) :: self
-      character(*), intent(in) :: path
-      character(*), intent(in), optional :: attribute
-      integer(int64), target :: value
-
-      value = 0_int64
-      call self%read_numbers(path, 1_int64, h5kind_to_type(int64, h5_integer_kind), c_loc(value), &
-         attribute)
-   end function integer_value
 
    !> The number of the `attribute` of the object at `path`; `default` if there is none.
    real(wp) function number_of(self, path, attribute, default) result(value)

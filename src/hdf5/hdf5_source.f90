@@ -95,31 +95,24 @@ contains
       class(hdf5_source_t), intent(in) :: self
       integer, intent(in) :: class
       integer(int64), intent(in) :: count
-      character(:), allocatable :: fault
+      character(:), allocatable :: fault, found
       logical :: is_number, is_text
 
       is_number = self%class == h5t_integer_f .or. self%class == h5t_float_f
       is_text = self%class == h5t_string_f
+      found = 'something else (a compound, an enumeration, references, ...)'
+      if (is_number) found = 'numbers'
+      if (is_text) found = 'text'
       fault = ''
       if (class == number_class .and. .not. (is_number .and. self%bytes <= largest_number)) then
-         fault = 'found '//class_words(is_number, is_text)//', expected numbers'
+         fault = 'found '//found//', expected numbers'
       else if (class == text_class .and. .not. (is_text .and. self%bytes <= largest_text &
          .and. .not. self%is_variable)) then
-         fault = 'found '//class_words(is_number, is_text)//', expected a text of fixed length'
+         fault = 'found '//found//', expected a text of fixed length'
       else if (count >= 0 .and. self%values /= count) then
          fault = 'found '//to_text(self%values)//' values, expected '//to_text(count)
       end if
    end function fault
-
-   !> What the values are.
-   pure function class_words(is_number, is_text) result(words)
-      logical, intent(in) :: is_number, is_text
-      character(:), allocatable :: words
-
-      words = 'something else (a compound, an enumeration, references, ...)'
-      if (is_number) words = 'numbers'
-      if (is_text) words = 'text'
-   end function class_words
 
    !> "found ..., expected ..." where values lie in other files or in too large chunks; else empty.
    function fault_of_storage(self) result(fault)

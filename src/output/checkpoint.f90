@@ -14,7 +14,7 @@ module checkpoint
    use film_statistics, only: film_statistics_t, new_statistics
    use hdf5_dataset, only: write_attribute
    use hdf5_file, only: create_hdf5_file
-   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use hdf5_input, only: open_hdf5_input
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
@@ -75,7 +75,7 @@ contains
       call write_attribute(file%file, '/', 'git_commit', git_commit())
       call write_attribute(file%file, '/', 'checkpoint_format', format_number)
       call visit_checkpoint(file, checkpoint)
-      call file%close(error)
+      call file%file%close(error)
       if (.not. allocated(error)) call seal_file(path//'.tmp', error)
       if (.not. allocated(error)) then
          is_done = sync_file(path//'.tmp')
@@ -93,7 +93,7 @@ contains
       type(checkpoint_t), intent(out) :: checkpoint
       type(error_t), allocatable, intent(out) :: error
       type(checkpoint_file_t) :: file
-      character(:), allocatable :: difference
+      character(:), allocatable :: commit, difference, version
 
       difference = seal_fault(path)
       if (difference /= '') then
@@ -103,59 +103,45 @@ contains
       file%is_read = .true.
       call open_hdf5_input(file%reader, path, error)
       if (allocated(error)) return
-      difference = other_version(file%reader)
-      if (difference == '') then
+      version = file%reader%text('/', 'version')
+      commit = file%reader%text('/', 'git_commit')
+      if (nint(file%reader%real_value('/', 'checkpoint_format')) /= format_number .or. &
+         version /= program_version .or. commit /= git_commit()) then
+         difference = ' was written by another version, '//program_name//' '//version// &
+            ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')' &
+            //way_out
+      else
          call visit_checkpoint(file, checkpoint)
          difference = first_difference(checkpoint%case, case)
       end if
-      call file%close(error)
+      call file%reader%close(error)
       if (allocated(error)) return
       if (difference /= '') call fail(error, input_error, path//difference)
    end subroutine read_checkpoint
 
-   !> What is wrong with program or version; empty: nothing.
-   function other_version(reader) result(difference)
-      type(hdf5_input_t), intent(inout) :: reader
-      character(:), allocatable :: difference, version, commit
-
-      difference = ''
-      version = reader%text('/', 'version')
-      commit = reader%text('/', 'git_commit')
-      if (reader%integer_value('/', 'checkpoint_format') /= format_number .or. &
-         version /= program_version .or. commit /= git_commit()) difference = &
-         ' was written by another version, '//program_name//' '//version//' (commit '//commit &
-         //'), this is '//program_version//' (commit '//git_commit()//')'//way_out
-      if (allocated(reader%failure)) difference = ''
-   end function other_version
-
    !> The first line in which two cases differ; empty: they are the same.
    pure function first_difference(old, new) result(difference)
       character(*), intent(in) :: old, new
-      character(:), allocatable :: difference
+      character(:), allocatable :: a, b, difference
       character(*), parameter :: ending = new_line('a')
-      integer :: i, start
+      integer :: i, k
 
       difference = ''
-      if (old == new .and. len(old) == len(new)) return
-      associate (a => old//ending, b => new//ending)
-         do i = 1, min(len(a), len(b))
-            if (a(i:i) /= b(i:i)) exit
-         end do
-         start = index(a(:i - 1), ending, back=.true.) + 1
-         difference = ' is of another case: it has '//line_at(a, start)//', the namelist ' &
-            //line_at(b, start)
-      end associate
+      a = old//ending
+      b = new//ending
+      do while (len(a) + len(b) > 0)
+         i = index(a, ending)
+         k = index(b, ending)
+         if (i /= k .or. a(:i) /= b(:k)) exit
+         a = a(i + 1:)
+         b = b(k + 1:)
+      end do
+      if (len(a) + len(b) == 0) return
+      if (a == '') a = 'nothing'//ending
+      if (b == '') b = 'nothing'//ending
+      difference = ' is of another case: it has '//a(:index(a, ending) - 1)//', the namelist ' &
+         //b(:index(b, ending) - 1)
    end function first_difference
-
-   !> The line at byte `start` of a text whose lines all have an end; 'nothing' behind it.
-   pure function line_at(text, start) result(line)
-      character(*), intent(in) :: text
-      integer, intent(in) :: start
-      character(:), allocatable :: line
-
-      line = 'nothing'
-      if (start <= len(text)) line = text(start:start + index(text(start:), new_line('a')) - 2)
-   end function line_at
 
    !> Everything that a checkpoint holds: writes it, or reads it.
    subroutine visit_checkpoint(file, checkpoint)

@@ -6,7 +6,6 @@
 module checkpoint_file
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use errors, only: error_t
    use hdf5, only: h5kind_to_type, h5_integer_kind, h5_real_kind, hid_t
    use hdf5_dataset, only: write_string, write_values
    use hdf5_file, only: hdf5_file_t
@@ -26,7 +25,6 @@ module checkpoint_file
    contains
       procedure :: visit_text, visit_vector, has
       generic :: visit => visit_reals, visit_integers, visit_longs
-      procedure :: close => close_checkpoint
       procedure, private :: visit_reals, visit_integers, visit_longs
    end type checkpoint_file_t
 
@@ -111,17 +109,5 @@ contains
       has = is_kept
       if (self%is_read) has = self%reader%has(path)
    end function has
-
-   !> Closes the file.
-   subroutine close_checkpoint(self, error)
-      class(checkpoint_file_t), intent(inout) :: self
-      type(error_t), allocatable, intent(out) :: error
-
-      if (self%is_read) then
-         call self%reader%close(error)   ! error: handed up
-      else
-         call self%file%close(error)   ! error: handed up
-      end if
-   end subroutine close_checkpoint
 
 end module checkpoint_file

@@ -13,9 +13,8 @@ module closing_table
    use result_labels, only: row_label
    use scaling, only: scaling_t
    use text, only: count_of, counted, number_text, prefixed_text, wrapped
-   use validity, only: film_over_wave, hardness, inlet_heating, limit_t, limiting_stress, &
-      mixed_lubrication, shakedown, shear_heating, side_flow, starvation, stokes_number, &
-      surface_slope, turbulence, viscosity_data
+   use validity, only: inlet_heating, limit_count, limit_rows, limit_t, mixed_lubrication, &
+      shear_heating, side_flow, starvation
    implicit none (type, external)
    private
 
@@ -30,6 +29,22 @@ module closing_table
    integer, parameter :: margin = 12
    !> The largest temperature rise that is printed as it is [K].
    real(wp), parameter :: hottest = 999.0_wp
+
+   !> What passing a limit means, in their order: its value for #, its threshold for @.
+   character(len=66), parameter :: sentences(limit_count) = [character(len=66) :: &
+      'starves the film by # (the default &domain does not)', &
+      'the film is # times the composite roughness: mixed lubrication', &
+      'pressures to #, viscosities are measured to @', &
+      'the shear stress is # of the pressure: oils give way near 0.1', &
+      'pressures to # pass the hardness, @', &
+      'Hertzian pressure # passes the shakedown limit, @', &
+      'sliding heats by # K:', &
+      'heat of the inlet, not in the model, would thin the film by #', &
+      'flow to the sides takes # of the film: the contact is short', &
+      "stress rises by # with p (T_max): Reynolds' equation in doubt", &
+      "surfaces are as steep as #: too much for Reynolds' equation", &
+      "the film is # of the finest wave: thick for Reynolds' equation", &
+      'the Reynolds number of the film is #: not laminar']
 
    !> Lines of the table, unless it is to be whole.
    integer, parameter :: most_lines = 12
@@ -56,6 +71,7 @@ contains
       type(limit_t), intent(in), optional :: limits(:)
       character(:), allocatable :: head, body
       real(wp) :: ratio
+      integer :: i
 
       ratio = not_known()
       if (present(limits)) ratio = limits(mixed_lubrication)%value
@@ -83,8 +99,15 @@ contains
          number_text(summary%of(rise_2)%value, 3)//' K')
       call add_words(body, words%spike)
       call add_words(body, words%formulas)
-      if (present(limits)) body = body//limit_lines(limits, report%is_mixed)
-      if (log%is_verbose .and. times%counts_from > 0.0_wp) call add_words(body, 'times     ' &
+      if (present(limits)) then
+         do i = 1, size(limits)
+            if (.not. limits(i)%is_passed) cycle
+            if (all([report%is_mixed, i == mixed_lubrication])) cycle   ! the outcome names it
+            call add_words(body, merge('inlet     ', 'limit     ', i == starvation) &
+               //limit_sentence(i, limits(i)))
+         end do
+      end if
+      if (all([log%is_verbose, times%counts_from > 0.0_wp])) call add_words(body, 'times     ' &
          //times_text(times))
       call add_words(body, words%decision)
       if (allocated(report%note)) call add_words(body, 'note      '//report%note)
@@ -103,77 +126,45 @@ contains
       type(report_t), intent(in) :: report
       type(progress_log_t), intent(in) :: log
       character(:), allocatable :: rows
+      logical :: is_shown
       integer :: i
 
       rows = contact_line(log%scaling)
       if (log%is_verbose) rows = rows//'            SI              dimensionless'//nl
       do i = 1, size(table_rows)
-         if (is_in_table(summary, ratio, table_rows(i))) rows = rows &
-            //trim(row_of_table(table_rows(i), summary, ratio, log, report%steps > 0))//nl
+         is_shown = .true.
+         if (table_rows(i) == lambda_ratio) is_shown = ieee_is_finite(ratio)
+         if (table_rows(i) == friction_coefficient) is_shown = exceeds( &
+            summary%of(friction_coefficient)%value, 0.0_wp)   ! something slides
+         if (table_rows(i) == p_central) is_shown = is_central_shown(summary)
+         if (is_shown) rows = rows//trim(row_of_table(table_rows(i), summary, ratio, log, &
+            report%steps > 0))//nl
       end do
       if (log%is_verbose) rows = rows//'  residual  '//number_text(report%residual, 2) &
          //'   load error '//number_text(report%load_error, 2)//'   bound ' &
          //number_text(report%tolerance_effective, 2)//nl
    end function rows_of
 
-   !> A sentence for each limit that is passed, without that which the outcome names if `is_mixed`.
-   function limit_lines(limits, is_mixed) result(lines)
-      type(limit_t), intent(in) :: limits(:)
-      logical, intent(in) :: is_mixed
-      character(:), allocatable :: lines
-      integer :: i
-
-      lines = ''
-      do i = 1, size(limits)
-         if (.not. limits(i)%is_passed .or. (is_mixed .and. i == mixed_lubrication)) cycle
-         call add_words(lines, merge('inlet     ', 'limit     ', i == starvation) &
-            //limit_sentence(i, limits(i)))
-      end do
-   end function limit_lines
-
    !> What passing limit `i` means: one line of the closing table.
    pure function limit_sentence(i, limit) result(words)
       integer, intent(in) :: i
       type(limit_t), intent(in) :: limit
-      character(:), allocatable :: bound, number, percent, pressure, words
+      character(:), allocatable :: value, words
+      integer :: k
 
-      number = number_text(limit%value, 2)
-      percent = number_text(100.0_wp*limit%value, 2)//' %'
-      pressure = prefixed_text(limit%value, 'Pa')
-      bound = prefixed_text(limit%threshold, 'Pa')
-      select case (i)
-      case (mixed_lubrication)
-         words = 'the film is '//number//' times the composite roughness: mixed lubrication'
-      case (viscosity_data)
-         words = 'pressures to '//pressure//', viscosities are measured to '//bound
-      case (limiting_stress)
-         words = 'the shear stress is '//number//' of the pressure: oils give way near 0.1'
-      case (hardness)
-         words = 'pressures to '//pressure//' pass the hardness, '//bound
-      case (shakedown)
-         words = 'Hertzian pressure '//pressure//' passes the shakedown limit, '//bound
-      case (shear_heating)
-         ! of an isothermal oil that does not thin it may come out beyond all sense
-         if (limit%value > hottest) number = '>'//number_text(hottest, 3)
-         words = 'sliding heats by '//number//' K: '//number_text(100*limit%viscosity_loss, 2) &
-            //' % less viscosity, up to '//number_text(100*limit%film_loss, 2)//' % less film'
-      case (inlet_heating)
-         words = 'heat of the inlet, not in the model, would thin the film by '//percent
-      case (starvation)
-         words = 'starves the film by '//percent//' (the default &domain does not)'
-      case (side_flow)
-         words = 'flow to the sides takes '//percent//' of the film: the contact is short'
-      case (stokes_number)
-         words = 'stress rises by '//number//" with p (T_max): Reynolds' equation in doubt"
-      case (surface_slope)
-         words = 'surfaces are as steep as '//number//": too much for Reynolds' equation"
-      case (film_over_wave)
-         words = 'the film is '//number//" of the finest wave: thick for Reynolds' equation"
-      case (turbulence)
-         words = 'the Reynolds number of the film is '//number//': not laminar'
-      case default
-         error stop 'limit_sentence: a limit without its case'
-      end select
+      value = number_text(limit%value, 2)
+      if (limit_rows(i)%units == 'Pa') value = prefixed_text(limit%value, 'Pa')
+      if (any(i == [starvation, inlet_heating, side_flow])) value = &
+         number_text(100.0_wp*limit%value, 2)//' %'
+      ! of an isothermal oil that does not thin it may come out beyond all sense
+      if (i == shear_heating .and. limit%value > hottest) value = '>'//number_text(hottest, 3)
+      words = trim(sentences(i))
+      k = index(words, '#')
+      words = words(:k - 1)//value//words(k + 1:)
+      k = index(words, '@')
+      if (k > 0) words = words(:k - 1)//prefixed_text(limit%threshold, 'Pa')
+      if (i == shear_heating) words = words//' '//number_text(100*limit%viscosity_loss, 2)// &
+         ' % less viscosity, up to '//number_text(100*limit%film_loss, 2)//' % less film'
    end function limit_sentence
 
    !> Leaves as many lines of `body` as there is `room` for, and says that there are more.
@@ -280,19 +271,6 @@ contains
       if (report%cost%peak_memory > 0.0_wp) outcome = outcome//', ' &
          //prefixed_text(report%cost%peak_memory, 'B')
    end function outcome_text
-
-   !> Whether a quantity of the table has its row: not an unknown lambda `ratio`, nor friction where
-   !> nothing slides, nor the central pressure where the largest one is well known.
-   pure logical function is_in_table(summary, ratio, i)
-      type(line_summary_t), intent(in) :: summary
-      real(wp), intent(in) :: ratio
-      integer, intent(in) :: i
-
-      is_in_table = .true.
-      if (i == lambda_ratio) is_in_table = ieee_is_finite(ratio)
-      if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, 0.0_wp)
-      if (i == p_central) is_in_table = is_central_shown(summary)
-   end function is_in_table
 
    !> Adds what others say: lines that begin with a blank as they are, others wrapped.
    subroutine add_words(body, lines)

@@ -7,7 +7,7 @@ module dry_result
    use features, only: node_positions
    use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
-   use dry_problem, only: dry_scaling_t, kernel_open, no_hardness
+   use dry_problem, only: kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
       load, mean_pressure, mean_separation, p_max, plastic_area, separation
    use errors, only: error_t
@@ -59,14 +59,26 @@ contains
       integer :: k
 
       associate (rows => outcome%rows)
-         call write_scaling(file, dry, outcome%scaling, rows(size(rows))%values(mean_pressure))
+         call file%create_group('/scaling')
+         call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus, 'Pa')
+         ! the numbers of the last load on which the contact of a periodic rough surface of its
+         ! shape depends, by (3.19) of the thesis E' s/(4 w), with a hardness H_s L/w too; w is the
+         ! mean pressure times L
+         associate (p => rows(size(rows))%values(mean_pressure))
+            if (dry%is_periodic .and. p > 0.0_wp .and. .not. outcome%scaling%is_flat) then
+               call write_attribute(file, '/scaling', 'similarity_number', &
+                  outcome%scaling%pressure/p, '1')
+               if (dry%loads%hardness < no_hardness) call write_attribute(file, '/scaling', &
+                  'hardness_number', dry%loads%hardness/p, '1')
+            end if
+         end associate
          call write_fields(file, dry, outcome%fields)
          call make_counter(file, '/sweep/step', size(rows), 'number of the load')
          do k = 1, dry_count
             call write_quantity(file, dry, outcome, k)
          end do
-         call write_column(file, 'kkt', rows%kkt, &
-            new_label('violation of the contact conditions', '1'))
+         call write_field(file, '/sweep/kkt', [rows%kkt], &
+            new_label('violation of the contact conditions', '1'), 'step')
          call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
             new_label('pairs of transforms, in pairs of the full grid', '1'))
          call name_axes(file, '/sweep/fft_pairs', 'step')
@@ -74,15 +86,6 @@ contains
             call write_roughness(file, k, rows%roughness(k), dry%grid%ny == 1)
          end do
       end associate
-      call write_costs(file, outcome)
-      if (.not. allocated(file%row)) call write_surface(file, dry, outcome%fields, error)
-   end subroutine write_dry_result
-
-   !> What the solution took: /report/cpu_..., /report/transforms.
-   subroutine write_costs(file, outcome)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_outcome_t), intent(in) :: outcome
-
       call write_dataset(file, '/report/cpu_seconds', sum(outcome%seconds(:2)), &
          new_label('processor time of the solution, planning of the transforms included', 's'))
       call write_dataset(file, '/report/cpu_prepare_seconds', outcome%seconds(1), &
@@ -96,25 +99,8 @@ contains
       call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
          'number of: size in x, in y, pairs in double, pairs in single precision')
       call name_axes(file, '/report/transforms', 'transform_column grid')
-   end subroutine write_costs
-
-   !> /scaling: E', and of a periodic rough surface the numbers of the last load on which a contact
-   !> of its shape depends, by (3.19) of the thesis E' s/(4 w), with a hardness H_s L/w too; w is
-   !> the mean pressure times L. Without load there are none.
-   subroutine write_scaling(file, dry, scaling, mean_pressure)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_case_t), intent(in) :: dry
-      type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: mean_pressure
-
-      call file%create_group('/scaling')
-      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus, 'Pa')
-      if (.not. dry%is_periodic .or. scaling%is_flat .or. .not. mean_pressure > 0.0_wp) return
-      call write_attribute(file, '/scaling', 'similarity_number', &
-         scaling%pressure/mean_pressure, '1')
-      if (dry%loads%hardness < no_hardness) call write_attribute(file, '/scaling', &
-         'hardness_number', dry%loads%hardness/mean_pressure, '1')
-   end subroutine write_scaling
+      if (.not. allocated(file%row)) call write_surface(file, dry, outcome%fields, error)
+   end subroutine write_dry_result
 
    !> /solution.
    subroutine write_fields(file, dry, fields)
@@ -122,8 +108,7 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
       character(:), allocatable :: axes
-      character(*), parameter :: unloaded = 'composite height after unloading', &
-         deformation = 'plastic deformation'
+      character(*), parameter :: unloaded = 'composite height after unloading'
 
       axes = trim(merge('x  ', 'x y', dry%grid%ny == 1))
       call write_field(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
@@ -136,11 +121,10 @@ contains
       call put('height_loaded', 'composite height under load', 'm', fields%height_loaded)
       if (allocated(fields%height_unloaded)) then
          call put('height_unloaded', unloaded, 'm', fields%height_unloaded)
-         call put('plastic_deformation', deformation, 'm', fields%plastic_deformation)
       else
          call put('height_unloaded', unloaded, 'm', dry%height)
-         call put('plastic_deformation', deformation, 'm')
       end if
+      call put('plastic_deformation', 'plastic deformation', 'm', fields%plastic_deformation)
       call file%create_group('/si')
       call link_object(file, '/solution', '/si/solution')
 
@@ -188,7 +172,8 @@ contains
       end if
       if (unit == '') return
       name = trim(dry_table(k)%name)
-      call write_column(file, name, outcome%rows%values(k), new_label(text, unit))
+      call write_field(file, '/sweep/'//name, [outcome%rows%values(k)], new_label(text, unit), &
+         'step')
       if (any(k == [load, mean_pressure]) .and. allocated(dry%loads%mean_pressure)) return
       errors = not_known()
       missing = 'no other grids are compared'
@@ -209,18 +194,6 @@ contains
       end associate
    end subroutine write_quantity
 
-   !> One column of /sweep.
-   subroutine write_column(file, name, values, label)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: name
-      real(wp), intent(in) :: values(:)
-      type(label_t), intent(in) :: label
-      real(wp) :: copy(size(values))
-
-      copy = values
-      call write_field(file, '/sweep/'//name, copy, label, 'step')
-   end subroutine write_column
-
    !> /sweep/<name>_<state>: the roughness parameters of state `k` for each load.
    subroutine write_roughness(file, k, roughness, is_line)
       class(hdf5_file_t), intent(inout) :: file
@@ -238,8 +211,8 @@ contains
       values = reshape([roughness%ra, roughness%rq, roughness%rz, roughness%rsk, roughness%rku], &
          shape(values))
       do i = 1, size(names)
-         call write_column(file, trim(names(i))//'_'//trim(states(k)), values(:, i), &
-            new_label(trim(texts(i))//' '//trim(times(k)), merge('m', '1', i <= 3)))
+         call write_field(file, '/sweep/'//trim(names(i))//'_'//trim(states(k)), values(:, i), &
+            new_label(trim(texts(i))//' '//trim(times(k)), merge('m', '1', i <= 3)), 'step')
       end do
    end subroutine write_roughness
 
@@ -276,7 +249,7 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
       type(error_t), allocatable, intent(out) :: error
-      type(surface_state_t) :: before, loaded, unloaded
+      type(surface_state_t) :: of(size(states))
       type(error_t), allocatable :: failure
       real(wp) :: edges(density_steps + 1), highest, levels(bearing_levels), lowest
       integer :: i, k
@@ -298,9 +271,9 @@ contains
       !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
       do k = 1, 2
          if (k == 1) then
-            call find_state(dry, dry%height, levels, edges, before, failure)
+            call find_state(dry, dry%height, levels, edges, of(1), failure)
          else
-            call find_state(dry, fields%height_loaded, levels, edges, loaded, failure)
+            call find_state(dry, fields%height_loaded, levels, edges, of(2), failure)
          end if
          !$omp critical (surface_failure)
          if (allocated(failure)) error = failure
@@ -308,43 +281,36 @@ contains
       end do
       !$omp end parallel do
       if (allocated(error)) return
-      unloaded = before
+      of(3) = of(1)
       if (allocated(fields%height_unloaded)) call find_state(dry, fields%height_unloaded, levels, &
-         edges, unloaded, error)
+         edges, of(3), error)
       if (allocated(error)) return
-      call write_state(file, 'undeformed', before)
-      call write_state(file, 'unloaded', unloaded)
-      call write_state(file, 'loaded', loaded)
+      call write_state(file, 'undeformed', of(1))
+      call write_state(file, 'unloaded', of(3))
+      call write_state(file, 'loaded', of(2))
    end subroutine write_surface
 
-   !> What is stored of the heights `z` (nx*ny) of a state.
+   !> What is stored of the heights `z` (nx*ny) of a state. Error (internal_error): FFTW.
    subroutine find_state(dry, z, levels, edges, state, error)
       type(dry_case_t), intent(in) :: dry
-      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), contiguous, target, intent(in) :: z(:)
       real(wp), intent(in) :: levels(:), edges(:)
       type(surface_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
+      real(wp), contiguous, pointer :: area(:, :)
+      real(wp) :: dx, dy
 
       state%bearing_ratio = bearing_ratio(z, levels)
       state%height_density = height_density(z, edges)
-      if (dry%is_periodic) call find_slopes(dry, z, state, error)   ! error: the caller returns
-   end subroutine find_state
-
-   !> Slope, curvature and spectrum of the heights `z` (nx, ny) of a state, which are periodic.
-   subroutine find_slopes(dry, z, state, error)
-      type(dry_case_t), intent(in) :: dry
-      real(wp), intent(in) :: z(dry%grid%nx, dry%grid%ny)
-      type(surface_state_t), intent(inout) :: state
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: dx, dy
-
+      if (.not. dry%is_periodic) return
       dx = dry%lengths(1)/dry%grid%nx
       dy = dx
       if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
-      state%rms_slope = rms_slope(z, dx, dy)
-      state%rms_curvature = rms_curvature(z, dx, dy)
-      call power_spectrum(z, state%power, error)   ! error: the caller returns
-   end subroutine find_slopes
+      area(1:dry%grid%nx, 1:dry%grid%ny) => z
+      state%rms_slope = rms_slope(area, dx, dy)
+      state%rms_curvature = rms_curvature(area, dx, dy)
+      call power_spectrum(area, state%power, error)   ! error: the caller returns
+   end subroutine find_state
 
    !> One state of the surface: '/surface/<quantity>_<name>'.
    subroutine write_state(file, name, state)

@@ -33,28 +33,22 @@ contains
       type(line_state_t), intent(in) :: state
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: has_si
-      type(label_t) :: label
-      character(:), allocatable :: axes, name
+      character(:), allocatable :: name
+      real(wp), allocatable :: values(:)
       integer :: i
 
-      axes = '='
       do i = 1, size(field_names)
          name = trim(field_names(i))
-         associate (values => field_values(name, state))
-            if (size(values) == 0) cycle
-            label = row_label(name, scaling)
-            if (i > 1 .and. allocated(state%y)) then
-               call write_field(file, '/solution/'//name, reshape(values, [size(state%x), &
-                  size(state%y)]), label, 'x y', has_si .and. label%has_scale())
-            else
-               call write_field(file, '/solution/'//name, values, label, axes, has_si .and. &
-                  label%has_scale())
-            end if
-         end associate
-         axes = 'x'   ! the first field
-         if (i > 1 .or. .not. allocated(state%y)) cycle
-         label = row_label('y', scaling)
-         call write_field(file, '/solution/y', state%y, label, '=', has_si .and. label%has_scale())
+         values = field_values(name, state)
+         if (size(values) == 0) cycle
+         if (i == 1) then
+            call put(name, values, '=')
+            if (allocated(state%y)) call put('y', state%y, '=')
+         else if (allocated(state%y)) then
+            call put(name, reshape(values, [size(state%x), size(state%y)]), 'x y')
+         else
+            call put(name, values, 'x')
+         end if
       end do
       name = 'rigid displacement H0 of the undeformed bodies'
       if (.not. allocated(state%y)) name = 'rigid displacement H0 of (2.58); h0 of (2.24) = '// &
@@ -63,6 +57,20 @@ contains
          scaled_label(name, 'film', scaling))
       call write_dataset(file, '/solution/time', state%time, &
          scaled_label('time of these fields, T = t u_s/(2 b)', 'time', scaling))
+
+   contains
+
+      !> A field with its axes.
+      subroutine put(name, values, axes)
+         character(*), intent(in) :: name, axes
+         real(wp), intent(in), contiguous :: values(..)
+         type(label_t) :: label
+
+         label = row_label(name, scaling)
+         call write_field(file, '/solution/'//name, values, label, axes, has_si &
+            .and. label%has_scale())
+      end subroutine put
+
    end subroutine write_solution
 
    !> /velocity: `u` (layers + 1, nx) as module film_velocity makes it.

@@ -105,13 +105,15 @@ contains
          //'  residual '//number_text(residual, 3)//'  load error '//number_text(load_error, 3))
    end subroutine on_cycle
 
-   !> In a log every tenth of the way and after a long silence; on a terminal ten a second at most.
+   !> Step, time, smallest film and remaining time in one line: in a log every tenth of the way and
+   !> after a long silence; on a terminal ten a second at most.
    subroutine on_step(self, step, steps, state, report)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
-      real(wp) :: now, silence
+      character(:), allocatable :: line
+      real(wp) :: film, now, silence
       logical :: is_due
 
       if (self%is_quiet) return
@@ -125,33 +127,21 @@ contains
       silence = now - self%last_line
       is_due = 10_int64*step/steps > 10_int64*(step - 1)/steps .or. silence >= log_seconds
       if (self%is_updating) is_due = silence >= update_seconds
-      if (is_due) call self%update(step_text(self, step, steps, state, report))
-   end subroutine on_step
-
-   !> Step, time, smallest film and remaining time in one line.
-   function step_text(log, step, steps, state, report) result(line)
-      class(progress_log_t), intent(in) :: log
-      integer, intent(in) :: step, steps
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
-      character(:), allocatable :: line
-      real(wp) :: remaining, film
-
+      if (.not. is_due) return
       film = minval(state%film_thickness)
       if (.not. allocated(state%y)) film = parabola_minimum(state%x, state%film_thickness)
-      remaining = (wall_seconds() - log%steps_start)*real(steps - step, &
-         wp)/real(step - log%first_step, wp)
       line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T ' &
          //number_text(state%time, 4)
-      if (log%scaling%is_dimensional) then
-         line = line//'  h_min '//prefixed_text(film*log%scaling%film, 'm')
+      if (self%scaling%is_dimensional) then
+         line = line//'  h_min '//prefixed_text(film*self%scaling%film, 'm')
       else
          line = line//'  H_min '//number_text(film, 4)
       end if
       if (report%residual > report%tolerance_effective) line = line//'  residual ' &
          //number_text(report%residual, 2)
-      line = line//'  '//duration_text(remaining)//' left'
-   end function step_text
+      call self%update(line//'  '//duration_text((now - self%steps_start)*real(steps - step, wp) &
+         /real(step - self%first_step, wp))//' left')
+   end subroutine on_step
 
    !> Whether errors are printed apart from the summary, which may be quiet or have another reader.
    logical function prints_errors_apart(self)

@@ -5,7 +5,7 @@
 !> renamed. An interrupted or failed run leaves an older NAME as it was.
 module result_file
    use build_info, only: git_commit, program_name, program_version
-   use case_record, only: case_t, effective_t
+   use case_record, only: case_t
    use disk_file, only: remove_file, sync_file
    use errors, only: error_t, fail, input_error
    use hdf5_axes, only: write_users
@@ -48,7 +48,7 @@ module result_file
       type(transient_store_t) :: store
       logical :: is_transient = .false.
    contains
-      procedure :: append_step, sync, has_failed, begin_end, copy_steps, publish, suspend, discard
+      procedure :: append_step, sync, begin_end, copy_steps, publish, suspend, discard
       procedure, private :: keep_failure
    end type result_file_t
 
@@ -128,13 +128,6 @@ contains
       self%file%failure = self%store%file%failure
    end subroutine keep_failure
 
-   !> Whether something could not be written.
-   pure logical function has_failed(self)
-      class(result_file_t), intent(in) :: self
-
-      has_failed = allocated(self%file%failure)
-   end function has_failed
-
    !> Waits until NAME.part is on the disk; true if that worked.
    logical function sync(self) result(is_done)
       class(result_file_t), intent(inout) :: self
@@ -144,17 +137,20 @@ contains
       if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
-   !> Begins NAME.tmp with the input of `case`; a failure stays in `self%file%failure`.
+   !> Begins NAME.tmp with the input of `case`, a group /input/effective/<group> for each namelist
+   !> group, whose attributes are its keys; a failure stays in `self%file%failure`.
    subroutine begin_end(self, case)
       class(result_file_t), intent(inout) :: self
       type(case_t), intent(in) :: case
       type(error_t), allocatable :: error
+      character(:), allocatable :: path
+      integer :: i
 
       ! with all time steps in the checkpoint the result can be put together again
       call set_patience(.not. (self%name%has_checkpoint &
          .and. self%name%kept_step == self%store%records - 1))
       call begin_activity('writing the result')
-      if (self%has_failed()) return
+      if (allocated(self%file%failure)) return
       if (.not. allocated(self%file%row)) call create_hdf5_file(self%file, &
          self%name%path//'.tmp', error)   ! error: it stays
       associate (file => self%file)
@@ -166,24 +162,14 @@ contains
          call write_attribute(file, '/', 'title', case%title)
          call write_dataset(file, '/input/namelist', case%namelist, &
             new_label('the input: as a file it repeats this run', '1'))
-         call write_inputs(file, case%effective)
+         call file%create_group('/input/effective')
+         call write_attribute(file, '/input/effective', 'about', 'every value used, in the '// &
+            'unit of its key: SI, or half-widths for positions along the film')
       end associate
-   end subroutine begin_end
-
-   !> A group /input/effective/<group> for each namelist group, whose attributes are its keys.
-   subroutine write_inputs(file, entries)
-      type(hdf5_file_t), intent(inout) :: file
-      type(effective_t), intent(in) :: entries(:)
-      character(:), allocatable :: path
-      integer :: i
-
-      call file%create_group('/input/effective')
-      call write_attribute(file, '/input/effective', 'about', 'every value used, in the unit '// &
-         'of its key: SI, or half-widths for positions along the film')
-      do i = 1, size(entries)
-         associate (entry => entries(i))
+      do i = 1, size(case%effective)
+         associate (file => self%file, entry => case%effective(i))
             path = '/input/effective/'//trim(entry%group)
-            if (.not. any(entries(:i - 1)%group == entry%group)) call file%create_group(path)
+            if (.not. any(case%effective(:i - 1)%group == entry%group)) call file%create_group(path)
             if (allocated(entry%text)) then
                call write_attribute(file, path, trim(entry%key), entry%text)
             else if (allocated(entry%integer)) then
@@ -195,18 +181,21 @@ contains
             end if
          end associate
       end do
-   end subroutine write_inputs
+   end subroutine begin_end
 
-   !> Copies the time steps into /transient, with fields of this `shape`; series in SI too if they
-   !> are wanted.
-   subroutine copy_steps(self, has_si, shape)
+   !> Copies the time steps into /transient, with fields as those of `state`; series in SI too if
+   !> they are wanted.
+   subroutine copy_steps(self, has_si, state)
       class(result_file_t), intent(inout) :: self
       logical, intent(in) :: has_si
-      integer, intent(in) :: shape(:)
+      type(line_state_t), intent(in) :: state
+      integer, allocatable :: extents(:)
 
       if (.not. self%is_transient .or. allocated(self%file%failure) &
          .or. allocated(self%file%row)) return
-      call self%store%copy_into(self%file, self%scaling, has_si, shape)
+      extents = shape(state%x)
+      if (allocated(state%y)) extents = [extents, size(state%y)]
+      call self%store%copy_into(self%file, self%scaling, has_si, extents)
       call self%keep_failure()
    end subroutine copy_steps
 

@@ -12,7 +12,7 @@ module result_labels
 
    !> A field or series.
    type :: row_t
-      character(len=28) :: name
+      character(len=20) :: name
       !> The quantity of `scaling_t` that is its unit; '1': none.
       character(len=14) :: unit
       !> What it is, and what the stored number without unit is.
@@ -20,14 +20,11 @@ module result_labels
       character(len=48) :: definition = ''
    end type row_t
 
-   !> Fields of `line_state_t`, as in /solution, series of /transient, units of quantities.
+   !> Fields of `line_state_t`, as in /solution, then series of /transient, units of quantities.
    type(row_t), parameter :: rows(*) = [ &
       row_t('x', 'half_width', 'position along the contact', ', X = x/b'), &
-      row_t('y', 'half_width', 'position across', ', Y = y/a'), &
       row_t('pressure', 'hertz_pressure', 'pressure', ', P = p/p_h'), &
       row_t('film_thickness', 'film', 'film thickness', ', H = h R/b^2'), &
-      row_t('viscosity', 'viscosity', 'viscosity', ' over ambient viscosity, mu/mu_0'), &
-      row_t('density', '1', 'density', ' over ambient density, rho/rho_0'), &
       row_t('asperity_pressure', 'hertz_pressure', 'pressure of asperities, part of the pressure', &
       ', over p_h'), &
       row_t('separation', 'film', 'separation of the mean planes; the film is the mean gap', &
@@ -36,6 +33,8 @@ module result_labels
       row_t('temperature_rise', 'kelvin', 'temperature rise by sliding, mean across the film'), &
       row_t('temperature_rise_1', 'kelvin', 'temperature rise of surface 1'), &
       row_t('temperature_rise_2', 'kelvin', 'temperature rise of surface 2'), &
+      row_t('viscosity', 'viscosity', 'viscosity', ' over ambient viscosity, mu/mu_0'), &
+      row_t('density', '1', 'density', ' over ambient density, rho/rho_0'), &
       row_t('slip_factor', '1', 'Eyring slip factor S', '; 1 for a Newtonian fluid'), &
       row_t('roughness_1', 'film', 'height of surface 1, positive out of its material', &
       ', psi_1 R/b^2'), &
@@ -47,6 +46,7 @@ module result_labels
       ', tau_m R/(p_h b); 0 where P = 0'), &
       row_t('shear_stress_2', 'shear_stress', 'shear stress at the wall of surface 2', &
       ', tau R/(p_h b); 0 where P = 0'), &
+      row_t('y', 'half_width', 'position across', ', Y = y/a'), &
       row_t('time', 'time', 'time of every step', ', T = t u_s/(2 b)'), &
       row_t('rigid_displacement', 'film', 'rigid displacement', ' H0 of (2.58)'), &
       row_t('friction_coefficient', 'slope', 'force over the load'), &
@@ -62,11 +62,7 @@ module result_labels
       row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)')]
 
    !> Names of the fields.
-   character(len=*), parameter, public :: field_names(17) = [character(len=18) :: 'x', &
-      'pressure', 'film_thickness', 'asperity_pressure', 'separation', 'saturation', &
-      'temperature_rise', 'temperature_rise_1', 'temperature_rise_2', 'viscosity', 'density', &
-      'slip_factor', 'roughness_1', 'roughness_2', 'shear_stress_1', 'shear_stress_mean', &
-      'shear_stress_2']
+   character(len=20), parameter, public :: field_names(17) = rows(:17)%name
 
 contains
 
@@ -133,51 +129,45 @@ contains
    end function scaled_label
 
    !> Values (nx) of a field of `field_names`; none for one that the state does not hold.
-   pure function field_values(name, state) result(values)
+   function field_values(name, state) result(values)
       character(*), intent(in) :: name
       type(line_state_t), intent(in) :: state
       real(wp), allocatable :: values(:)
 
       allocate (values(0))
-      select case (name)
-      case ('x')
-         if (allocated(state%x)) values = state%x
-      case ('pressure')
-         if (allocated(state%pressure)) values = state%pressure
-         if (allocated(state%asperity_pressure)) values = values + state%asperity_pressure
-      case ('film_thickness')
-         if (allocated(state%film_thickness)) values = state%film_thickness
-      case ('viscosity')
-         if (allocated(state%viscosity)) values = state%viscosity
-      case ('density')
-         if (allocated(state%density)) values = state%density
-      case ('asperity_pressure')
-         if (allocated(state%asperity_pressure)) values = state%asperity_pressure
-      case ('separation')
-         if (allocated(state%separation)) values = state%separation
-      case ('saturation')
-         if (allocated(state%saturation)) values = state%saturation
-      case ('temperature_rise')
-         if (allocated(state%temperature_rise)) values = state%temperature_rise(:, 1)
-      case ('temperature_rise_1')
-         if (allocated(state%temperature_rise)) values = state%temperature_rise(:, 2)
-      case ('temperature_rise_2')
-         if (allocated(state%temperature_rise)) values = state%temperature_rise(:, 3)
-      case ('slip_factor')
-         if (allocated(state%slip_factor)) values = state%slip_factor
-      case ('roughness_1')
-         if (allocated(state%roughness_1)) values = state%roughness_1
-      case ('roughness_2')
-         if (allocated(state%roughness_2)) values = state%roughness_2
-      case ('shear_stress_1')
-         if (allocated(state%shear_stress_1)) values = state%shear_stress_1
-      case ('shear_stress_mean')
-         if (allocated(state%shear_stress_mean)) values = state%shear_stress_mean
-      case ('shear_stress_2')
-         if (allocated(state%shear_stress_2)) values = state%shear_stress_2
-      case default
-         return
-      end select
+      call take('x', state%x)
+      call take('pressure', state%pressure)
+      call take('film_thickness', state%film_thickness)
+      call take('asperity_pressure', state%asperity_pressure)
+      if (name == 'pressure' .and. allocated(state%asperity_pressure)) values = values &
+         + state%asperity_pressure
+      call take('separation', state%separation)
+      call take('saturation', state%saturation)
+      if (allocated(state%temperature_rise)) then
+         call take('temperature_rise', state%temperature_rise(:, 1))
+         call take('temperature_rise_1', state%temperature_rise(:, 2))
+         call take('temperature_rise_2', state%temperature_rise(:, 3))
+      end if
+      call take('viscosity', state%viscosity)
+      call take('density', state%density)
+      call take('slip_factor', state%slip_factor)
+      call take('roughness_1', state%roughness_1)
+      call take('roughness_2', state%roughness_2)
+      call take('shear_stress_1', state%shear_stress_1)
+      call take('shear_stress_mean', state%shear_stress_mean)
+      call take('shear_stress_2', state%shear_stress_2)
+
+   contains
+
+      !> Takes the values of a field, which are absent if they are not allocated.
+      subroutine take(field, found)
+         character(*), intent(in) :: field
+         real(wp), intent(in), optional :: found(:)
+
+         if (.not. present(found) .or. len(field) /= len(name)) return
+         if (field == name) values = found
+      end subroutine take
+
    end function field_values
 
 end module result_labels

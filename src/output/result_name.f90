@@ -39,30 +39,18 @@ module result_name
 
 contains
 
-   !> Takes the name `path` until `release`. Error: another run has it; it cannot be a result.
+   !> Takes the name `path` until `release`. Error: another run has it; it cannot be a result, or
+   !> would be written through a link or pipe.
    subroutine hold_name(name, path, error)
       type(result_name_t), intent(out) :: name
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault
-
-      name%path = path
-      inquire (file=path//'.part', exist=name%had_part)
-      fault = fault_of_name(path)
-      if (fault == '') then
-         if (.not. name%lock%acquire(path//'.part')) fault = 'another run is writing '//path &
-            //'.part'
-      end if
-      if (fault /= '') call fail(error, output_error, 'cannot write '//path//': '//fault)
-   end subroutine hold_name
-
-   !> Why a result cannot have this name, or be written through a link or pipe; empty: it can.
-   function fault_of_name(path) result(fault)
-      character(*), intent(in) :: path
-      character(:), allocatable :: fault
       type(file_identity_t) :: file
       integer :: i
 
+      name%path = path
+      inquire (file=path//'.part', exist=name%had_part)
       fault = ''
       if (is_folder(path)) then
          fault = 'it is a folder'
@@ -70,17 +58,20 @@ contains
          fault = 'there is no folder '//folder_of(path)
          if (file_fault(folder_of(path)) == '') fault = folder_of(path)//' is a file, not a folder'
       else
-         do i = 1, size(working_endings)
-            file = file_at(path//trim(working_endings(i)), follows=.false.)
-            if (file%kind == kind_link) fault = ' is a link'
-            if (file%kind == kind_other) fault = ' is no regular file'
-            if (fault /= '') then
-               fault = path//trim(working_endings(i))//fault
-               return
-            end if
+         do i = size(working_endings), 1, -1
+            associate (working => path//trim(working_endings(i)))
+               file = file_at(working, follows=.false.)
+               if (file%kind == kind_link) fault = working//' is a link'
+               if (file%kind == kind_other) fault = working//' is no regular file'
+            end associate
          end do
       end if
-   end function fault_of_name
+      if (fault == '') then
+         if (.not. name%lock%acquire(path//'.part')) fault = 'another run is writing '//path &
+            //'.part'
+      end if
+      if (fault /= '') call fail(error, output_error, 'cannot write '//path//': '//fault)
+   end subroutine hold_name
 
    !> What is said of a run that ends here.
    function interruption_text(self) result(text)

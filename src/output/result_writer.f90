@@ -10,6 +10,8 @@ module result_writer
    use film_heating, only: heating_t, largest_rise
    use film_statistics, only: add_start, add_time
    use formulas_section, only: formula_contact_t, write_formulas
+   use hdf5_axes, only: make_counter, write_field
+   use hdf5_dataset, only: new_label, write_attribute
    use iteration_report, only: report_t
    use kinds, only: not_known, wp
    use line_state, only: line_state_t
@@ -29,9 +31,11 @@ module result_writer
    type, extends(result_file_t) :: result_writer_t
       !> Fields and series are stored in SI too; they can be.
       logical :: has_si = .false.
-      !> What the run has gathered so far, and its quantities when the result is finished.
+      !> What the run has gathered so far, and its quantities when the result is finished; why one
+      !> whose error is NaN has none, if that is known before.
       type(run_record_t) :: run
       type(line_summary_t) :: summary
+      character(:), allocatable :: missing
       !> How warm sliding would make the film of a time step, if that is to be known.
       type(heating_t) :: heating
       !> Coarse runs that tell how far off the quantities may be.
@@ -40,6 +44,9 @@ module result_writer
       type(limit_t), allocatable :: limits(:)
       !> What film formulas know of the contact.
       type(formula_contact_t) :: formulas
+      !> Newton steps and iterations of GMRES on each grid of a point contact (2, grids), the first
+      !> the coarsest.
+      real(wp), allocatable :: work(:, :)
       !> The film by its full momentum equations, and the solution of the Reynolds equation that
       !> they began with, of which the error bars are; not allocated: not asked for, or none.
       type(film_fields_t), allocatable :: momentum
@@ -51,7 +58,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      procedure :: store_step, quantities_of, quantities_at_end, lambda_ratio, finish
+      procedure :: store_step, quantities_of, quantities_at_end, finish
    end type result_writer_t
 
 contains
@@ -111,14 +118,6 @@ contains
          summary)
    end function quantities_at_end
 
-   !> Smallest film over composite roughness; NaN: not known.
-   pure real(wp) function lambda_ratio(self)
-      class(result_writer_t), intent(in) :: self
-
-      lambda_ratio = not_known()
-      if (allocated(self%limits)) lambda_ratio = self%limits(mixed_lubrication)%value
-   end function lambda_ratio
-
    !> Writes input, last solution, quantities and report, closes the file and gives it its final
    !> name. An error leaves only an older result (and NAME.part, if there is a checkpoint).
    subroutine finish(self, case, state, report, error)
@@ -127,40 +126,57 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: missing
+      real(wp) :: ratio
 
-      call self%begin_end(case)
-      call write_scaling(self%file, self%scaling)
-      call write_solution(self%file, state, self%scaling, self%has_si)
-      call self%copy_steps(self%has_si, shape(state%x))
-      if (allocated(self%reynolds)) then
-         self%summary = self%quantities_at_end(self%reynolds, report)
-         call copy_values(self%summary, summary_of(state))
-      else
-         self%summary = self%quantities_at_end(state, report)
-      end if
-      missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), self%summary)
-      if (report%converged .and. .not. self%run%passage%times%is_settled()) missing = &
-         'the start is in the quantities, see /report/note'
-      call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing, &
-         self%lambda_ratio())
-      if (has_duty(self)) call write_mean_power(self%file, self%run%passage%counted, &
-         self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, missing)
-      if (self%is_transient) call write_times(self%file, self%run%passage%times)
-      call write_statistics(self%file, self%run%statistics, self%scaling, &
-         self%run%passage%times%statistics_from())
-      if (allocated(self%limits)) call write_validity(self%file, self%limits)
-      call write_formulas(self%file, self%formulas, self%summary, self%scaling)
-      if (allocated(self%momentum)) then
-         call write_momentum(self%file, self%momentum, self%scaling, self%is_transient, self%has_si)
-         if (self%is_transient) call write_film_passage(self%file, self%run%film_passage, &
-            self%scaling, self%has_si)
-      end if
-      if (allocated(self%velocity)) call write_velocity(self%file, self%velocity, self%scaling)
-      call judge(self%adequacy, self%summary)
-      call write_adequacy(self%file, self%adequacy)
-      call write_decision(self%file, self%choice)
-      call write_breakdown(self%file, report%breakdown, self%scaling)
+      associate (file => self%file, summary => self%summary)
+         call self%begin_end(case)
+         call write_scaling(file, self%scaling)
+         if (allocated(case%point)) call write_attribute(file, '/scaling', 'radius_ratio', &
+            case%point%radius_ratio, '1')
+         call write_solution(file, state, self%scaling, self%has_si)
+         call self%copy_steps(self%has_si, state)
+         if (.not. allocated(self%missing)) then
+            if (allocated(self%reynolds)) then
+               summary = self%quantities_at_end(self%reynolds, report)
+               call copy_values(summary, summary_of(state))
+            else
+               summary = self%quantities_at_end(state, report)
+            end if
+            self%missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), summary)
+            if (report%converged .and. .not. self%run%passage%times%is_settled()) self%missing = &
+               'the start is in the quantities, see /report/note'
+         end if
+         ratio = not_known()
+         if (allocated(self%limits)) ratio = self%limits(mixed_lubrication)%value
+         call write_summary(file, summary, self%scaling, self%is_transient, self%missing, ratio)
+         if (all([has_duty(self), .not. allocated(case%point)])) call write_mean_power(file, &
+            self%run%passage%counted, self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, &
+            self%missing)
+         if (self%is_transient) call write_times(file, self%run%passage%times)
+         call write_statistics(file, self%run%statistics, self%scaling, &
+            self%run%passage%times%statistics_from())
+         if (allocated(self%limits)) call write_validity(file, self%limits)
+         call write_formulas(file, self%formulas, summary, self%scaling)
+         if (allocated(self%momentum)) then
+            call write_momentum(file, self%momentum, self%scaling, self%is_transient, self%has_si)
+            if (self%is_transient) call write_film_passage(file, self%run%film_passage, &
+               self%scaling, self%has_si)
+         end if
+         if (allocated(self%velocity)) call write_velocity(file, self%velocity, self%scaling)
+         call judge(self%adequacy, summary)
+         call write_adequacy(file, self%adequacy)
+         call write_decision(file, self%choice)
+         if (any([.not. allocated(case%point), case%solver%film_floor > 0.0_wp])) call &
+            write_breakdown(file, report%breakdown, self%scaling)
+         if (allocated(self%work)) then
+            call make_counter(file, '/report/grid', size(self%work, 2), 'number of the grid')
+            call make_counter(file, '/report/kind_of_work', 2, &
+               'number of: Newton steps, iterations of GMRES')
+            call write_field(file, '/report/grid_work', self%work, new_label( &
+               'Newton steps and iterations of GMRES on each grid, the coarsest first', '1'), &
+               'kind_of_work grid')
+         end if
+      end associate
       call self%publish(report, error)
    end subroutine finish
 

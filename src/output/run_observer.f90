@@ -43,7 +43,7 @@ module run_observer
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step, on_part, on_stage, wants_stop, name_breakdown
+      procedure :: on_step, on_part, on_stage, wants_stop, complete
       procedure, private :: keep
    end type run_observer_t
 
@@ -72,7 +72,7 @@ contains
       call self%log%on_step(step, steps, state, report)
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
          breakdown_sentence(report%breakdown, self%film_floor, self%log%scaling))
-      self%is_stopping = self%writer%has_failed()
+      self%is_stopping = allocated(self%writer%file%failure)
       is_asked = is_interrupted()
       is_due = is_asked .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) is_due = is_due .or. begin - self%start > long_run
@@ -109,15 +109,20 @@ contains
       end if
    end subroutine on_stage
 
-   !> Gives a film breakdown in SI as the reason of a report that ends with one.
-   subroutine name_breakdown(self, report)
+   !> Completes a report by what the solver does not know: a film breakdown in SI as its reason, and
+   !> the time of output.
+   subroutine complete(self, report)
       class(run_observer_t), intent(in) :: self
       type(report_t), intent(inout) :: report
 
-      if (index(report%reason, 'film breakdown') /= 1) return
-      if (self%log%scaling%is_dimensional) report%reason = breakdown_sentence(report%breakdown, &
-         self%film_floor, self%log%scaling)
-   end subroutine name_breakdown
+      if (index(report%reason, 'film breakdown') == 1 .and. self%log%scaling%is_dimensional) then
+         report%reason = breakdown_sentence(report%breakdown, self%film_floor, self%log%scaling)
+      end if
+      associate (seconds => report%cost%phase_seconds)
+         seconds(phase_output) = self%output_seconds
+         seconds(phase_transient) = max(seconds(phase_transient) - self%output_seconds, 0.0_wp)
+      end associate
+   end subroutine complete
 
    !> Writes a checkpoint. A failure is reported and stops nothing: the last one is still there.
    subroutine keep(self, state, history, report)

@@ -8,11 +8,11 @@
 !> Series of numbers hold every time step; profiles may be of some only, with times of their own.
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
-   use disk_file, only: any_mark, file_fault, part_words, place_fault
+   use disk_file, only: any_mark, part_words, place_fault
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: checksum_t, open_positional_file, positional_file_t, real_bytes, sums_of
    use hdf5_axes, only: link_object, name_axes
-   use hdf5_dataset, only: create_series, label_t, series_t
+   use hdf5_dataset, only: label_t, new_label, write_records, write_zeros
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -24,6 +24,7 @@ module transient_store
    use scaling, only: scaling_t
    use signals, only: begin_activity
    use text, only: count_of, to_text
+   use text_file, only: open_lines, text_lines_t
    implicit none (type, external)
    private
 
@@ -59,8 +60,6 @@ module transient_store
    integer, parameter :: block_numbers = 131072, digit_numbers = 2
    !> Longest reason of the operating system.
    integer, parameter :: longest_reason = 200
-   !> Longest first line.
-   integer, parameter :: longest_line = 4096
 
    !> The series of one run.
    type :: transient_store_t
@@ -145,30 +144,30 @@ contains
       integer, intent(out) :: records
       real(wp), intent(out) :: time
       type(transient_store_t) :: store
-      character(len=longest_line) :: line
+      type(text_lines_t) :: lines
+      type(error_t), allocatable :: error
+      character(:), allocatable :: line
       real(wp) :: values(1, 1)
-      integer(int64) :: bytes
-      integer :: length, profiles, status, unit
+      integer :: length, profiles, status
+      logical :: is_there
 
       records = 0
       time = 0.0_wp
-      if (file_fault(path) /= '') return
-      open (newunit=unit, file=path, access='stream', form='formatted', action='read', &
-         iostat=status)
-      if (status /= 0) return
-      read (unit, '(a)', advance='no', size=length, iostat=status) line
-      close (unit)
-      if (status >= 0) return   ! the line does not end here
-      inquire (file=path, size=bytes)
-      profiles = index(line(:length), ' profiles')
+      call open_lines(lines, path, error)
+      if (allocated(error)) return
+      call lines%next(is_there, error)   ! error: looked at below
+      call lines%close()
+      if (allocated(error)) return
+      line = lines%line(:lines%length)
+      profiles = index(line, ' profiles')
       if (index(line, part_words) /= 1 .or. profiles == 0) return
-      store%line = line(:length)//new_line('a')
+      store%line = line//new_line('a')
       store%nodes = number_after('nodes ')
       store%stride = max(number_after('stride '), 1)
       store%first_profile = count_of(' ', line(index(line, ' numbers ') + 1:profiles - 1)) + 1
       store%names = [character(len=name_length) :: (' ', length=1, &
          count_of(' ', trim(line(profiles + 1:))) + store%first_profile)]
-      do while (place_of(store, store%records + 1) <= bytes)
+      do while (place_of(store, store%records + 1) <= lines%bytes)
          store%records = store%records + 1
       end do
       if (store%records == 0) return
@@ -268,7 +267,7 @@ contains
          label = row_label(name, scaling)
          call copy_series(self, file, i, '/transient/', 1.0_wp, label, shape)
          if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si/transient/', &
-            label%si_scale, label%in_si(), shape)
+            label%si_scale, new_label(label%long_name, label%si_units), shape)
       end do
       sums = sums_of(self%file, place_of(self, self%records))
       if (sums%digits() /= self%sums%digits() .and. .not. allocated(self%file%failure)) call &
@@ -285,16 +284,17 @@ contains
       real(wp), intent(in) :: factor
       type(label_t), intent(in) :: label
       integer, intent(in) :: shape(:)
-      type(series_t) :: copy
       real(wp), allocatable :: values(:, :)
+      integer, allocatable :: extents(:)
       character(:), allocatable :: path
       integer :: every, first, last, row, k
 
       path = group//trim(store%names(i))
       every = merge(store%stride, 1, i >= store%first_profile)
       row = merge(store%nodes, 1, i > store%first_profile)
+      extents = pack(shape, i > store%first_profile)
       associate (count => (store%records + every - 1)/every)
-         call create_series(copy, file, path, pack(shape, i > store%first_profile), count, label)
+         call write_zeros(file, path, [extents, count], label)
          if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
             call name_axes(file, path, '=')
          else if (i > store%first_profile) then
@@ -310,11 +310,10 @@ contains
                call store%file%read_reals(place_of(store, every*(k - 1), i), values(:, k:k))
             end do
             values = factor*values
-            call copy%append(file, values)
+            call write_records(file, path, extents, first - 1, values)
             deallocate (values)
          end do
       end associate
-      call copy%close(file)
    end subroutine copy_series
 
    !> Where the record begins that has `before` records before it [bytes], or series `i` in it.

@@ -31,7 +31,7 @@ module xdmf_file
       grid_row_t('velocity', [character(len=12) :: 'zeta', 'x', ''])]
 
    !> Everything that can be a field.
-   character(len=19), parameter :: names(*) = [character(len=19) :: field_names(2:), 'gap', &
+   character(len=20), parameter :: names(*) = [character(len=20) :: field_names(2:), 'gap', &
       'height_undeformed', 'height_loaded', 'height_unloaded', 'plastic_deformation', &
       'film_breakdown', 'u', 'w', 'layer_pressure', 'shear_stress']
 
@@ -179,20 +179,14 @@ contains
    pure function escaped(name)
       character(*), intent(in) :: name
       character(:), allocatable :: escaped
-      integer :: i
+      character(len=5), parameter :: entities(3) = [character(len=5) :: '&amp;', '&lt;', '&gt;']
+      integer :: i, k
 
       escaped = ''
       do i = 1, len(name)
-         select case (name(i:i))
-         case ('&')
-            escaped = escaped//'&amp;'
-         case ('<')
-            escaped = escaped//'&lt;'
-         case ('>')
-            escaped = escaped//'&gt;'
-         case default
-            escaped = escaped//name(i:i)
-         end select
+         k = index('&<>', name(i:i))
+         if (k > 0) escaped = escaped//trim(entities(k))
+         if (k == 0) escaped = escaped//name(i:i)
       end do
    end function escaped
 
@@ -212,23 +206,16 @@ contains
       end if
       open (newunit=unit, file=path//'.part', access='stream', form='unformatted', &
          action='write', status='replace', iostat=status, iomsg=message)
-      if (status == 0) then
-         write (unit, iostat=status, iomsg=message) text
-         if (status == 0) then
-            close (unit, iostat=status, iomsg=message)
-         else
-            close (unit, status='delete')
-         end if
-      end if
+      if (status == 0) write (unit, iostat=status, iomsg=message) text
+      if (status == 0) close (unit, iostat=status, iomsg=message)
       if (status /= 0) then
          call fail(error, output_error, 'cannot write '//path//': '//trim(message))
-         return
+      else
+         if (rename_file(path//'.part', path)) return
+         call fail(error, output_error, 'cannot rename '//path//'.part to '//path &
+            //place_fault(path, xdmf_mark))
       end if
-      is_done = rename_file(path//'.part', path)
-      if (is_done) return
       is_done = remove_file(path//'.part')
-      call fail(error, output_error, 'cannot rename '//path//'.part to '//path &
-         //place_fault(path, xdmf_mark))
    end subroutine put
 
 end module xdmf_file

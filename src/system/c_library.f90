@@ -5,9 +5,9 @@ module c_library
    implicit none (type, external)
    private
 
-   public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_getrlimit, c_isatty, c_lseek, &
-      c_mallopt, c_mkdir, c_open, c_poll, c_pread, c_pwrite, c_rename, c_setenv, &
-      c_setitimer, c_setrlimit, c_signal, c_statx, c_sysconf, c_time, c_unlink, c_write
+   public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_isatty, c_lseek, c_mallopt, &
+      c_mkdir, c_open, c_poll, c_pread, c_prlimit, c_pwrite, c_rename, c_setenv, c_setitimer, &
+      c_signal, c_statx, c_sysconf, c_time, c_unlink, c_write
 
    !> File descriptors of the standard streams.
    integer(c_int), parameter, public :: standard_output = 1_c_int, standard_error = 2_c_int
@@ -25,7 +25,7 @@ module c_library
       integer(c_int) :: process = 0_c_int
    end type file_lock_t
 
-   !> struct rlimit of getrlimit(2): what counts, and up to where it may be raised; < 0: unlimited.
+   !> struct rlimit of prlimit(2): what counts, and up to where it may be raised; < 0: unlimited.
    type, bind(c), public :: limit_t
       integer(c_long) :: present_value = 0_c_long, largest = 0_c_long
    end type limit_t
@@ -163,18 +163,13 @@ module c_library
          character(kind=c_char), intent(in) :: name(*), value(*)
          integer(c_int), value :: overwrite
       end function c_setenv
-      !> getrlimit(2).
-      integer(c_int) function c_getrlimit(resource, limit) bind(c, name='getrlimit')
+      !> prlimit(2): sets and tells a limit of a process; 0: of this one.
+      integer(c_int) function c_prlimit(process, resource, new, old) bind(c, name='prlimit')
          import
-         integer(c_int), value :: resource
-         type(limit_t), intent(inout) :: limit
-      end function c_getrlimit
-      !> setrlimit(2).
-      integer(c_int) function c_setrlimit(resource, limit) bind(c, name='setrlimit')
-         import
-         integer(c_int), value :: resource
-         type(limit_t), intent(in) :: limit
-      end function c_setrlimit
+         integer(c_int), value :: process, resource
+         type(limit_t), intent(in), optional :: new
+         type(limit_t), intent(inout), optional :: old
+      end function c_prlimit
       !> sysconf(3).
       integer(c_long) function c_sysconf(name) bind(c, name='sysconf')
          import

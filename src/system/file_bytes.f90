@@ -13,14 +13,17 @@ module file_bytes
    implicit none (type, external)
    private
 
-   public :: checksum_t, has_seal, open_positional_file, positional_file_t, seal_fault, seal_file, &
-      sums_of
+   public :: checksum_t, open_positional_file, positional_file_t, seal_fault, seal_file, sums_of
 
    !> Bytes of a real number; numbers that are read at once.
    integer, parameter, public :: real_bytes = 8
    integer(int64), parameter :: block_numbers = 65536_int64
    !> O_RDONLY and O_RDWR.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int
+
+   !> What `seal_fault` says of a file without a seal.
+   character(*), parameter, public :: no_seal = &
+      'it has no checksum: it is damaged, or of another version'
 
    !> An open file. Bytes are counted from 0. The first failure stays; what follows it does nothing.
    type :: positional_file_t
@@ -129,17 +132,6 @@ contains
       if (allocated(file%failure)) error = file%failure
    end subroutine seal_file
 
-   !> Whether `path` ends with a seal, right or wrong.
-   logical function has_seal(path)
-      character(*), intent(in) :: path
-      type(positional_file_t) :: file
-      integer(int64) :: bytes
-      character(len=16) :: digits
-
-      call open_at_seal(file, path, bytes, digits, has_seal)
-      call file%close()
-   end function has_seal
-
    !> What the seal of `path` says against it; empty: it is, byte for byte, what was sealed.
    function seal_fault(path) result(fault)
       character(*), intent(in) :: path
@@ -147,41 +139,26 @@ contains
       type(positional_file_t) :: file
       type(checksum_t) :: sums
       integer(int64) :: bytes
-      character(len=16) :: digits
-      logical :: is_there
-
-      call open_at_seal(file, path, bytes, digits, is_there)
-      fault = 'it has no checksum: it is damaged, or of another version'
-      if (is_there) then
-         sums = sums_of(file, bytes)
-         fault = ''
-         if (sums%digits() /= digits) fault = 'it is damaged: its checksum differs'
-      end if
-      call file%close()
-      if (is_there .and. allocated(file%failure)) fault = file%failure%message
-   end function seal_fault
-
-   !> Opens `path` and reads its seal: bytes before it and their checksum; `is_there`: it fits.
-   subroutine open_at_seal(file, path, bytes, digits, is_there)
-      type(positional_file_t), intent(out) :: file
-      character(*), intent(in) :: path
-      integer(int64), intent(out) :: bytes
-      character(len=16), intent(out) :: digits
-      logical, intent(out) :: is_there
       real(wp) :: numbers(seal_bytes/real_bytes, 1)
       character(len=seal_bytes) :: line
+      character(len=16) :: digits
 
+      fault = no_seal
       inquire (file=path, size=bytes)
-      bytes = bytes - seal_bytes
-      digits = ''
-      is_there = bytes >= 0_int64
-      if (.not. is_there) return
+      bytes = bytes - seal_bytes   ! before the seal
+      if (bytes < 0_int64) return
       call open_positional_file(file, path, for_writing=.false.)
       call file%read_reals(bytes, numbers)
       line = transfer(numbers, line)
       digits = line(len(seal_words) + 1:)
-      is_there = line == seal_line(bytes, digits) .and. .not. allocated(file%failure)
-   end subroutine open_at_seal
+      if (line == seal_line(bytes, digits) .and. .not. allocated(file%failure)) then
+         sums = sums_of(file, bytes)
+         fault = ''
+         if (sums%digits() /= digits) fault = 'it is damaged: its checksum differs'
+         if (allocated(file%failure)) fault = file%failure%message
+      end if
+      call file%close()
+   end function seal_fault
 
    !> The line itself.
    pure function seal_line(bytes, digits) result(line)

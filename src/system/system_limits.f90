@@ -2,7 +2,7 @@
 !> this machine within the limits of this process (Linux): memory, stack, processors.
 module system_limits
    use, intrinsic :: iso_c_binding, only: c_int, c_long
-   use c_library, only: c_getrlimit, c_mallopt, c_setrlimit, c_sysconf, limit_t
+   use c_library, only: c_mallopt, c_prlimit, c_sysconf, limit_t
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
    use number_text, only: read_real
@@ -122,7 +122,7 @@ contains
       type(limit_t) :: limit
 
       bytes = huge(bytes)
-      if (c_getrlimit(resource, limit) /= 0_c_int) return
+      if (c_prlimit(0_c_int, resource, old=limit) /= 0_c_int) return
       if (limit%present_value >= 0_c_long) bytes = real(limit%present_value, wp)
    end function limit_of
 
@@ -251,10 +251,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(limit_t) :: limit
 
-      if (c_getrlimit(limit_stack, limit) /= 0_c_int) return
+      if (c_prlimit(0_c_int, limit_stack, old=limit) /= 0_c_int) return
       if (limit%present_value < 0_c_long .or. limit%present_value >= least_stack) return
       if (limit%largest < 0_c_long .or. limit%largest >= least_stack) then
-         if (c_setrlimit(limit_stack, limit_t(least_stack, limit%largest)) == 0_c_int) return
+         if (c_prlimit(0_c_int, limit_stack, limit_t(least_stack, limit%largest)) == 0_c_int) return
       end if
       call fail(error, input_error, 'found a stack of ' &
          //to_text(int(limit%present_value/1024_c_long))//' kB, expected at least ' &
