@@ -89,7 +89,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
       real(wp), allocatable :: gaps(:), pressures(:)
-      integer :: i
 
       call open_hdf5_input(reader, file, error)
       if (allocated(error)) return
@@ -97,8 +96,7 @@ contains
       pressures = reader%reals(datasets(2))
       call reader%close(error)
       if (allocated(error)) return
-      rows = reshape([(gaps(i), i=size(gaps), 1, -1), (pressures(i), i=size(gaps), 1, -1)], &
-         [size(gaps), 2])
+      rows = reshape([gaps(size(gaps):1:-1), pressures(size(gaps):1:-1)], [size(gaps), 2])
       if (size(gaps) < 2) call fail(error, input_error, file//': found '//to_text(size(gaps)) &
          //' load, expected a dry sweep with two or more')
    end subroutine read_sweep

@@ -5,13 +5,14 @@ module line_profiles
    use file_bytes, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
-   use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint
+   use file_heights, only: cutoffs, hold_heights, level_surface, read_surface, units_hint
    use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
    use input_values, only: features_of, input_values_t, read_synthesis
    use kinds, only: int64, wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
+   use surface_scaling, only: scaled_surface
    use synthetic_surface, only: new_synthetic_pieces, synthesis_t, synthetic_heights, &
       synthetic_pieces_t, truncate_harmonics
    use text, only: add_sentence, to_text
@@ -38,12 +39,13 @@ module line_profiles
 
 contains
 
-   !> The surface `group` of a `case`: features, entry, profile. Findings: the file; the synthesis.
-   subroutine make_surface(values, group, case)
+   !> The scaled `surface` that a `group` gives: features, entry, profile; smooth with &moes.
+   !> Findings: the file; the synthesis.
+   subroutine make_surface(values, group, case, surface)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
-      type(rough_surface_t) :: surface
+      type(rough_surface_t), intent(out) :: surface
       character(:), allocatable :: shape
       logical :: is_profile
 
@@ -70,10 +72,10 @@ contains
          surface%profile%is_placed = values%is_given(group, 'position')
          surface%profile%start = values%real_value(group, 'position', surface%profile%start)
       end if
-      if (group == 'surface_1') then
-         case%surface_1 = surface
+      if (case%scaling%is_dimensional) then
+         surface = scaled_surface(surface, case%scaling)
       else
-         case%surface_2 = surface
+         surface%speed = 1.0_wp
       end if
    end subroutine make_surface
 
@@ -92,6 +94,7 @@ contains
       if (profile%spacing > 0.0_wp) then
          call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &
             case%note, profile%source)
+         profile%form = trend%form
          call compare_with_film(values, group, heights, trend, case)
          call list_trend(case, group, trend)
       else
@@ -180,7 +183,7 @@ contains
          if (allocated(case%point)) film = scales%film*case%point%expected_film
       end associate
       form = trend%form
-      if (is_filtered(values, group)) form%terms = 0.0_wp   ! the sums are those without it
+      if (any(values%is_given(group, cutoffs))) form%terms = 0.0_wp   ! the sums lack it already
       height = rms_height(heights%sums, form)
       words = to_text(height, 3)//' m, '//to_text(height/film, 2)// &
          ' times the film that is expected, '//to_text(film, 3)//' m'
@@ -202,7 +205,7 @@ contains
       integer :: harmonics, most
 
       harmonics = values%integer_value(group, 'harmonics')
-      call hold_heights(profile%source, profile%heights, ': a series', fault)
+      call hold_heights(profile%source, profile%form, profile%heights, ': a series', fault)
       if (fault == '') then
          most = min(size(profile%heights)/2 - 1, max_nodes)
          if (harmonics > most) then
@@ -307,7 +310,6 @@ contains
       else
          surface%profile%start = -0.5_wp*length
       end if
-      surface%profile%is_placed = .true.
    end subroutine place_surface
 
 end module line_profiles
