@@ -213,7 +213,7 @@ contains
 
    !> Subtracts the waves beyond the cut-offs from heights that are held and without form, and makes
    !> their sums anew; heights that repeat (`is_periodic`) and close are filtered so. Findings:
-   !> cut-offs that the nodes do not carry, or out of order.
+   !> cut-offs of fewer than `least_nodes` spacings, longer than the file, or out of order.
    subroutine filter_heights(values, group, is_periodic, heights)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -221,16 +221,22 @@ contains
       type(heights_t), intent(inout) :: heights
       type(error_t), allocatable :: error
       real(wp), allocatable :: whole(:)
-      real(wp) :: cutoff(2)
+      real(wp) :: cutoff(2), least, most
       logical :: repeats
       integer :: before, grid(2), i
 
       before = values%findings%count
-      do i = 1, 2
-         call check_cutoff(values, group, cutoffs(i), heights)
-      end do
+      least = least_nodes*maxval(heights%spacing, mask=heights%sums%grid > 1)
+      most = minval(heights%spacing*heights%sums%grid, mask=heights%sums%grid > 1)
       cutoff = [values%real_value(group, cutoffs(1)), values%real_value(group, cutoffs(2), &
          huge(1.0_wp))]
+      do i = 1, 2
+         if (.not. values%is_given(group, cutoffs(i))) cycle
+         if (cutoff(i) < least .or. cutoff(i) > most) call values%refuse(group, cutoffs(i), &
+            'found '//to_text(cutoff(i))//' m, expected '//to_text(least, 3)//' to '// &
+            to_text(most, 3)//' m, '//to_text(nint(least_nodes))//' spacings to the length of '// &
+            'the file')
+      end do
       if (values%findings%count == before .and. cutoff(1) >= cutoff(2)) call values%refuse(group, &
          cutoffs(1), 'found '//to_text(cutoff(1))//' m, expected less than cutoff_long, ' &
          //to_text(cutoff(2))//' m')
@@ -252,21 +258,5 @@ contains
       heights%sums = height_sums_t(int(grid, int64))
       call heights%sums%add(heights%z)
    end subroutine filter_heights
-
-   !> Finding: a cut-off of fewer than `least_nodes` spacings, or longer than the file.
-   subroutine check_cutoff(values, group, key, heights)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group, key
-      type(heights_t), intent(in) :: heights
-      real(wp) :: cutoff, least, most
-
-      if (.not. values%is_given(group, key)) return
-      cutoff = values%real_value(group, key)
-      least = least_nodes*maxval(heights%spacing, mask=heights%sums%grid > 1)
-      most = minval(heights%spacing*heights%sums%grid, mask=heights%sums%grid > 1)
-      if (cutoff < least .or. cutoff > most) call values%refuse(group, key, 'found ' &
-         //to_text(cutoff)//' m, expected '//to_text(least, 3)//' to '//to_text(most, 3) &
-         //' m, '//to_text(nint(least_nodes))//' spacings to the length of the file')
-   end subroutine check_cutoff
 
 end module file_heights

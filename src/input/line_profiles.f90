@@ -95,16 +95,11 @@ contains
          call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &
             case%note, profile%source)
          profile%form = trend%form
-         call compare_with_film(values, group, heights, trend, case)
-         call list_trend(case, group, trend)
+         call take_heights(values, group, heights, trend, case, profile)
       else
          call values%refuse(group, 'file', 'found no spacing in '//heights%file// &
             ', expected the attribute spacing_x or spacing [m] of the dataset')
       end if
-      profile%finest_wave = 2.0_wp*profile%spacing
-      if (values%is_given(group, 'cutoff_short')) profile%finest_wave = max(profile%finest_wave, &
-         0.5_wp*values%real_value(group, 'cutoff_short'))
-      call set_effective(case, group, 'heights_checksum', text=heights%digits)
       call set_effective(case, group, 'heights_spacing', [profile%spacing])
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
       if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
@@ -129,11 +124,7 @@ contains
          call read_surface(values, group, path_from_namelist(case, ''), heights)
          if (.not. allocated(heights%z)) return
          call level_surface(values, group, .false., heights, trend, case%note)
-         call compare_with_film(values, group, heights, trend, case)
-         call list_trend(case, group, trend)
-         area%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
-            'cutoff_short'))
-         call set_effective(case, group, 'heights_checksum', text=heights%digits)
+         call take_heights(values, group, heights, trend, case, area)
       else
          shortest = values%real_value(group, 'wavelength_short')
          associate (domain => case%point%domain)
@@ -166,17 +157,23 @@ contains
       area%heights = area%rows(:, (heights%grid(2) + 1)/2)
    end subroutine fill_area
 
-   !> Finding: heights far above any film. A note: above the film that is expected.
-   subroutine compare_with_film(values, group, heights, trend, case)
+   !> Lists what the `heights` of a file and their `trend` are; sets their finest wave. Finding:
+   !> heights far above any film. A note: above the film that is expected.
+   subroutine take_heights(values, group, heights, trend, case, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(heights_t), intent(in) :: heights
       type(trend_t), intent(in) :: trend
       type(case_t), intent(inout) :: case
+      type(profile_t), intent(inout) :: profile
       type(form_t) :: form
       character(:), allocatable :: words
       real(wp) :: film, height
 
+      call list_trend(case, group, trend)
+      call set_effective(case, group, 'heights_checksum', text=heights%digits)
+      profile%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
+         'cutoff_short'))
       associate (scales => case%scaling)
          film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
             moes_l_sum_from_mean(scales%moes_l))
@@ -193,7 +190,7 @@ contains
       else if (height > many_films*film) then
          call add_sentence(case%note, 'the rms height of '//group//' is '//words//units_hint)
       end if
-   end subroutine compare_with_film
+   end subroutine take_heights
 
    !> The truncated Fourier series of a profile, then held. Findings: too many nodes, harmonics.
    subroutine truncate_profile(values, group, profile)

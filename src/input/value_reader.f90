@@ -218,7 +218,8 @@ contains
          end if
       end if
       if (allocated(problem)) then
-         call reject(entry, row, problem, findings, hint)
+         call findings%add(entry%line, entry%group, entry%key, 'found ' // problem &
+            // ', expected ' // expected_value(row) // hint)
          return
       end if
       slot%has_value = .true.
@@ -290,7 +291,8 @@ contains
       if (all([slot%has_value, .not. piece%is_string])) found = found // ' without quotes'
       if (piece%is_string) found = "'" // found // "'"
       if (piece%is_string .and. len_trim(piece%text) == 0) found = 'an empty string'
-      call reject(entry, row, found, findings, hint)
+      call findings%add(entry%line, entry%group, entry%key, 'found ' // found // ', expected ' &
+         // expected_value(row) // hint)
    end subroutine store
 
    !> What to do instead of a `word`; "; did you mean 'word'?" with the nearest one of the row; or
@@ -310,16 +312,5 @@ contains
          if (hint /= '') hint = "; did you mean '" // hint // "'?"
       end if
    end function nearest_word
-
-   !> Adds "found ..., expected ..." for an entry; `hint` follows.
-   subroutine reject(entry, row, found, findings, hint)
-      type(entry_t), intent(in) :: entry
-      type(key_row_t), intent(in) :: row
-      character(*), intent(in) :: found, hint
-      type(findings_t), intent(inout) :: findings
-
-      call findings%add(entry%line, entry%group, entry%key, 'found ' // found // ', expected ' &
-         // expected_value(row) // hint)
-   end subroutine reject
 
 end module value_reader
