@@ -1,20 +1,17 @@
-!> Measured heights: what is asked of a file and read from it, a source of them without their form,
-!> and what they may be, alone and together, with faults in words.
+!> Measured heights: what is asked of a file and read from it, and what they may be, alone and
+!> together, with faults in words.
 !>
 !> The limits lie far beyond measured surfaces; squares and quotients within them stay finite.
 module measured_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
-   use errors, only: error_t
-   use height_form, only: form_t, height_sums_t, subtract_form
+   use height_form, only: height_sums_t
    use kinds, only: int64, wp
-   use profile, only: height_source_t
    use text, only: counted, to_text
    implicit none (type, external)
    private
 
    public :: height_fault, height_range_t, height_request_t, heights_t, is_height, is_position, &
-      level_heights_t, position_fault, position_range_t, put_level, range_fault, scale_fault, &
-      spacing_fault
+      position_fault, position_range_t, range_fault, scale_fault, spacing_fault
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
@@ -39,14 +36,6 @@ module measured_heights
       !> Their sums, for slopes and form.
       type(height_sums_t) :: sums
    end type heights_t
-
-   !> A source, and the form that is taken off what it gives.
-   type, extends(height_source_t) :: level_heights_t
-      class(height_source_t), allocatable, private :: source
-      type(form_t), private :: form
-   contains
-      procedure :: get
-   end type level_heights_t
 
    !> Largest height and position [m].
    real(wp), parameter :: largest_height = 1.0e3_wp, largest_position = 1.0e9_wp
@@ -86,31 +75,6 @@ module measured_heights
    end type position_range_t
 
 contains
-
-   !> Puts the heights of `source` without `form` in its place.
-   subroutine put_level(source, form)
-      class(height_source_t), allocatable, intent(inout) :: source
-      type(form_t), intent(in) :: form
-      type(level_heights_t), allocatable :: level
-
-      allocate (level)
-      level%nodes = source%nodes
-      level%form = form
-      call move_alloc(source, level%source)
-      call move_alloc(level, source)
-   end subroutine put_level
-
-   !> Heights from number `first` on. Error: that of the source.
-   subroutine get(self, first, z, error)
-      class(level_heights_t), intent(in) :: self
-      integer(int64), intent(in) :: first
-      real(wp), intent(out) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      call self%source%get(first, z, error)
-      if (allocated(error)) return
-      call subtract_form(self%form, first, z)
-   end subroutine get
 
    !> Whether `z` [m] can be a height: finite, not too large, zero or with all digits of a number.
    pure elemental logical function is_height(z)

@@ -63,7 +63,7 @@ contains
       real(wp), allocatable, intent(out) :: rows(:, :)
       type(error_t), allocatable, intent(out) :: error
       type(column_table_t) :: table
-      integer :: i
+      integer :: i, n
 
       if (is_hdf5(file)) then
          call read_sweep(file, rows, error)
@@ -73,13 +73,11 @@ contains
          if (.not. allocated(error)) call move_alloc(table%values, rows)
       end if
       if (allocated(error)) return
-      do i = 2, size(rows, 1)
-         if (rows(i, 1) > rows(i - 1, 1) .and. rows(i, 2) < rows(i - 1, 2)) cycle
-         call fail(error, input_error, file//': found '//to_text(rows(i, 2), 4)//' Pa at '// &
-            to_text(rows(i, 1), 4)//' m behind '//to_text(rows(i - 1, 2), 4)//' Pa at '// &
-            to_text(rows(i - 1, 1), 4)//' m, expected a pressure that falls as the gap grows')
-         return
-      end do
+      n = size(rows, 1)
+      i = findloc(rows(2:, 1) > rows(:n - 1, 1) .and. rows(2:, 2) < rows(:n - 1, 2), .false., dim=1)
+      if (i > 0) call fail(error, input_error, file//': found '//to_text(rows(i + 1, 2), 4)// &
+         ' Pa at '//to_text(rows(i + 1, 1), 4)//' m behind '//to_text(rows(i, 2), 4)//' Pa at '// &
+         to_text(rows(i, 1), 4)//' m, expected a pressure that falls as the gap grows')
    end subroutine read_law
 
    !> Reads the loads of a dry sweep, from the heaviest to the lightest that leaves a gap.
@@ -89,7 +87,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
       real(wp), allocatable :: gaps(:), pressures(:)
-      integer :: i
 
       call open_hdf5_input(reader, file, error)
       if (allocated(error)) return
@@ -97,8 +94,7 @@ contains
       pressures = reader%reals(datasets(2))
       call reader%close(error)
       if (allocated(error)) return
-      rows = reshape([(gaps(i), i=size(gaps), 1, -1), (pressures(i), i=size(gaps), 1, -1)], &
-         [size(gaps), 2])
+      rows = reshape([gaps(size(gaps):1:-1), pressures(size(gaps):1:-1)], [size(gaps), 2])
       if (size(gaps) < 2) call fail(error, input_error, file//': found '//to_text(size(gaps)) &
          //' load, expected a dry sweep with two or more')
    end subroutine read_sweep

@@ -1,21 +1,23 @@
 !> &bodies and &load: what contradicts each other or follows from other keys; two bodies as one.
 module body_input
+   use elliptic_contact, only: new_ellipse
    use hertz, only: bodies_t, line_load_from_pressure, point_load_from_pressure, reduced_modulus, &
       reduced_radius
    use input_keys, only: find_key, key_rows
    use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: film, has_word, lubricated, point
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use text, only: joined, to_text
    implicit none (type, external)
    private
 
    public :: check_bodies, check_curvature, check_load, derive_speeds, fill_bodies, find_load, &
-      has_plane, modulus_of, radius_of
+      modulus_of, radius_of
 
    !> Curvature of the gap, 1/R [1/m]: the reverse of the range of reduced_radius.
    real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
-   character(len=7), parameter :: speeds(2) = ['speed_1', 'speed_2']
+   !> Keys of the speeds.
+   character(len=7), parameter, public :: speeds(2) = ['speed_1', 'speed_2']
 
 contains
 
@@ -28,14 +30,11 @@ contains
       integer :: i
 
       if (.not. values%is_given('bodies', way)) return
-      do i = 1, size(speeds)
-         if (.not. values%is_given('bodies', speeds(i))) cycle
-         call values%refuse('bodies', way, 'found together with '//speeds(i)// &
-            ', expected either speed_1 and speed_2 or entrainment_speed and slide_to_roll')
-         return
-      end do
-      if (.not. (values%has_value('bodies', way) .and. values%has_value('bodies', &
-         'slide_to_roll'))) return
+      i = findloc(values%is_given('bodies', speeds), .true., dim=1)
+      if (i > 0) call values%refuse('bodies', way, 'found together with '//speeds(i)// &
+         ', expected either speed_1 and speed_2 or entrainment_speed and slide_to_roll')
+      if (i > 0 .or. .not. all(values%has_value('bodies', [character(len=17) :: way, &
+         'slide_to_roll']))) return
       mean = values%real_value('bodies', way)
       slide = values%real_value('bodies', 'slide_to_roll')
       call values%give('bodies', speeds(1), way, mean*(1 - 0.5_wp*slide))
@@ -46,13 +45,12 @@ contains
    subroutine check_bodies(values)
       type(input_values_t), intent(inout) :: values
 
-      if (.not. has_word(film, trim(values%problem))) then
+      if (.not. has_word(film, values%problem)) then
          call check_moduli(values)
          call check_radius(values)
       else if (values%has_group('bodies')) then
          if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-            'reduced_radius'//trim(axis_of(values)), [character(len=20) :: radius_key(values, 1), &
-            radius_key(values, 2)])
+            'reduced_radius'//trim(axis_of(values)), radius_keys(values))
          call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
             'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
          call check_speeds(values)
@@ -68,18 +66,18 @@ contains
       integer :: i
       character(:), allocatable :: list
 
-      given = [(values%is_given('bodies', trim(parts(i))), i=1, size(parts))]
+      given = values%is_given('bodies', parts)
       list = joined(parts, ', ', last=' and ')
       if (values%is_given('bodies', reduced)) then
          if (any(given)) call values%refuse('bodies', reduced, 'found together with ' &
             // trim(parts(findloc(given, .true., dim=1))) // ', expected either ' // reduced &
             // ' or ' // list)
       else if (.not. any(given)) then
-         call values%refuse('bodies', trim(parts(1)), 'missing, expected ' // list // ', or ' // &
+         call values%refuse('bodies', parts(1), 'missing, expected ' // list // ', or ' // &
             reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
       else
          do i = 1, size(parts)
-            if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)))
+            if (.not. given(i)) call values%refuse_missing('bodies', parts(i))
          end do
       end if
    end subroutine check_ways
@@ -96,9 +94,8 @@ contains
                speeds(i), '(or entrainment_speed for both)')
          end do
       end if
-      if (.not. (values%has_value('bodies', 'speed_1') &
-         .and. values%has_value('bodies', 'speed_2'))) return
-      speed_sum = values%real_value('bodies', 'speed_1') + values%real_value('bodies', 'speed_2')
+      if (.not. all(values%has_value('bodies', speeds))) return
+      speed_sum = sum(values%real_value('bodies', speeds))
       if (speed_sum <= 0.0_wp) call values%refuse('bodies', 'speed_1', &
          'found speed_1 + speed_2 = ' // to_text(speed_sum) // ', expected a sum > 0 [m/s]: no '// &
          'oil is drawn in')
@@ -112,19 +109,18 @@ contains
       logical :: given(size(parts))
       integer :: i
 
-      given = [(values%is_given('bodies', trim(parts(i))), i=1, size(parts))]
+      given = values%is_given('bodies', parts)
       if (values%is_given('bodies', 'reduced_modulus')) then
          do i = 1, size(parts)
-            call values%refuse_unused('bodies', trim(parts(i)), 'with reduced_modulus')
+            call values%refuse_unused('bodies', parts(i), 'with reduced_modulus')
          end do
          return
       end if
       do i = 1, 2
-         if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)), &
-            '(or reduced_modulus)')
+         if (.not. given(i)) call values%refuse_missing('bodies', parts(i), '(or reduced_modulus)')
       end do
       if (given(3) .neqv. given(4)) call values%refuse_missing('bodies', &
-         trim(parts(merge(4, 3, given(3)))))
+         parts(merge(4, 3, given(3))))
    end subroutine check_moduli
 
    !> Findings: no radius of a parabola; a radius without one.
@@ -135,10 +131,10 @@ contains
       logical :: given(size(radii))
       integer :: i
 
-      given = [(values%is_given('bodies', trim(radii(i))), i=1, size(radii))]
+      given = values%is_given('bodies', radii)
       if (.not. any(has_shape(values, surfaces, 'parabola'))) then
          do i = 1, size(radii)
-            call values%refuse_unused('bodies', trim(radii(i)), "without shape = 'parabola'")
+            call values%refuse_unused('bodies', radii(i), "without shape = 'parabola'")
          end do
          call values%refuse_unused('bodies', 'plane', "without shape = 'parabola'")
       else if (.not. (given(1) .or. all(given(2:)) .or. has_plane(values))) then
@@ -157,21 +153,21 @@ contains
       axis = merge('_x', '  ', values%problem == point)
    end function axis_of
 
-   !> Key of the radius of body 1 or 2, in the plane of x.
-   pure function radius_key(values, body) result(key)
+   !> Keys of the radii of both bodies, in the plane of x.
+   pure function radius_keys(values) result(keys)
       type(input_values_t), intent(in) :: values
-      integer, intent(in) :: body
-      character(len=10) :: key
+      character(len=10) :: keys(2)
 
-      key = 'radius'//trim(axis_of(values))//'_'//to_text(body)
-   end function radius_key
+      keys(1) = 'radius'//trim(axis_of(values))//'_1'
+      keys(2) = 'radius'//trim(axis_of(values))//'_2'
+   end function radius_keys
 
    !> Whether one body has a radius and the other is a plane.
    pure logical function has_plane(values)
       type(input_values_t), intent(in) :: values
 
-      has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
-         trim(radius_key(values, 1))) .neqv. values%is_given('bodies', trim(radius_key(values, 2))))
+      has_plane = values%logical_value('bodies', 'plane') .and. count(values%is_given('bodies', &
+         radius_keys(values))) == 1
    end function has_plane
 
    !> A finding: two radii of bodies that do not touch, or lie in each other; a plane beside more or
@@ -179,43 +175,43 @@ contains
    subroutine check_radii(values)
       type(input_values_t), intent(inout) :: values
       character(:), allocatable :: key
+      character(len=10) :: keys(2)
 
       key = 'reduced_radius'//trim(axis_of(values))
+      keys = radius_keys(values)
       if (has_plane(values) .and. values%is_given('bodies', key)) then
          call values%refuse('bodies', key, 'found together with plane, expected one of the two')
       else if (has_plane(values)) then
-         key = trim(radius_key(values, 1))
-         if (.not. values%is_given('bodies', key)) key = trim(radius_key(values, 2))
+         key = trim(keys(findloc(values%is_given('bodies', keys), .true., dim=1)))
          if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
             'found '//to_text(values%real_value('bodies', key))// &
             ' with plane = .true., expected a radius > 0 [m]')
       else if (values%logical_value('bodies', 'plane')) then
          call values%refuse('bodies', 'plane', 'found .true., expected exactly one of '// &
-            trim(radius_key(values, 1))//' and '//trim(radius_key(values, 2))//' with it')
+            joined(keys, ' and ')//' with it')
       end if
-      call check_curvature(values, trim(radius_key(values, 1)), trim(radius_key(values, 2)))
+      call check_curvature(values, keys)
    end subroutine check_radii
 
    !> A finding: two radii, of which both have a value, of bodies that do not touch.
-   subroutine check_curvature(values, key_1, key_2)
+   subroutine check_curvature(values, keys)
       type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: key_1, key_2
+      character(*), intent(in) :: keys(2)
       real(wp) :: curvature
 
-      if (.not. (values%has_value('bodies', key_1) .and. values%has_value('bodies', key_2))) return
-      curvature = 1.0_wp/values%real_value('bodies', key_1) &
-         + 1.0_wp/values%real_value('bodies', key_2)
+      if (.not. all(values%has_value('bodies', keys))) return
+      curvature = sum(1.0_wp/values%real_value('bodies', keys))
       if (curvature < least_curvature .or. curvature > largest_curvature) call values%refuse( &
-         'bodies', key_1, 'found 1/'//key_1//' + 1/'//key_2//' = ' // to_text(curvature) &
-         // ', expected 1e-9 to 1e9 [1/m]')
+         'bodies', keys(1), 'found 1/'//joined(keys, ' + 1/')//' = '//to_text(curvature) &
+         //', expected 1e-9 to 1e9 [1/m]')
    end subroutine check_curvature
 
    !> Findings: no load, or more than one.
    subroutine check_load(values)
       type(input_values_t), intent(inout) :: values
-      character(len=16), allocatable :: keys(:)
+      character(len=16), allocatable :: given(:), keys(:)
       character(:), allocatable :: choice, fault
-      integer :: given, i
+      integer :: i
 
       choice = 'load_per_length [N/m], load [N] or hertz_pressure [Pa]'
       if (values%problem == lubricated) then
@@ -229,21 +225,19 @@ contains
          choice = 'mean_pressure [Pa], hertz_pressure [Pa], '//trim(keys(3))//' or separation [m]'
       end if
       fault = 'found more than one load, expected one of '//joined(keys, ', ')
-      given = 0
-      do i = 1, size(keys)
-         if (.not. values%is_given('load', trim(keys(i)))) cycle
-         given = given + 1
-         if (given > 1) call values%refuse('load', trim(keys(i)), fault)
+      given = pack(keys, values%is_given('load', keys))
+      do i = 2, size(given)
+         call values%refuse('load', given(i), fault)
       end do
-      if (given == 0) call values%refuse('load', trim(keys(1)), 'missing, expected '//choice)
+      if (size(given) == 0) call values%refuse('load', keys(1), 'missing, expected '//choice)
    end subroutine check_load
 
-   !> The bodies of a lubricated contact; with &moes they are unknown (zero).
+   !> The bodies of a lubricated contact, in the plane of x; with &moes they are unknown (zero).
    subroutine fill_bodies(values, bodies)
       type(input_values_t), intent(in) :: values
       type(bodies_t), intent(out) :: bodies
 
-      bodies%reduced_radius = radius_of(values)
+      bodies%reduced_radius = radius_of(values, trim(axis_of(values)))
       bodies%reduced_modulus = modulus_of(values)
       bodies%speed_1 = values%real_value('bodies', 'speed_1')
       bodies%speed_2 = values%real_value('bodies', 'speed_2')
@@ -254,18 +248,17 @@ contains
       end if
    end subroutine fill_bodies
 
-   !> The load of a line [N/m], of a lubricated one over its length, or an area [N], given by the
-   !> `key` of &load; 0 if there is none.
-   subroutine find_load(values, radius, modulus, key, load)
+   !> The load of a line [N/m], of a lubricated one over its length, of an area, or of an ellipse
+   !> with Rx/Ry = `ratio` [N], given by the `key` of &load; 0 if there is none.
+   subroutine find_load(values, radius, modulus, key, load, ratio)
       type(input_values_t), intent(in) :: values
       real(wp), intent(in) :: radius, modulus
       character(:), allocatable, intent(out) :: key
       real(wp), intent(out) :: load
+      real(wp), intent(in), optional :: ratio
 
       key = 'load_per_length'
-      if (values%problem /= 'dry_line') then   ! which has no key load
-         if (values%is_given('load', 'load')) key = 'load'
-      end if
+      if (values%is_given('load', 'load')) key = 'load'
       if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
       load = values%real_value('load', key)
       if (key /= 'hertz_pressure') then
@@ -273,24 +266,28 @@ contains
             /values%real_value('bodies', 'contact_length')
       else if (values%problem == 'dry_area') then
          load = point_load_from_pressure(load, radius, modulus)
+      else if (present(ratio)) then   ! p_h = (pi/2) C E' a/Rx
+         associate (ellipse => new_ellipse(ratio))
+            load = 2*pi*ellipse%ratio/3*load*(2*load*radius/(pi*ellipse%compliance*modulus))**2
+         end associate
       else
          load = line_load_from_pressure(load, radius, modulus)
       end if
    end subroutine find_load
 
-   !> R [m], given or that of both bodies; 0 if there is none.
-   real(wp) function radius_of(values) result(radius)
+   !> R [m] in the plane of an `axis`, of points '_x' or '_y', else '': given or that of both
+   !> bodies; 0 if there is none. Radii in y that are not given are those in x.
+   real(wp) function radius_of(values, axis) result(radius)
       type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: axis
+      real(wp) :: radii(2)
 
-      radius = values%real_value('bodies', 'reduced_radius')
-      if (radius > 0.0_wp) return
-      if (has_plane(values)) then
-         radius = values%real_value('bodies', 'radius_1') + values%real_value('bodies', 'radius_2')
-         return
-      end if
-      if (.not. values%is_given('bodies', 'radius_1')) return
-      radius = reduced_radius(values%real_value('bodies', 'radius_1'), &
-         values%real_value('bodies', 'radius_2'))
+      radii = values%real_value('bodies', ['radius_x_1', 'radius_x_2'])
+      radii = values%real_value('bodies', ['radius'//axis//'_1', 'radius'//axis//'_2'], radii)
+      radius = values%real_value('bodies', 'reduced_radius'//axis)
+      if (radius > 0.0_wp .or. .not. any(abs(radii) > 0.0_wp)) return
+      radius = sum(radii)   ! of a plane it is 0
+      if (.not. has_plane(values)) radius = reduced_radius(radii(1), radii(2))
    end function radius_of
 
    !> E' [Pa]: given, of both bodies, or of the first against a rigid one, 2/E' = (1 - nu^2)/E; 0 if

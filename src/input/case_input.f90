@@ -2,9 +2,9 @@
 module case_input
    use body_input, only: derive_speeds, fill_bodies, find_load
    use case_record, only: case_t, list_dry, list_effective, path_from_namelist, set_effective
-   use case_validation, only: check_regime, conserves_oil, even_reason, validate
+   use case_validation, only: check_regime, conserver, even_reason, validate
    use dry_input, only: fill_dry_case
-   use duty_input, only: complete_duty, read_duty
+   use duty_input, only: read_duty
    use file_heights, only: check_files
    use findings, only: findings_t
    use input_values, only: input_values_t, value_t
@@ -52,7 +52,7 @@ contains
          call read_values(pieces, values, defaults)
          is_alone = .false.
          oil = ''
-         if (has_word(film, trim(values%problem))) then
+         if (has_word(film, values%problem)) then
             call derive_speeds(values)
             call derive_viscosity(values, oil)
             call complete_alpha(values, is_alone)
@@ -124,8 +124,6 @@ contains
       else
          call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
       end if
-      if (allocated(case%duty)) call complete_duty(case%duty, case%load_per_length, &
-         case%bodies%reduced_radius)
       call check_regime(values, key, case)
       if (values%findings%count > 0) return
       call list_effective(values, case)
@@ -185,7 +183,7 @@ contains
          if (domain%grid == 'auto' .and. values%has_value('accuracy', 'target') &
             .and. .not. values%logical_value('time', 'transient')) domain%grid = 'graded'
       end associate
-      case%contact%conserves_oil = conserves_oil(values)
+      case%contact%conserves_oil = conserver(values) /= ''
       case%contact%supply = values%real_value('supply', 'film', case%contact%supply)   ! [m]
       associate (solver => case%solver)
          solver%method = values%word_value('solver', 'method')
@@ -204,9 +202,7 @@ contains
          case%has_inertia = values%logical_value('film', 'inertia')
          case%solver%space_scheme = 'kappa'
       end if
-      associate (output => case%output_settings)
-         output%velocity_layers = values%integer_value('output', 'velocity_layers')
-      end associate
+      case%output_settings%velocity_layers = values%integer_value('output', 'velocity_layers')
    end subroutine fill_numerics
 
 end module case_input

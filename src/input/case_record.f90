@@ -7,9 +7,9 @@ module case_record
    use height_form, only: curvature_of, tilt_of, trend_t
    use hertz, only: bodies_t
    use input_keys, only: key_rows
-   use input_values, only: has_shape, input_values_t, read_synthesis, surfaces, value_t
-   use key_row, only: has_word, integer_kind, is_chosen, key_row_t, lubricated, real_kind, &
-      reals_kind, text_kind
+   use input_values, only: has_shape, input_values_t, read_synthesis, surfaces
+   use key_row, only: has_word, integer_kind, is_chosen, lubricated, real_kind, reals_kind, &
+      text_kind
    use key_rules, only: is_used, unusual_t
    use kinds, only: wp
    use line_contact, only: domain_t, line_contact_t, rough_contact_t, solver_settings_t, &
@@ -70,8 +70,6 @@ module case_record
       type(duty_rows_t), allocatable :: duty
       !> The scales that follow from these.
       type(scaling_t) :: scaling
-      !> Amplitude and wavelength [m], position [half-widths], speed [m/s].
-      type(rough_surface_t) :: surface_1, surface_2
       !> As it is given.
       type(domain_t) :: domain
       !> As it is solved; domain, grid and, in `time`, time step are complete.
@@ -242,40 +240,28 @@ contains
             if (.not. slot%has_value) then
                if (row%default /= is_chosen .or. row%key == 'output') cycle
             end if
-            if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (.not. has_word(row%problems, values%problem)) cycle
             ! a rule takes long, and rows of one group often have the same
             if (row%used /= key_rows(asked)%used .or. row%group /= key_rows(asked)%group) then
                asked = i
                is_of_use = is_used(values, row)
             end if
             if (.not. is_of_use) cycle
-            if (slot%has_value) then
-               call list_value(case, row, slot)
-            else
+            if (.not. slot%has_value) then
                call set_effective(case, row%group, row%key, text='chosen by the program')
+            else if (any(row%kind == [real_kind, reals_kind])) then
+               call set_effective(case, row%group, row%key, slot%reals)
+            else if (row%kind == integer_kind) then
+               call set_effective(case, row%group, row%key, integer=slot%integer)
+            else if (row%kind == text_kind) then
+               call set_effective(case, row%group, row%key, text=slot%text)
+            else   ! words and logicals
+               call set_effective(case, row%group, row%key, text=joined(slot%words, ', '))
             end if
          end associate
       end do
       if (values%problem == lubricated) call list_derived(case)
    end subroutine list_effective
-
-   !> One value of the namelist.
-   subroutine list_value(case, row, slot)
-      type(case_t), intent(inout) :: case
-      type(key_row_t), intent(in) :: row
-      type(value_t), intent(in) :: slot
-
-      select case (row%kind)
-      case (real_kind, reals_kind)
-         call set_effective(case, row%group, row%key, slot%reals)
-      case (integer_kind)
-         call set_effective(case, row%group, row%key, integer=slot%integer)
-      case (text_kind)
-         call set_effective(case, row%group, row%key, text=slot%text)
-      case default   ! words and logicals
-         call set_effective(case, row%group, row%key, text=joined(slot%words, ', '))
-      end select
-   end subroutine list_value
 
    !> What follows from the given values: reduced bodies, load, parameters of Roelands' law.
    subroutine list_derived(case)
@@ -310,20 +296,20 @@ contains
          call set_effective(case, 'time', 'time_step', [case%time%time_step])
          call set_effective(case, 'time', 'statistics_from', [times%counts_from])
       end if
-      call fill_positions(case, 'surface_1', case%surface_1, contact%surface_1)
-      call fill_positions(case, 'surface_2', case%surface_2, contact%surface_2)
+      call fill_positions(case, 'surface_1', contact%surface_1)
+      call fill_positions(case, 'surface_2', contact%surface_2)
    end subroutine list_passage
 
-   !> The centres of the features of a `surface`, or of a profile `given` without its place.
-   subroutine fill_positions(case, group, given, surface)
+   !> The centres of the features of a `surface`, or of a profile given without its place.
+   subroutine fill_positions(case, group, surface)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group
-      type(rough_surface_t), intent(in) :: given, surface
+      type(rough_surface_t), intent(in) :: surface
 
       if (size(surface%features) > 0) call set_effective(case, group, 'position', &
          surface%features%position)
-      if (.not. (allocated(given%profile) .and. allocated(surface%profile))) return
-      if (.not. given%profile%is_placed) call set_effective(case, group, 'position', &
+      if (.not. allocated(surface%profile)) return
+      if (.not. surface%profile%is_placed) call set_effective(case, group, 'position', &
          [surface%profile%start + 0.5_wp*profile_length(surface%profile)])
    end subroutine fill_positions
 

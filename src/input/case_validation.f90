@@ -2,21 +2,21 @@
 !>
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
-   use body_input, only: check_bodies, check_load
+   use body_input, only: check_bodies, check_load, speeds
    use case_record, only: case_t
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: check_surface, input_values_t, value_t
    use key_row, only: dry, expected_value, film, has_word, is_in_range, lubricated, word_kind
    use key_rules, only: check_rules, find_unusual, unusual_t
    use kinds, only: wp
-   use lubricant_input, only: check_lubricant
+   use lubricant_input, only: check_moes_laws, check_roelands
    use line_contact, only: max_intervals_of
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_regime, check_times, conserves_oil, even_reason, validate
+   public :: check_regime, check_times, conserver, even_reason, validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: max_steps = 1.0e8_wp
@@ -38,10 +38,11 @@ contains
       call check_case(values)
       call check_accuracy(values)
       call check_fields(values)
-      if (has_word(dry, trim(values%problem)) .and. .not. is_read) return
+      if (has_word(dry, values%problem) .and. .not. is_read) return
       call check_bodies(values)
       if (values%has_group('load') .or. values%is_given('history', 'file')) call check_load(values)
-      call check_lubricant(values)
+      call check_moes_laws(values)
+      call check_roelands(values)
       call check_surface(values, 'surface_1', 'speed_1')
       call check_surface(values, 'surface_2', 'speed_2')
       if (values%problem == lubricated) call check_solver(values)
@@ -60,12 +61,12 @@ contains
       integer :: i
 
       do i = 1, size(keys)
-         if (values%real_value('time', trim(keys(i))) > end_time) call values%refuse('time', &
-            trim(keys(i)), 'found '//to_text(values%real_value('time', trim(keys(i))))// &
+         if (values%real_value('time', keys(i)) > end_time) call values%refuse('time', &
+            keys(i), 'found '//to_text(values%real_value('time', keys(i)))// &
             ', expected at most end_time = '//to_text(end_time)//' [-]')
       end do
-      if (step > 0.0_wp .and. end_time > max_steps*step) call values%refuse('time', trim(merge( &
-         'duration', 'end_time', values%is_given('time', 'duration'))), 'found '// &
+      if (step > 0.0_wp .and. end_time > max_steps*step) call values%refuse('time', merge( &
+         'duration', 'end_time', values%is_given('time', 'duration')), 'found '// &
          to_text(end_time/step, 3)//' time steps, expected at most '//to_text(max_steps, 1))
    end subroutine check_times
 
@@ -75,10 +76,10 @@ contains
       logical :: has_moes
       integer :: i
 
-      has_moes = has_word(film, trim(values%problem)) .and. values%has_group('moes')
+      has_moes = has_word(film, values%problem) .and. values%has_group('moes')
       do i = 1, size(group_rows)
          associate (row => group_rows(i))
-            if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (.not. has_word(row%problems, values%problem)) cycle
             if (values%has_group(row%group)) then
                if (has_moes .and. row%yields_to_moes) call values%refuse(row%group, '', &
                   'found together with &moes, expected one of the two: &moes is a smooth '// &
@@ -118,8 +119,10 @@ contains
       character(:), allocatable :: reason
       integer :: intervals, levels
 
-      if (values%has_value('history', 'file')) call check_history(values)
-      if (conserves_oil(values)) call check_cavitation(values)
+      if (values%has_value('history', 'file') .and. values%integer_value('output', &
+         'velocity_layers') > 0) call values%refuse('output', 'velocity_layers', &
+         'found with &history, expected 0')
+      if (conserver(values) /= '') call check_cavitation(values)
       if (values%has_group('thermal')) call check_heat(values)
       if (values%word_value('case', 'equations') == 'stokes') then
          call check_equations(values)
@@ -148,16 +151,6 @@ contains
          // ' intervals on the coarsest grid')
    end subroutine check_solver
 
-   !> Finds what a history does not go with; the squeeze term left out without one.
-   subroutine check_history(values)
-      type(input_values_t), intent(inout) :: values
-
-      if (values%word_value('case', 'equations') == 'stokes') call values%refuse('history', &
-         'file', "found with equations = 'stokes', expected 'reynolds'")
-      if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
-         'velocity_layers', 'found with &history, expected 0')
-   end subroutine check_history
-
    !> What of the input needs an even grid; empty: nothing.
    pure function even_reason(values) result(reason)
       type(input_values_t), intent(in) :: values
@@ -169,15 +162,15 @@ contains
          associate (row => key_rows(i))
             if (row%group /= 'solver' .or. index(row%key, 'film') > 0 .or. .not. &
                has_word(row%problems, lubricated)) cycle
-            if (.not. values%is_given('solver', trim(row%key))) cycle
+            if (.not. values%is_given('solver', row%key)) cycle
             if (row%kind == word_kind) then
-               if (row%default == "'"//trim(values%word_value('solver', trim(row%key)))//"'") cycle
+               if (row%default == "'"//trim(values%word_value('solver', row%key))//"'") cycle
             end if
             reason = '&solver '//trim(row%key)
          end associate
       end do
       if (values%has_value('domain', 'intervals')) reason = 'intervals'
-      if (conserves_oil(values)) reason = conserver(values)
+      if (conserver(values) /= '') reason = conserver(values)
       if (values%word_value('case', 'equations') == 'stokes') reason = "equations = 'stokes'"
    end function even_reason
 
@@ -192,17 +185,9 @@ contains
       conserver = ''
       if (values%word_value('lubricant', 'cavitation') == 'mass_conserving') conserver = &
          "cavitation = 'mass_conserving'"
-      do i = 1, size(groups)
-         if (values%has_group(trim(groups(i)))) conserver = '&'//trim(groups(i))
-      end do
+      i = findloc(values%has_group(groups), .true., dim=1, back=.true.)
+      if (i > 0) conserver = '&'//trim(groups(i))
    end function conserver
-
-   !> Whether oil is conserved where the film cavitates.
-   pure logical function conserves_oil(values)
-      type(input_values_t), intent(in) :: values
-
-      conserves_oil = conserver(values) /= ''
-   end function conserves_oil
 
    !> Finds what the conservation of oil does not go with.
    subroutine check_cavitation(values)
@@ -234,9 +219,9 @@ contains
          'smooth surfaces with &history: of what passes with a surface the heat is not known')
       if (values%integer_value('output', 'velocity_layers') > 0) call values%refuse('output', &
          'velocity_layers', 'found with &thermal, expected 0')
-      if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2')) then
-         if (values%real_value('bodies', 'speed_1')*values%real_value('bodies', 'speed_2') &
-            <= 0.0_wp) call values%refuse('bodies', 'speed_1', 'found with &thermal a surface '// &
+      if (all(values%has_value('bodies', speeds))) then
+         if (product(values%real_value('bodies', speeds)) <= 0.0_wp) call values%refuse('bodies', &
+            'speed_1', 'found with &thermal a surface '// &
             'that rests or moves against the other, expected both to move with the oil')
       end if
       inlet = values%real_value('lubricant', 'temperature', values%real_value('thermal', &
@@ -267,6 +252,8 @@ contains
    subroutine check_equations(values)
       type(input_values_t), intent(inout) :: values
 
+      if (values%has_value('history', 'file')) call values%refuse('history', 'file', &
+         "found with equations = 'stokes', expected 'reynolds'")
       if (values%has_group('moes')) then
          call values%refuse('case', 'equations', "found 'stokes' with &moes, expected "// &
             "'reynolds': the slope of the film, b/R, is not known")

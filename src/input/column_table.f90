@@ -40,7 +40,7 @@ contains
       type(text_lines_t) :: lines
       type(checksum_t) :: checksum
       character(:), allocatable :: fault
-      real(wp), allocatable :: more(:, :), numbers(:, :)
+      real(wp), allocatable :: numbers(:, :)
       integer, allocatable :: column(:)
       integer(int64) :: line
       integer :: n
@@ -55,13 +55,10 @@ contains
          n = n + 1
          if (n == 0) then
             call read_names(lines%line(:lines%length), table, column, fault)
-            allocate (numbers(size(column), 1024))
+            ! a field has a byte, and one behind it
+            allocate (numbers(size(column), min(lines%bytes/(2*size(column)), 1_int64*most_rows) &
+               + 1))
          else
-            if (n > size(numbers, 2)) then
-               allocate (more(size(column), 2*n))
-               more(:, :n - 1) = numbers
-               call move_alloc(more, numbers)
-            end if
             call read_numbers(lines%line(:lines%length), table, column, numbers(:, n), fault)
             if (fault == '' .and. n > 1) then
                if (numbers(1, n) <= numbers(1, n - 1)) fault = 'found '//to_text(numbers(1, n))// &

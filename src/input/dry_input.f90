@@ -43,7 +43,7 @@ contains
 
       dry%folder = folder
       dry%reduced_modulus = modulus_of(dry%values)
-      dry%radius = radius_of(dry%values)
+      dry%radius = radius_of(dry%values, '')
       dry%wants_adequacy = dry%values%logical_value('output', 'adequacy')
       dry%has_error_bars = dry%values%logical_value('accuracy', 'error_bars')
       dry%target = dry%values%real_value('accuracy', 'target')
@@ -383,8 +383,8 @@ contains
       character(*), intent(in) :: group
       type(value_t) :: slot
 
-      slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', &
-         has_shape(values, group, 'synthetic'))))
+      slot = values%slot(group, merge('wavelength_short', 'wavelength      ', &
+         has_shape(values, group, 'synthetic')))
       wave = minval(slot%reals)
    end function finest_wave
 

@@ -11,7 +11,7 @@ module duty_input
    implicit none (type, external)
    private
 
-   public :: complete_duty, read_duty
+   public :: read_duty
 
    !> Columns, their keys in the namelist, those of the load of lines and points, and their limits.
    character(len=24), parameter :: columns(*) = [character(len=24) :: 'time [s]', 'angle [deg]', &
@@ -91,8 +91,8 @@ contains
       integer :: i
 
       do i = of_load, of_speeds(2)
-         if (.not. (values%is_given(trim(groups(i)), key_of(values, i)) .or. other_way(values, i) &
-            /= '')) call give(values, i, usual(i))
+         if (.not. values%is_given(groups(i), key_of(values, i)) .and. other_way(values, i) &
+            == '') call give(values, i, usual(i))
       end do
    end subroutine give_usual
 
@@ -112,7 +112,7 @@ contains
       integer, intent(in) :: column
       real(wp), intent(in) :: value
 
-      call values%give(trim(groups(column)), key_of(values, column), key_of(values, column), value)
+      call values%give(groups(column), key_of(values, column), key_of(values, column), value)
    end subroutine give
 
    !> The key that gives in another way what a column has; empty: there is none.
@@ -128,7 +128,7 @@ contains
       others = [character(len=14) :: 'radius_1', 'radius_2']
       if (column == of_load) others = [character(len=14) :: 'load', 'hertz_pressure']
       do i = merge(2, 1, column == of_load .and. values%problem == point), size(others)
-         if (values%is_given(trim(groups(column)), trim(others(i)))) key = trim(others(i))
+         if (values%is_given(groups(column), others(i))) key = trim(others(i))
       end do
    end function other_way
 
@@ -160,14 +160,14 @@ contains
       logical :: never
       integer :: i
 
-      if (.not. all([(values%has_value('bodies', key_of(values, of_speeds(i))), i=1, 2)])) return
+      if (.not. all(values%has_value('bodies', keys(of_speeds)))) return
       associate (sum => rows%values(:, of_speeds(1)) + rows%values(:, of_speeds(2)))
          never = any(rows%has(of_speeds)) .and. .not. maxval(sum) > 0.0_wp
          if (never) then
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 <= 0 in '// &
                'every row, expected a sum > 0 in one of them: oil is drawn in at X < 0')
          else if (.not. (abs(sum(1)) > 0.0_wp .or. (rows%is_periodic .and. .not. &
-            any([values%is_given('time', 'end_time'), values%is_given('time', 'duration')])))) then
+            any(values%is_given('time', ['end_time', 'duration']))))) then
             call values%refuse('history', 'file', file//': found speed_1 + speed_2 = 0 in the '// &
                'first row, expected a history that begins in motion, or a periodic one without '// &
                'an end: at rest no film is known')
@@ -177,15 +177,6 @@ contains
          call give(values, of_speeds(i), usual(of_speeds(i)))
       end do
    end subroutine check_motion
-
-   !> Fills the columns that the table leaves out with the constants of the namelist.
-   pure subroutine complete_duty(rows, load, radius)
-      type(duty_rows_t), intent(inout) :: rows
-      real(wp), intent(in) :: load, radius
-
-      if (.not. rows%has(of_load)) rows%values(:, of_load) = load
-      if (.not. rows%has(of_radius)) rows%values(:, of_radius) = radius
-   end subroutine complete_duty
 
    !> Finds an angle without a speed of rotation, a speed without an angle; turns angles into times
    !> from the first row on.

@@ -4,19 +4,22 @@ module file_heights
    use errors, only: error_t
    use gauss_filter, only: least_nodes, smooth_heights
    use height_file, only: read_heights
-   use height_form, only: closes, curvature_of, extent_of, form_of, height_sums_t, rms_height, &
-      rms_slope, subtract_form, tilt_of, trend_t
+   use height_form, only: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, &
+      rms_height, rms_slope, subtract_form, tilt_of, trend_t
    use profile, only: height_source_t
    use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: dry_area, has_word, point
    use kinds, only: int64, wp
-   use measured_heights, only: height_request_t, heights_t, put_level
+   use measured_heights, only: height_request_t, heights_t
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
-   public :: check_files, hold_heights, is_filtered, level_surface, read_surface, units_hint
+   public :: check_files, hold_heights, level_surface, read_surface, units_hint
 
+   !> Keys of the filter.
+   character(len=12), parameter, public :: cutoffs(2) = [character(len=12) :: 'cutoff_short', &
+      'cutoff_long']
    !> Heights of a source that can be held together.
    integer(int64), parameter :: max_held = 4194304_int64
    !> Rms slope [-] above which a note is given, and above which it is refused.
@@ -65,14 +68,14 @@ contains
       request%units(1) = trim(values%word_value(group, 'x_unit'))
       request%units(2) = trim(values%word_value(group, 'z_unit'))
       where (request%units == 'auto' .or. request%units == '?') request%units = ''
-      call read_heights(request, has_word(dry_area//' '//point, trim(values%problem)), heights, &
+      call read_heights(request, has_word(dry_area//' '//point, values%problem), heights, &
          error, kept)
       if (allocated(error)) call values%refuse(group, 'file', error%message)
    end subroutine read_surface
 
    !> Subtracts tilt, form and the waves beyond the cut-offs of the surface `group` from its
-   !> `heights`, which will be repeated if `is_periodic`, and from their `source`, if there is one:
-   !> filtered heights are held and have none. `trend`: what was subtracted. Findings: cut-offs, and
+   !> `heights`, which will be repeated if `is_periodic`; filtered heights are held and have no
+   !> `source`. `trend`: what was subtracted, and what of a source will be. Findings: cut-offs, and
    !> heights, that cannot be. A note on a large `trend`, on steep and on long surfaces.
    subroutine level_surface(values, group, is_periodic, heights, trend, note, source)
       type(input_values_t), intent(inout) :: values
@@ -85,11 +88,10 @@ contains
       character(:), allocatable :: fault
 
       call find_trend(values, group, heights, is_periodic, trend, note)
-      if (present(source)) call put_level(source, trend%form)
       if (allocated(heights%z)) call subtract_form(trend%form, 0_int64, heights%z)
-      if (is_filtered(values, group)) then
+      if (any(values%is_given(group, cutoffs))) then
          fault = ''
-         if (present(source)) call hold_heights(source, heights%z, &
+         if (present(source)) call hold_heights(source, trend%form, heights%z, &
             ' with cutoff_long or cutoff_short: a filter', fault)
          if (fault == '') then
             call filter_heights(values, group, is_periodic, heights)
@@ -100,10 +102,11 @@ contains
       call check_heights(values, group, heights, note)
    end subroutine level_surface
 
-   !> Reads all heights of a `source` into `z`, unless they are held, and drops the source. `fault`:
-   !> they are too many for `purpose`, or cannot be read.
-   subroutine hold_heights(source, z, purpose, fault)
+   !> Reads all heights of a `source` without a `form` into `z`, unless they are held, and drops the
+   !> source. `fault`: they are too many for `purpose`, or cannot be read.
+   subroutine hold_heights(source, form, z, purpose, fault)
       class(height_source_t), allocatable, intent(inout) :: source
+      type(form_t), intent(in) :: form
       real(wp), allocatable, intent(inout) :: z(:)
       character(*), intent(in) :: purpose
       character(:), allocatable, intent(out) :: fault
@@ -118,6 +121,7 @@ contains
          allocate (z(source%nodes))
          call source%get(0_int64, z, error)
          if (allocated(error)) fault = error%message
+         if (fault == '') call subtract_form(form, 0_int64, z)
       end if
       if (fault == '') deallocate (source)
    end subroutine hold_heights
@@ -207,50 +211,46 @@ contains
          //trim(trend%word)//"')"
    end function trend_words
 
-   !> Whether the surface `group` has a cut-off.
-   pure logical function is_filtered(values, group)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-
-      is_filtered = values%is_given(group, 'cutoff_short') .or. values%is_given(group, &
-         'cutoff_long')
-   end function is_filtered
-
    !> Subtracts the waves beyond the cut-offs from heights that are held and without form, and makes
    !> their sums anew; heights that repeat (`is_periodic`) and close are filtered so. Findings:
-   !> cut-offs that the nodes do not carry, or out of order.
+   !> cut-offs of fewer than `least_nodes` spacings, longer than the file, or out of order.
    subroutine filter_heights(values, group, is_periodic, heights)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       logical, intent(in) :: is_periodic
       type(heights_t), intent(inout) :: heights
-      character(*), parameter :: keys(2) = [character(len=12) :: 'cutoff_short', 'cutoff_long']
       type(error_t), allocatable :: error
       real(wp), allocatable :: whole(:)
-      real(wp) :: cutoff(2)
+      real(wp) :: cutoff(2), least, most
       logical :: repeats
       integer :: before, grid(2), i
 
       before = values%findings%count
-      do i = 1, 2
-         call check_cutoff(values, group, trim(keys(i)), heights)
-      end do
-      cutoff = [values%real_value(group, keys(1)), values%real_value(group, trim(keys(2)), &
+      least = least_nodes*maxval(heights%spacing, mask=heights%sums%grid > 1)
+      most = minval(heights%spacing*heights%sums%grid, mask=heights%sums%grid > 1)
+      cutoff = [values%real_value(group, cutoffs(1)), values%real_value(group, cutoffs(2), &
          huge(1.0_wp))]
+      do i = 1, 2
+         if (.not. values%is_given(group, cutoffs(i))) cycle
+         if (cutoff(i) < least .or. cutoff(i) > most) call values%refuse(group, cutoffs(i), &
+            'found '//to_text(cutoff(i))//' m, expected '//to_text(least, 3)//' to '// &
+            to_text(most, 3)//' m, '//to_text(nint(least_nodes))//' spacings to the length of '// &
+            'the file')
+      end do
       if (values%findings%count == before .and. cutoff(1) >= cutoff(2)) call values%refuse(group, &
-         keys(1), 'found '//to_text(cutoff(1))//' m, expected less than cutoff_long, ' &
+         cutoffs(1), 'found '//to_text(cutoff(1))//' m, expected less than cutoff_long, ' &
          //to_text(cutoff(2))//' m')
       if (values%findings%count > before) return
       repeats = is_periodic
       if (repeats) repeats = closes(heights%sums)
       grid = int(heights%sums%grid)
       do i = 1, 2
-         if (.not. values%is_given(group, trim(keys(i)))) cycle
+         if (.not. values%is_given(group, cutoffs(i))) cycle
          whole = heights%z
          call smooth_heights(grid, cutoff(i)/max(heights%spacing, tiny(1.0_wp)*cutoff(i)), &
             repeats, heights%z, error)
          if (allocated(error)) then
-            call values%refuse(group, trim(keys(i)), error%message)
+            call values%refuse(group, cutoffs(i), error%message)
             return
          end if
          if (i == 2) heights%z = whole - heights%z
@@ -258,23 +258,5 @@ contains
       heights%sums = height_sums_t(int(grid, int64))
       call heights%sums%add(heights%z)
    end subroutine filter_heights
-
-   !> Finding: a cut-off of fewer than `least_nodes` spacings, or longer than the file.
-   subroutine check_cutoff(values, group, key, heights)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group, key
-      type(heights_t), intent(in) :: heights
-      real(wp) :: cutoff, least, most
-
-      if (.not. values%is_given(group, key)) return
-      cutoff = values%real_value(group, key)
-      associate (grid => heights%sums%grid, spacing => heights%spacing)
-         least = least_nodes*maxval(spacing, mask=grid > 1)
-         most = minval(spacing*grid, mask=grid > 1)
-      end associate
-      if (cutoff < least .or. cutoff > most) call values%refuse(group, key, 'found ' &
-         //to_text(cutoff)//' m, expected '//to_text(least, 3)//' to '//to_text(most, 3) &
-         //' m, '//to_text(nint(least_nodes))//' spacings to the length of the file')
-   end subroutine check_cutoff
 
 end module file_heights

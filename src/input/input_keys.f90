@@ -643,7 +643,7 @@ contains
       do row = size(key_rows), 1, -1
          if (key_rows(row)%key /= padded_key) cycle
          if (key_rows(row)%group /= padded_group) cycle
-         if (has_word(key_rows(row)%problems, trim(wanted))) return
+         if (has_word(key_rows(row)%problems, wanted)) return
       end do
    end function find_key
 

@@ -74,7 +74,8 @@ contains
                      // ']'
                   head = head // ', default ' // trim(row%default)
                   if (row%range /= '') head = head // ', ' // trim(row%range)
-                  text = text // wrapped(head // typical_text(row), page_width, 8) // nl
+                  if (row%typical /= '') head = head // ', typical ' // trim(row%typical)
+                  text = text // wrapped(head, page_width, 8) // nl
                   if (row%words /= '') text = text // wrapped(repeat(' ', indent) &
                      // word_list(row%words), page_width, 8) // nl
                   text = text // wrapped(repeat(' ', indent) // trim(row%meaning) &
@@ -96,15 +97,6 @@ contains
       rows = pack([(i, i=1, size(key_rows))], key_rows%group == group_rows(group)%group &
          .and. (key_rows%is_expert .eqv. is_expert) .and. key_rows%group /= 'surface_2')
    end function rows_of
-
-   !> What is typical of a key, ", typical 1e-4 to 5"; empty: nothing in particular.
-   pure function typical_text(row) result(text)
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = ''
-      if (row%typical /= '') text = ', typical ' // trim(row%typical)
-   end function typical_text
 
    !> The rules of a key, and the problems that use it if not all of them do.
    pure function conditions_text(row) result(text)
@@ -139,7 +131,8 @@ contains
                'words | meaning |' // nl // '|---|---|---|---|---|---|' // nl
             do i = 1, size(rows)
                associate (row => key_rows(rows(i)))
-                  range = trim(row%range) // typical_text(row)
+                  range = trim(row%range)
+                  if (row%typical /= '') range = range // ', typical ' // trim(row%typical)
                   if (row%words /= '') range = word_list(row%words)
                   text = text // '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) &
                      // ' | ' // trim(row%unit) // ' | ' // trim(row%default) // ' | ' // range &

@@ -72,7 +72,7 @@ contains
    end function slot
 
    !> The first real value of a key; `default` or 0 if there is none.
-   pure real(wp) function real_value(self, group, key, default) result(value)
+   pure elemental real(wp) function real_value(self, group, key, default) result(value)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
       real(wp), intent(in), optional :: default
@@ -122,7 +122,7 @@ contains
    end function text_value
 
    !> True if the user gave the key, also with a value that could not be read.
-   pure logical function is_given(self, group, key)
+   pure elemental logical function is_given(self, group, key)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
@@ -130,7 +130,7 @@ contains
    end function is_given
 
    !> True if the key has a value, given or default.
-   pure logical function has_value(self, group, key)
+   pure elemental logical function has_value(self, group, key)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
@@ -138,7 +138,7 @@ contains
    end function has_value
 
    !> True if the group is in the file.
-   pure logical function has_group(self, group)
+   pure elemental logical function has_group(self, group)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group
 
@@ -218,24 +218,23 @@ contains
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
       type(feature_t), allocatable :: features(:)
-      type(value_t) :: amplitude, position, shape, wavelength
-      integer :: i
+      type(value_t) :: amplitude, shape
+      integer :: i, n
 
       amplitude = values%slot(group, 'amplitude')
-      allocate (features(size(amplitude%reals)))
-      if (size(features) == 0) return
       shape = values%slot(group, 'shape')
-      wavelength = values%slot(group, 'wavelength')
-      position = values%slot(group, 'position')
-      do i = 1, size(features)
-         features(i) = feature_t(merge(feature_sinusoid, feature_ridge, &
-            shape%words(min(i, size(shape%words))) == 'sinusoid'), amplitude%reals(i), &
-            wavelength%reals(i), 0.0_wp, is_placed=position%is_given)
-         if (size(position%reals) > 0) features(i)%position = position%reals(min(i, &
-            size(position%reals)))
+      n = size(amplitude%reals)
+      allocate (features(n))
+      do i = 1, n
+         features(i)%kind = merge(feature_sinusoid, feature_ridge, shape%words(min(i, &
+            size(shape%words))) == 'sinusoid')
       end do
-      features%wavelength_y = reals_of(values, group, 'wavelength_y', size(features))
-      features%position_y = reals_of(values, group, 'position_y', size(features))
+      features%amplitude = amplitude%reals
+      features%wavelength = reals_of(values, group, 'wavelength', n)
+      features%position = reals_of(values, group, 'position', n)
+      features%is_placed = values%is_given(group, 'position')
+      features%wavelength_y = reals_of(values, group, 'wavelength_y', n)
+      features%position_y = reals_of(values, group, 'position_y', n)
    end function features_of
 
    !> The `count` numbers of a key; 0 if it has others, or the problem does not know it.
@@ -283,7 +282,7 @@ contains
       real(wp) :: metres_a_second
 
       shape = values%slot(group, 'shape')
-      if (.not. has_word(film, trim(values%problem))) then
+      if (.not. has_word(film, values%problem)) then
          if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words &
             /= 'sinusoid')) call values%refuse(group, 'shape', &
             "found several shapes, expected 'feature' and 'sinusoid' among several")
@@ -336,11 +335,11 @@ contains
       if (.not. amplitude%has_value) return
       elements = size(amplitude%reals)
       do i = 1, size(keys)
-         other = values%slot(group, trim(keys(i)))
+         other = values%slot(group, keys(i))
          if (.not. other%is_given .or. .not. other%has_value) cycle
          if (size(other%is_set) == elements .or. (keys(i) == 'shape' &
             .and. size(other%is_set) == 1)) cycle
-         call values%refuse(group, trim(keys(i)), 'found length ' // to_text(size(other%is_set)) &
+         call values%refuse(group, keys(i), 'found length ' // to_text(size(other%is_set)) &
             // ', expected ' // to_text(elements) // ', one value for each value of amplitude' &
             // amplitude%hint // other%hint)
       end do

@@ -109,20 +109,22 @@ contains
       end do
    end function split_words
 
-   !> True if `word` is one of the blank-separated `words`: asked 4000 times a case, so no copies.
-   pure logical function has_word(words, word)
+   !> True if `word`, blanks behind it or not, is one of the blank-separated `words`: asked 4000
+   !> times a case, so no copies.
+   pure elemental logical function has_word(words, word)
       character(*), intent(in) :: words, word
-      integer :: first
+      integer :: first, length
 
       has_word = .false.
-      if (len(word) == 0) return
-      do first = 1, len(words) - len(word) + 1
+      length = len_trim(word)
+      if (length == 0) return
+      do first = 1, len(words) - length + 1
          if (words(first:first) /= word(1:1)) cycle   ! it is faster than `index`
-         if (words(first:first + len(word) - 1) /= word) cycle
-         has_word = is_blank(first - 1) .and. is_blank(first + len(word))
+         if (words(first:first + length - 1) /= word(:length)) cycle
+         has_word = is_blank(first - 1) .and. is_blank(first + length)
          if (has_word) exit
       end do
-      if (has_word) has_word = index(word, ' ') == 0
+      if (has_word) has_word = index(word(:length), ' ') == 0
 
    contains
 

@@ -61,7 +61,7 @@ contains
 
       do i = 1, size(key_rows)
          associate (row => key_rows(i))
-            if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (.not. has_word(row%problems, values%problem)) cycle
             if (values%slots(i)%is_given) then
                call check_use(values, row)
             else if (values%has_group(row%group)) then
@@ -84,7 +84,7 @@ contains
          if (truth(values, conditions(i)) /= no) cycle
          reason = opposite(values, conditions(i))
          if (conditions(i)%reason /= '') reason = reason//', '//trim(conditions(i)%reason)
-         call values%refuse_unused(trim(row%group), trim(row%key), reason)
+         call values%refuse_unused(row%group, row%key, reason)
       end do
    end subroutine check_use
 
@@ -116,7 +116,7 @@ contains
          if (truth(values, conditions(i)) /= yes) return
          reason = trim(conditions(i)%reason)
       end do
-      call values%refuse_missing(trim(row%group), trim(row%key), reason)
+      call values%refuse_missing(row%group, row%key, reason)
    end subroutine check_need
 
    !> Whether a condition holds, on either surface if it is about one.
@@ -159,7 +159,6 @@ contains
       real(wp) :: number
       logical, allocatable :: among(:)
       logical :: holds
-      integer :: i
 
       truth = unknown
       select case (condition%relation)
@@ -173,7 +172,7 @@ contains
          holds = abs(slot%reals(1) - number) > 0.0_wp
       case default
          if (.not. slot%has_value .or. any(slot%words == '?')) return
-         among = [(has_word(trim(condition%values), trim(slot%words(i))), i=1, size(slot%words))]
+         among = has_word(condition%values, slot%words)
          if (any(among) .neqv. all(among)) return
          holds = all(among)
       end select
@@ -198,7 +197,7 @@ contains
          if (condition%group == 'surface') then
             text = 'without '//trim(condition%key)//' = '//shown(condition%values)
          else
-            slot = values%slot(trim(condition%group), trim(condition%key))
+            slot = values%slot(condition%group, condition%key)
             text = 'with '//trim(condition%key)//' = '//shown(slot%words(1))
          end if
       end select
@@ -215,7 +214,7 @@ contains
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
             if (row%typical == '' .or. .not. slot%has_value) cycle
-            if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (.not. has_word(row%problems, values%problem)) cycle
             if (.not. any(slot%is_set)) cycle
             place = findloc(is_typical(slot%reals, row%typical), .false., dim=1)
             if (place == 0) cycle

@@ -19,7 +19,7 @@ module line_case
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
    use scaling, only: new_heating, scaled_fluid
-   use surface_scaling, only: scaled_duty, scaled_surface
+   use surface_scaling, only: scaled_duty
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
@@ -43,8 +43,8 @@ contains
       type(case_t), intent(inout) :: case
       type(time_settings_t) :: given
 
-      call make_surface(values, 'surface_1', case)
-      call make_surface(values, 'surface_2', case)
+      call make_surface(values, 'surface_1', case, case%contact%surface_1)
+      call make_surface(values, 'surface_2', case, case%contact%surface_2)
       if (values%findings%count > 0) return
       call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
@@ -55,8 +55,7 @@ contains
          case%contact%heating%excess = values%real_value('thermal', 'temperature') + houpert_excess
          case%contact%heating%has_flow = values%logical_value('thermal', 'inlet_heating')
       end if
-      call build_contact(case)
-      call plan_duty(values, case%contact, case)
+      call build_contact(values, case)
       if (allocated(case%duty) .and. allocated(case%contact%heating)) then
          if (.not. case%contact%duty%rolls()) call values%refuse('history', 'file', &
             'found with &thermal a surface that rests or moves against the other, expected '// &
@@ -72,14 +71,17 @@ contains
       if (values%findings%count == 0) call check_grid(values, given, case)
    end subroutine plan_line_case
 
-   !> Whether the duty of a `contact`, line or point, is repeated until its film repeats itself.
-   !> Findings: ridges without a position, the steady contact of rest.
+   !> The history of a `contact`, line or point, and whether it is repeated until its film repeats
+   !> itself. Findings: ridges without a position, the steady contact of rest.
    subroutine plan_duty(values, contact, case)
       type(input_values_t), intent(inout) :: values
-      class(rough_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(inout) :: contact
       type(case_t), intent(inout) :: case
 
       if (.not. allocated(case%duty)) return
+      contact%duty = scaled_duty(case%duty, case%scaling)
+      contact%surface_1%course = contact%duty%speeds(1)
+      contact%surface_2%course = contact%duty%speeds(2)
       case%time%may_lengthen = all([case%duty%is_periodic, case%time%end_time <= 0.0_wp, .not. &
          values%is_given('time', 'duration'), &
          case%time%statistics_from < 0.0_wp, finest_wave(contact) >= huge(1.0_wp), &
@@ -91,13 +93,16 @@ contains
          "reverses, expected 'bdf2': at rest there is no steady film")
    end subroutine plan_duty
 
-   !> Film floor, end and step of a transient of a `contact`, line or point. Findings: nothing tells
-   !> when it ends; waves too fine for grid or step.
+   !> Where the surfaces of a `contact`, line or point, begin; film floor, end and step of a
+   !> transient. Findings: nothing tells when it ends; waves too fine for grid or step.
    subroutine plan_times(values, contact, case)
       type(input_values_t), intent(inout) :: values
-      class(rough_contact_t), intent(in) :: contact
+      class(rough_contact_t), intent(inout) :: contact
       type(case_t), intent(inout) :: case
 
+      call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)
+      call place_surface(contact%surface_2, contact%domain%x_inlet, contact%domain%x_outlet)
+      if (case%time%is_transient) call place_features(contact)
       if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
          /case%scaling%film
       associate (time => case%time)
@@ -130,7 +135,8 @@ contains
    end subroutine check_places
 
    !> The contact of a case, with the domain that is given or chosen.
-   subroutine build_contact(case)
+   subroutine build_contact(values, case)
+      type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
 
       associate (contact => case%contact)
@@ -142,26 +148,13 @@ contains
          contact%domain = case%domain
          if (case%time%is_transient) contact%domain%grid = 'even'
          if (case%scaling%is_dimensional) then
-            contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
-            contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
             contact%slope = case%scaling%slope
             if (contact%supply < huge(1.0_wp)) contact%supply = contact%supply/case%scaling%film
             if (allocated(contact%asperities)) contact%asperities = scaled(contact%asperities, &
                case%scaling%film, case%scaling%hertz_pressure)
-         else
-            allocate (contact%surface_1%features(0), contact%surface_2%features(0))
-            contact%surface_1%speed = 1.0_wp
-            contact%surface_2%speed = 1.0_wp
          end if
-         if (allocated(case%duty)) then
-            contact%duty = scaled_duty(case%duty, case%scaling)
-            contact%surface_1%course = contact%duty%speeds(1)
-            contact%surface_2%course = contact%duty%speeds(2)
-         end if
+         call plan_duty(values, contact, case)
          call choose_domain(contact, case%solver%target)
-         call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)
-         call place_surface(contact%surface_2, contact%domain%x_inlet, contact%domain%x_outlet)
-         if (case%time%is_transient) call place_features(contact)
       end associate
    end subroutine build_contact
 

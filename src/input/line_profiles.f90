@@ -5,13 +5,14 @@ module line_profiles
    use file_bytes, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
-   use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint
+   use file_heights, only: cutoffs, hold_heights, level_surface, read_surface, units_hint
    use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
    use input_values, only: features_of, input_values_t, read_synthesis
    use kinds, only: int64, wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
+   use surface_scaling, only: scaled_surface
    use synthetic_surface, only: new_synthetic_pieces, synthesis_t, synthetic_heights, &
       synthetic_pieces_t, truncate_harmonics
    use text, only: add_sentence, to_text
@@ -38,12 +39,13 @@ module line_profiles
 
 contains
 
-   !> The surface `group` of a `case`: features, entry, profile. Findings: the file; the synthesis.
-   subroutine make_surface(values, group, case)
+   !> The scaled `surface` that a `group` gives: features, entry, profile; smooth with &moes.
+   !> Findings: the file; the synthesis.
+   subroutine make_surface(values, group, case, surface)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
-      type(rough_surface_t) :: surface
+      type(rough_surface_t), intent(out) :: surface
       character(:), allocatable :: shape
       logical :: is_profile
 
@@ -70,10 +72,10 @@ contains
          surface%profile%is_placed = values%is_given(group, 'position')
          surface%profile%start = values%real_value(group, 'position', surface%profile%start)
       end if
-      if (group == 'surface_1') then
-         case%surface_1 = surface
+      if (case%scaling%is_dimensional) then
+         surface = scaled_surface(surface, case%scaling)
       else
-         case%surface_2 = surface
+         surface%speed = 1.0_wp
       end if
    end subroutine make_surface
 
@@ -92,16 +94,12 @@ contains
       if (profile%spacing > 0.0_wp) then
          call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &
             case%note, profile%source)
-         call compare_with_film(values, group, heights, trend, case)
-         call list_trend(case, group, trend)
+         profile%form = trend%form
+         call take_heights(values, group, heights, trend, case, profile)
       else
          call values%refuse(group, 'file', 'found no spacing in '//heights%file// &
             ', expected the attribute spacing_x or spacing [m] of the dataset')
       end if
-      profile%finest_wave = 2.0_wp*profile%spacing
-      if (values%is_given(group, 'cutoff_short')) profile%finest_wave = max(profile%finest_wave, &
-         0.5_wp*values%real_value(group, 'cutoff_short'))
-      call set_effective(case, group, 'heights_checksum', text=heights%digits)
       call set_effective(case, group, 'heights_spacing', [profile%spacing])
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
       if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
@@ -126,11 +124,7 @@ contains
          call read_surface(values, group, path_from_namelist(case, ''), heights)
          if (.not. allocated(heights%z)) return
          call level_surface(values, group, .false., heights, trend, case%note)
-         call compare_with_film(values, group, heights, trend, case)
-         call list_trend(case, group, trend)
-         area%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
-            'cutoff_short'))
-         call set_effective(case, group, 'heights_checksum', text=heights%digits)
+         call take_heights(values, group, heights, trend, case, area)
       else
          shortest = values%real_value(group, 'wavelength_short')
          associate (domain => case%point%domain)
@@ -163,24 +157,30 @@ contains
       area%heights = area%rows(:, (heights%grid(2) + 1)/2)
    end subroutine fill_area
 
-   !> Finding: heights far above any film. A note: above the film that is expected.
-   subroutine compare_with_film(values, group, heights, trend, case)
+   !> Lists what the `heights` of a file and their `trend` are; sets their finest wave. Finding:
+   !> heights far above any film. A note: above the film that is expected.
+   subroutine take_heights(values, group, heights, trend, case, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(heights_t), intent(in) :: heights
       type(trend_t), intent(in) :: trend
       type(case_t), intent(inout) :: case
+      type(profile_t), intent(inout) :: profile
       type(form_t) :: form
       character(:), allocatable :: words
       real(wp) :: film, height
 
+      call list_trend(case, group, trend)
+      call set_effective(case, group, 'heights_checksum', text=heights%digits)
+      profile%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
+         'cutoff_short'))
       associate (scales => case%scaling)
          film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
             moes_l_sum_from_mean(scales%moes_l))
          if (allocated(case%point)) film = scales%film*case%point%expected_film
       end associate
       form = trend%form
-      if (is_filtered(values, group)) form%terms = 0.0_wp   ! the sums are those without it
+      if (any(values%is_given(group, cutoffs))) form%terms = 0.0_wp   ! the sums lack it already
       height = rms_height(heights%sums, form)
       words = to_text(height, 3)//' m, '//to_text(height/film, 2)// &
          ' times the film that is expected, '//to_text(film, 3)//' m'
@@ -190,7 +190,7 @@ contains
       else if (height > many_films*film) then
          call add_sentence(case%note, 'the rms height of '//group//' is '//words//units_hint)
       end if
-   end subroutine compare_with_film
+   end subroutine take_heights
 
    !> The truncated Fourier series of a profile, then held. Findings: too many nodes, harmonics.
    subroutine truncate_profile(values, group, profile)
@@ -202,7 +202,7 @@ contains
       integer :: harmonics, most
 
       harmonics = values%integer_value(group, 'harmonics')
-      call hold_heights(profile%source, profile%heights, ': a series', fault)
+      call hold_heights(profile%source, profile%form, profile%heights, ': a series', fault)
       if (fault == '') then
          most = min(size(profile%heights)/2 - 1, max_nodes)
          if (harmonics > most) then
@@ -307,7 +307,6 @@ contains
       else
          surface%profile%start = -0.5_wp*length
       end if
-      surface%profile%is_placed = .true.
    end subroutine place_surface
 
 end module line_profiles

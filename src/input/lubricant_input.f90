@@ -15,7 +15,7 @@ module lubricant_input
    implicit none (type, external)
    private
 
-   public :: check_lubricant, complete_alpha, derive_viscosity, fill_lubricant
+   public :: check_moes_laws, check_roelands, complete_alpha, derive_viscosity, fill_lubricant
 
    !> The ways to give the viscosity.
    character(len=19), parameter :: ways(3) = [character(len=19) :: 'viscosity', &
@@ -32,10 +32,9 @@ contains
       type(value_t) :: sheet
       character(:), allocatable :: key
       logical :: given(size(ways))
-      integer :: i
 
       words = ''
-      given = [(values%is_given('lubricant', trim(ways(i))), i=1, size(ways))]
+      given = values%is_given('lubricant', ways)
       if (values%has_group('moes') .or. .not. any(given)) return
       key = trim(ways(findloc(given, .true., dim=1, back=.true.)))
       sheet = values%slot('lubricant', ways(3))
@@ -146,18 +145,6 @@ contains
          usual('roelands_p0'))
    end subroutine complete_alpha
 
-   !> Findings: too few or contradictory parameters of Roelands' law; laws that &moes excludes.
-   subroutine check_lubricant(values)
-      type(input_values_t), intent(inout) :: values
-
-      if (.not. values%has_group('lubricant')) return
-      if (values%has_group('moes')) then
-         call check_moes_laws(values)
-      else if (values%word_value('lubricant', 'viscosity_law') == 'roelands') then
-         call check_roelands(values)
-      end if
-   end subroutine check_lubricant
-
    !> Finds too few of alpha (alone with the usual P0), P0, z, or three that contradict (2.27).
    subroutine check_roelands(values)
       type(input_values_t), intent(inout) :: values
@@ -166,23 +153,19 @@ contains
          'pressure_viscosity', 'roelands_p0', 'roelands_z']
       character(len=20) :: last
       real(wp) :: number(size(keys))
-      integer :: i, given
+      integer :: given
 
-      given = 0
-      last = keys(2)
-      do i = 1, size(keys)
-         if (values%is_given('lubricant', trim(keys(i))) .neqv. values%has_value('lubricant', &
-            trim(keys(i)))) return
-         number(i) = values%real_value('lubricant', trim(keys(i)))
-         if (i == 1 .or. number(i) <= 0.0_wp) cycle
-         given = given + 1
-         last = keys(i)
-      end do
+      if (.not. values%has_group('lubricant') .or. values%has_group('moes') &
+         .or. values%word_value('lubricant', 'viscosity_law') /= 'roelands') return
+      if (any(values%is_given('lubricant', keys) .neqv. values%has_value('lubricant', keys))) return
+      number = values%real_value('lubricant', keys)
+      given = count(number(2:) > 0.0_wp)
+      last = keys(max(2, findloc(number > 0.0_wp, .true., dim=1, back=.true.)))
       if (number(1) <= 0.0_wp) return
       call complete_roelands(number(1), number(2), number(3), number(4), error)
       if (.not. allocated(error)) return
       if (given < 2) then
-         call values%refuse('lubricant', trim(last), 'found ' // to_text(given) &
+         call values%refuse('lubricant', last, 'found ' // to_text(given) &
             // ' of pressure_viscosity, roelands_p0 and roelands_z, expected '// &
                "pressure_viscosity or two of them with viscosity_law = 'roelands'")
       else if (number(1) <= exp(-roelands_log_shift)) then
@@ -203,6 +186,7 @@ contains
       character(:), allocatable :: law
       logical :: is_compressible, has_l
 
+      if (.not. all(values%has_group([character(len=9) :: 'lubricant', 'moes']))) return
       if (values%word_value('lubricant', 'rheology') == 'eyring') call values%refuse('lubricant', &
          'rheology', &
          "found 'eyring' with &moes, expected 'newtonian': the Eyring law needs SI units")
@@ -246,8 +230,7 @@ contains
          'viscosity_law'), .true., 1) - 1
       materials%hardness = values%real_value('bodies', 'hardness')
       materials%length = values%real_value('bodies', 'contact_length')
-      materials%roughness = [values%real_value('bodies', 'roughness_1'), &
-         values%real_value('bodies', 'roughness_2')]
+      materials%roughness = values%real_value('bodies', ['roughness_1', 'roughness_2'])
       materials%effusivity = values%real_value('bodies', 'thermal_effusivity')
       materials%density = values%real_value('lubricant', 'density')
       materials%conductivity = values%real_value('lubricant', 'thermal_conductivity')

@@ -35,8 +35,6 @@ module namelist_source
 
    !> Most values of one key.
    integer, parameter, public :: max_values = 2000
-   !> Room for values that an entry begins with.
-   integer, parameter :: few = 4
 
 contains
 
@@ -133,12 +131,12 @@ contains
       character(*), intent(in) :: values
       type(piece_t), allocatable, intent(out) :: pieces(:)
       character(:), allocatable, intent(out) :: problem
-      type(piece_t), allocatable :: list(:), longer(:)
+      type(piece_t), allocatable :: list(:)
       type(piece_t) :: piece
       integer :: position, blanks, count, repeats
       logical :: comma_before
 
-      allocate (list(few))
+      allocate (list(merge(max_values, len(values)/2 + 1, index(values, '*') > 0)))
       count = 0
       comma_before = .true.
       position = 1
@@ -168,11 +166,6 @@ contains
          if (repeats < 1 .or. count + repeats > max_values) then
             problem = 'a repeat count or list outside 1 to ' // to_text(max_values) // ' values'
             return
-         end if
-         if (count + repeats > size(list)) then
-            allocate (longer(2*(count + repeats)))
-            longer(:count) = list(:count)
-            call move_alloc(longer, list)
          end if
          list(count + 1:count + repeats) = piece
          count = count + repeats
@@ -228,27 +221,20 @@ contains
       character(*), intent(in) :: values
       integer, intent(inout) :: position
       type(piece_t), intent(out) :: piece
-      character(:), allocatable :: content
       character(len=1) :: mark
       integer :: length
 
       mark = values(position:position)
-      allocate (character(len=len(values)) :: content)
-      length = 0
-      position = position + 1
-      do while (position <= len(values))
-         if (values(position:position) == mark) then
-            if (position == len(values)) exit
-            if (values(position + 1:position + 1) /= mark) exit
-            position = position + 1
-         end if
-         length = length + 1
-         content(length:length) = values(position:position)
-         position = position + 1
-      end do
-      position = position + 1
       piece%is_string = .true.
-      piece%text = content(:length)
+      piece%text = ''
+      do
+         length = index(values(position + 1:)//mark, mark) - 1
+         piece%text = piece%text//values(position + 1:position + length)
+         position = position + length + 2
+         if (position > len(values)) exit
+         if (values(position:position) /= mark) exit
+         piece%text = piece%text//mark
+      end do
    end subroutine read_string
 
    !> Reads a logical in any case: true, false, t, f, with a point before it or on both sides.

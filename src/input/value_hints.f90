@@ -86,23 +86,19 @@ contains
    pure logical function has_groups(text, is_whole) result(has)
       character(*), intent(in) :: text
       logical, intent(in) :: is_whole
-      character(:), allocatable :: rest
-      integer :: commas
+      character(:), allocatable :: decimals, whole
+      integer :: commas, i
 
-      has = .false.
-      rest = without_sign(text)
-      commas = 0
-      do while (index(rest, ',') > 0)
-         associate (comma => index(rest, ','))
-            if (comma < 2 .or. comma > 4 .or. (commas > 0 .and. comma /= 4)) return
-            if (verify(rest(:comma - 1), digits) > 0) return
-            rest = rest(comma + 1:)
-         end associate
-         commas = commas + 1
+      whole = without_sign(text)
+      decimals = whole(index(whole//'.', '.'):)
+      whole = whole(:len(whole) - len(decimals))
+      commas = count([(whole(i:i) == ',', i=1, len(whole))])
+      has = commas > 0 .and. (decimals /= '' .or. is_whole .or. commas > 1) &
+         .and. verify(decimals, digits//'.') == 0 .and. scan(whole, ',') /= 1
+      do i = 1, len(whole)   ! every fourth from the last is a comma
+         has = has .and. merge(whole(i:i) == ',', scan(whole(i:i), digits) > 0, &
+            modulo(len(whole) - i, 4) == 3)
       end do
-      if (commas == 0 .or. len(rest) < 3 .or. verify(rest, digits//'.') > 0) return
-      if (verify(rest(:3), digits) > 0) return
-      has = index(rest, '.') == 4 .or. (len(rest) == 3 .and. (is_whole .or. commas > 1))
    end function has_groups
 
    !> A number without its sign.

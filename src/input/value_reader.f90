@@ -31,14 +31,14 @@ contains
       type(namelist_text_t), intent(in) :: pieces
       type(input_values_t), intent(inout) :: values
       type(input_values_t), intent(in), optional :: defaults
+      character(:), allocatable :: hint
       integer :: i, row
 
       values%last_line = pieces%lines
       values%problem = problem_of(pieces)
       if (present(defaults)) then
          do i = 1, size(key_rows)
-            if (has_word(key_rows(i)%problems, trim(values%problem))) values%slots(i) = &
-               defaults%slots(i)
+            if (has_word(key_rows(i)%problems, values%problem)) values%slots(i) = defaults%slots(i)
          end do
       else
          call read_defaults(values)
@@ -46,8 +46,16 @@ contains
       do i = 1, pieces%group_count
          associate (group => pieces%groups(i))
             row = find_group(group%name)
-            if (row > 0) values%group_lines(row) = group%line
-            call check_group(group%name, group%line, row, values%problem, values%findings)
+            if (row > 0) then
+               values%group_lines(row) = group%line
+               if (.not. has_word(group_rows(row)%problems, values%problem)) call &
+                  values%findings%add(group%line, group%name, '', not_used_by(values%problem))
+               cycle
+            end if
+            hint = nearest_known(group%name, group_rows%group)
+            if (hint /= '') hint = '; did you mean &' // hint // '?'
+            call values%findings%add(group%line, group%name, '', 'found an unknown group, '// &
+               'expected one of those that asperity --keys lists'//hint)
          end associate
       end do
       do i = 1, pieces%entry_count
@@ -100,25 +108,6 @@ contains
       end do
    end function problem_of
 
-   !> Finding: a group that is unknown, or not used by the problem.
-   subroutine check_group(name, line, row, problem, findings)
-      character(*), intent(in) :: name
-      integer, intent(in) :: line, row
-      character(*), intent(in) :: problem
-      type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: hint
-
-      if (row > 0) then
-         if (.not. has_word(group_rows(row)%problems, trim(problem))) call findings%add(line, &
-            name, '', not_used_by(problem))
-         return
-      end if
-      hint = nearest_known(name, group_rows%group)
-      if (hint /= '') hint = '; did you mean &' // hint // '?'
-      call findings%add(line, name, '', 'found an unknown group, expected one of those that '// &
-         'asperity --keys lists' // hint)
-   end subroutine check_group
-
    !> Finding: a key that is unknown, belongs to another group, or is not used by the problem.
    subroutine report_unknown_key(entry, problem, findings)
       type(entry_t), intent(in) :: entry
@@ -135,12 +124,12 @@ contains
       do i = 1, size(key_rows)
          associate (row => key_rows(i))
             is_known = is_known .or. (row%group == entry%group .and. row%key == entry%key)
-            if (.not. has_word(row%problems, trim(problem))) cycle
+            if (.not. has_word(row%problems, problem)) cycle
             if (row%group == entry%group) names(i) = row%key
             if (row%key == entry%key .and. hint == '') hint = '; it belongs to &'//trim(row%group)
          end associate
       end do
-      if (.not. has_word(group_rows(find_group(entry%group))%problems, trim(problem))) return
+      if (.not. has_word(group_rows(find_group(entry%group))%problems, problem)) return
       near = nearest_known(entry%key, names)
       if (is_known) then
          message = not_used_by(problem)
@@ -211,7 +200,7 @@ contains
       slot%has_value = .false.
       slot%line = entry%line
       if (entry%is_broken) return
-      is_array = row%kind == reals_kind .or. row%kind == words_kind
+      is_array = any(row%kind == [reals_kind, words_kind])
       hint = ''
       call split_values(entry%values, pieces, problem)
       if (.not. allocated(problem)) then
@@ -219,7 +208,8 @@ contains
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
-            hint = hint_for_several(entry, row)
+            hint = form_hint(entry%values, row%kind == integer_kind)
+            if (all([hint == '', entry%group == 'load'])) hint = '; '//answer_to('load_steps')
          else if (max(entry%first + size(pieces) - 1, entry%last) > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
          else if (all(entry%last /= [0, entry%first + size(pieces) - 1])) then
@@ -228,12 +218,13 @@ contains
          end if
       end if
       if (allocated(problem)) then
-         call reject(entry, row, problem, findings, hint)
+         call findings%add(entry%line, entry%group, entry%key, 'found ' // problem &
+            // ', expected ' // expected_value(row) // hint)
          return
       end if
       slot%has_value = .true.
       if (row%kind == reals_kind .and. index(entry%values, '*') == 0) slot%hint = &
-         form_hint(trim(adjustl(entry%values)), is_whole=.false.)
+         form_hint(entry%values, is_whole=.false.)
       missing = entry%first + size(pieces) - 1 - size(slot%is_set)   ! elements without room
       slot%reals = [slot%reals, (0.0_wp, i=1, missing)]
       slot%words = [character(len=word_length) :: slot%words, (' ', i=1, missing)]
@@ -243,17 +234,8 @@ contains
       end do
    end subroutine read_entry
 
-   !> A hint for an entry with several values where one is expected.
-   pure function hint_for_several(entry, row) result(hint)
-      type(entry_t), intent(in) :: entry
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: hint
-
-      hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
-      if (hint == '' .and. entry%group == 'load') hint = '; '//answer_to('load_steps')
-   end function hint_for_several
-
-   !> Stores one value as element `place`.
+   !> Stores one value as element `place`, a word in lower case. Findings: wrong type, unknown word,
+   !> out of range.
    subroutine store(entry, row, piece, place, slot, findings)
       type(entry_t), intent(in) :: entry
       type(key_row_t), intent(in) :: row
@@ -261,7 +243,7 @@ contains
       integer, intent(in) :: place
       type(value_t), intent(inout) :: slot
       type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: hint
+      character(:), allocatable :: found, hint, word
       integer(int64) :: number
       logical :: good
 
@@ -269,6 +251,7 @@ contains
          'found element '//to_text(place)//' a second time, expected it once')
       slot%is_set(place) = .true.
       hint = slot%hint
+      word = to_lower(trim(piece%text))
       good = .true.
       select case (row%kind)
       case (real_kind, reals_kind)
@@ -278,48 +261,39 @@ contains
          good = good .and. is_in_range(slot%reals(place), row%range)
       case (integer_kind)
          call read_integer(piece%text, number, good)
-         good = good .and. .not. piece%is_string .and. abs(number) <= huge(slot%integer) &
-            .and. is_in_range(real(number, wp), row%range)
+         good = all([good, .not. piece%is_string, abs(number) <= huge(slot%integer), &
+            is_in_range(real(number, wp), row%range)])
          slot%integer = 0
          if (good) slot%integer = int(number)
       case (logical_kind)
-         if (has_word(row%words, to_lower(trim(piece%text)))) then
+         if (has_word(row%words, word)) then
             slot%logical = .true.
-            slot%words(place) = to_lower(trim(piece%text))
+            slot%words(place) = word
          else
             call read_logical(piece, slot%logical, good)
             slot%words(place) = merge('.true. ', '.false.', slot%logical)
          end if
       case (word_kind, words_kind)
-         call store_word(entry, row, piece, slot%words(place), findings)
+         good = all([piece%is_string, has_word(row%words, word)])
+         slot%words(place) = '?'
+         if (good) then
+            slot%words(place) = word
+         else if (piece%is_string) then
+            hint = nearest_word(row, word)
+         end if
       case default   ! text_kind
          good = piece%is_string
          slot%text = piece%text
       end select
       if (good) return
-      call reject(entry, row, shown_piece(piece), findings, hint)
-      slot%has_value = .false.
+      slot%has_value = any(row%kind == [word_kind, words_kind])   ! other words still count
+      found = quoted(piece%text)
+      if (all([slot%has_value, .not. piece%is_string])) found = found // ' without quotes'
+      if (piece%is_string) found = "'" // found // "'"
+      if (piece%is_string .and. len_trim(piece%text) == 0) found = 'an empty string'
+      call findings%add(entry%line, entry%group, entry%key, 'found ' // found // ', expected ' &
+         // expected_value(row) // hint)
    end subroutine store
-
-   !> Stores a word in lower case. Finding: not a string, or unknown.
-   subroutine store_word(entry, row, piece, word, findings)
-      type(entry_t), intent(in) :: entry
-      type(key_row_t), intent(in) :: row
-      type(piece_t), intent(in) :: piece
-      character(len=word_length), intent(out) :: word
-      type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: lower
-
-      word = '?'
-      lower = to_lower(trim(piece%text))
-      if (.not. piece%is_string) then
-         call reject(entry, row, shown_piece(piece) // ' without quotes', findings)
-      else if (.not. has_word(row%words, lower)) then
-         call reject(entry, row, shown_piece(piece), findings, nearest_word(row, lower))
-      else
-         word = lower
-      end if
-   end subroutine store_word
 
    !> What to do instead of a `word`; "; did you mean 'word'?" with the nearest one of the row; or
    !> nothing.
@@ -338,29 +312,5 @@ contains
          if (hint /= '') hint = "; did you mean '" // hint // "'?"
       end if
    end function nearest_word
-
-   !> Adds "found ..., expected ..." for an entry; `hint` follows.
-   subroutine reject(entry, row, found, findings, hint)
-      type(entry_t), intent(in) :: entry
-      type(key_row_t), intent(in) :: row
-      character(*), intent(in) :: found
-      type(findings_t), intent(inout) :: findings
-      character(*), intent(in), optional :: hint
-      character(:), allocatable :: message
-
-      message = 'found ' // found // ', expected ' // expected_value(row)
-      if (present(hint)) message = message // hint
-      call findings%add(entry%line, entry%group, entry%key, message)
-   end subroutine reject
-
-   !> A value as the user wrote it.
-   function shown_piece(piece) result(shown)
-      type(piece_t), intent(in) :: piece
-      character(:), allocatable :: shown
-
-      shown = quoted(piece%text)
-      if (piece%is_string) shown = "'" // shown // "'"
-      if (piece%is_string .and. len_trim(piece%text) == 0) shown = 'an empty string'
-   end function shown_piece
 
 end module value_reader

@@ -174,17 +174,13 @@ contains
       integer, intent(in) :: ny
       logical, intent(in) :: is_periodic
       real(wp) :: z(size(x)*ny)
-      type(rough_surface_t) :: one
       real(wp) :: row(size(x))
       integer :: i, j
 
       row = 0.0_wp
-      one%speed = 0.0_wp
       do i = 1, size(features)
-         one%features = [features(i)]
-         one%features(1)%position = 0.0_wp
-         row = row + surface_height(one, nearest_image(x - features(i)%position, length, &
-            is_periodic), 0.0_wp)
+         call add_feature(features(i), nearest_image(x - features(i)%position, length, &
+            is_periodic), 0.0_wp, row)
       end do
       do j = 1, ny
          z((j - 1)*size(x) + 1:j*size(x)) = row

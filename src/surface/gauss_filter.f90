@@ -35,38 +35,24 @@ contains
       real(wp), intent(inout) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: line(:), weights(:)
-      integer :: i
+      integer :: d, first, i, last, step
 
-      call find_weights(grid(1), cutoff(1), is_periodic, weights, error)
-      if (allocated(error)) return
-      do i = 1, grid(2)
-         line = z((i - 1)*grid(1) + 1:i*grid(1))
-         call convolve(cutoff(1), is_periodic, line, error)
+      do d = 1, merge(2, 1, grid(2) > 1)
+         allocate (weights(grid(d)), source=1.0_wp)   ! the sums of those that lie on the heights
+         if (.not. is_periodic) call convolve(cutoff(d), is_periodic, weights, error)
          if (allocated(error)) return
-         z((i - 1)*grid(1) + 1:i*grid(1)) = line/weights
-      end do
-      if (grid(2) == 1) return
-      call find_weights(grid(2), cutoff(2), is_periodic, weights, error)
-      if (allocated(error)) return
-      do i = 1, grid(1)
-         line = z(i::grid(1))
-         call convolve(cutoff(2), is_periodic, line, error)
-         if (allocated(error)) return
-         z(i::grid(1)) = line/weights
+         do i = 1, grid(3 - d)
+            step = merge(1, grid(1), d == 1)
+            first = merge((i - 1)*grid(1) + 1, i, d == 1)
+            last = first + (grid(d) - 1)*step
+            line = z(first:last:step)
+            call convolve(cutoff(d), is_periodic, line, error)
+            if (allocated(error)) return
+            z(first:last:step) = line/weights
+         end do
+         deallocate (weights)
       end do
    end subroutine smooth_heights
-
-   !> Sums of the weights that lie on the heights, at each of `n` nodes.
-   subroutine find_weights(n, cutoff, is_periodic, weights, error)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: cutoff
-      logical, intent(in) :: is_periodic
-      real(wp), allocatable, intent(out) :: weights(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      allocate (weights(n), source=1.0_wp)
-      if (.not. is_periodic) call convolve(cutoff, is_periodic, weights, error)   ! error: handed up
-   end subroutine find_weights
 
    !> Convolves a line with the weights.
    subroutine convolve(cutoff, is_periodic, line, error)

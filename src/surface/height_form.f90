@@ -130,28 +130,17 @@ contains
       s = real(2*i - (n - 1), wp)/real(max(n - 1, 1_int64), wp)
    end function coordinate
 
-   !> Computes the means of s^2 and of (s^2 - <s^2>)^2 over `n` nodes.
-   pure subroutine find_norms(n, second, fourth)
-      integer(int64), intent(in) :: n
-      real(wp), intent(out) :: second, fourth
-      real(wp) :: nodes
-
-      nodes = real(n, wp)
-      second = 0.0_wp
-      fourth = 0.0_wp
-      if (n < 2_int64) return
-      second = (nodes + 1.0_wp)/(3.0_wp*(nodes - 1.0_wp))
-      if (n > 2_int64) fourth = second*((3.0_wp*nodes**2 - 7.0_wp)/(5.0_wp*(nodes - 1.0_wp)**2) &
-         - second)
-   end subroutine find_norms
-
-   !> The mean squares of the six terms.
+   !> The mean squares of the six terms, from the means of s^2 and of (s^2 - <s^2>)^2.
    pure function norms_of(grid) result(norms)
       integer(int64), intent(in) :: grid(2)
-      real(wp) :: norms(6), fourth(2), second(2)
+      real(wp) :: norms(6), fourth(2), nodes(2), second(2)
 
-      call find_norms(grid(1), second(1), fourth(1))
-      call find_norms(grid(2), second(2), fourth(2))
+      nodes = real(grid, wp)
+      second = 0.0_wp
+      fourth = 0.0_wp
+      where (grid > 1_int64) second = (nodes + 1.0_wp)/(3.0_wp*(nodes - 1.0_wp))
+      where (grid > 2_int64) fourth = second*((3.0_wp*nodes**2 - 7.0_wp)/(5.0_wp*(nodes &
+         - 1.0_wp)**2) - second)
       norms = [1.0_wp, second(1), second(2), fourth(1), second(1)*second(2), fourth(2)]
    end function norms_of
 

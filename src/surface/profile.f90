@@ -5,6 +5,7 @@
 !> bit.
 module profile
    use errors, only: error_t
+   use height_form, only: form_t, subtract_form
    use kinds, only: int64, wp
    implicit none (type, external)
    private
@@ -41,8 +42,9 @@ module profile
       real(wp), allocatable :: heights(:)
       !> Number of the first height of the window; those of the profile count from 0.
       integer(int64) :: first = 0_int64
-      !> Source of the heights, and unit [m] of those in the window.
+      !> Source of the heights, the form that is taken off them, unit [m] of those in the window.
       class(height_source_t), allocatable :: source
+      type(form_t) :: form
       real(wp) :: unit = 1.0_wp
       !> Fewest heights in a window, if the profile has them.
       integer(int64) :: window = 32768_int64
@@ -60,7 +62,7 @@ module profile
       !> spacing of the rows, and y of the first.
       real(wp), allocatable :: rows(:, :)
       real(wp) :: row_spacing = 1.0_wp, first_row = 0.0_wp
-      !> Whether `start` is known; else it is chosen when the surface is put into a contact.
+      !> Whether `start` was given; else it is chosen when the surface is put into a contact.
       logical :: is_placed = .true.
    end type profile_t
 
@@ -205,6 +207,8 @@ contains
       if (allocated(error)) then
          deallocate (profile%heights)
       else
+         call subtract_form(profile%form, profile%first, profile%heights(:before_end))
+         call subtract_form(profile%form, 0_int64, profile%heights(before_end + 1:))
          profile%heights = profile%heights/profile%unit
       end if
    end subroutine read_window

@@ -21,24 +21,22 @@ contains
       type(scaling_t), intent(in) :: scaling
       type(rough_surface_t) :: scaled
 
-      allocate (scaled%features(0))
-      if (allocated(surface%features)) scaled%features = surface%features
+      scaled = surface
+      if (.not. allocated(scaled%features)) allocate (scaled%features(0))
       scaled%features%amplitude = scaled%features%amplitude/scaling%film
       scaled%features%wavelength = scaled%features%wavelength/scaling%half_width
       scaled%features%wavelength_y = scaled%features%wavelength_y/scaling%half_width
       scaled%speed = 2.0_wp*surface%speed/scaling%speed_sum
-      scaled%entry_length = surface%entry_length
-      scaled%entry_position = surface%entry_position
       if (.not. allocated(surface%profile)) return
-      scaled%profile = surface%profile
-      if (allocated(surface%profile%heights)) scaled%profile%heights = surface%profile%heights &
-         /scaling%film
-      if (allocated(surface%profile%rows)) scaled%profile%rows = surface%profile%rows/scaling%film
-      scaled%profile%row_spacing = surface%profile%row_spacing/scaling%half_width
-      scaled%profile%first_row = surface%profile%first_row/scaling%half_width
-      scaled%profile%unit = scaling%film
-      scaled%profile%spacing = surface%profile%spacing/scaling%half_width
-      scaled%profile%finest_wave = surface%profile%finest_wave/scaling%half_width
+      associate (profile => scaled%profile)
+         if (allocated(profile%heights)) profile%heights = profile%heights/scaling%film
+         if (allocated(profile%rows)) profile%rows = profile%rows/scaling%film
+         profile%row_spacing = profile%row_spacing/scaling%half_width
+         profile%first_row = profile%first_row/scaling%half_width
+         profile%unit = scaling%film
+         profile%spacing = profile%spacing/scaling%half_width
+         profile%finest_wave = profile%finest_wave/scaling%half_width
+      end associate
    end function scaled_surface
 
    !> Converts a table in SI to the values relative to the scaling, over T.
@@ -54,13 +52,16 @@ contains
 
    contains
 
-      !> A column in a `unit`.
+      !> A column in a `unit`; a load or radius that is not there is that of the reference state.
       pure type(time_table_t) function over_time(column, unit) result(table)
          integer, intent(in) :: column
          real(wp), intent(in) :: unit
+         real(wp) :: values(size(rows%values, 1))
 
-         table = new_time_table(rows%values(:, of_time)/scaling%time, rows%values(:, column)/unit, &
-            rows%is_linear, rows%is_periodic)
+         values = rows%values(:, column)/unit
+         if (any(column == [of_load, of_radius]) .and. .not. rows%has(column)) values = 1.0_wp
+         table = new_time_table(rows%values(:, of_time)/scaling%time, values, rows%is_linear, &
+            rows%is_periodic)
       end function over_time
 
    end function scaled_duty
