@@ -35,14 +35,10 @@ contains
       edges = 0
       share = 0.0_wp
       do j = 1, ny
-         nodes: do i = 1, nx
-            associate (here => pressure(i, j), right => pressure(merge(1, i + 1, i == nx), j), &
-               above => pressure(i, modulo(j, ny) + 1))
-               if (max(here, right, above) <= 0.0_wp) cycle nodes   ! most nodes
-               call compare(here, right)
-               call compare(here, above)
-            end associate
-         end do nodes
+         do i = 1, nx
+            call compare(pressure(i, j), pressure(merge(1, i + 1, i == nx), j))
+            call compare(pressure(i, j), pressure(i, modulo(j, ny) + 1))
+         end do
       end do
       share = sqrt(share)/sum(pressure)
 

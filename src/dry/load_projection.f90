@@ -136,8 +136,9 @@ contains
          lowest = min(lowest, q(k))
          highest = max(highest, q(k))
       end do
-      if (inside <= 0.0_wp .or. lowest < 0.0_wp .or. highest > hardness) &
+      if (inside <= 0.0_wp .or. lowest < 0.0_wp .or. highest > hardness) then
          call shift_into_bounds(q, hardness, load)
+      end if
    end subroutine settle_load
 
 end module load_projection

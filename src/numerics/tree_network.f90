@@ -46,8 +46,8 @@ module tree_network
       !> Resistor above the cells of each level, and whether they are joined in x and in y.
       real(wp), private :: resistance(0:max_levels) = 0.0_wp
       logical, private :: is_joined(2, 0:max_levels) = .false.
-      !> Most cells of each level, and columns.
-      integer, private :: most(0:max_levels) = 0, across(0:max_levels) = 0
+      !> Most cells of each level, bits of their columns, and places of the lowest level.
+      integer, private :: most(0:max_levels) = 0, bits(0:max_levels) = 0, places = 0
       type(tree_t), private :: tree(trees)
    contains
       procedure :: settle, solve, spread
@@ -80,7 +80,8 @@ contains
       answer_below = 0.0_wp
       do level = 0, max_levels
          self%levels = level
-         self%across(level) = cells(1)
+         self%bits(level) = bit_size(1) - leadz(cells(1) - 1)
+         if (level == 1) self%places = ishft(cells(2), self%bits(1))
          self%most(level) = int(min(real(cells(1), wp)*cells(2), real(huge(1), wp)))
          joined = cells > 1
          if (.not. any(joined)) exit
@@ -108,13 +109,13 @@ contains
       !$omp parallel do num_threads(min(self%threads, trees)) private(level) schedule(static)
       do tree = 1, trees
          associate (t => self%tree(tree))
-            call make_room(t, size(node), self%most(1), &
+            call make_room(t, size(node), self%places, &
                sum(min(real(self%most(1:self%levels), wp), real(size(node), wp))))
             call join_nodes(t%cell_tree_t, self%nodes, self%is_periodic, node, begin, &
-               self%is_joined(:, 0), self%across(1))
+               self%is_joined(:, 0), self%bits(1))
             do level = 1, self%levels - 1
                call join_cells(t%cell_tree_t, level, self%is_joined(:, level), &
-                  self%across(level + 1))
+                  self%bits(level:level + 1))
             end do
          end associate
       end do
@@ -130,14 +131,14 @@ contains
 
       if (allocated(tree%cell)) then
          if (size(tree%cell) >= n .and. size(tree%parent) >= cells) return
-         deallocate (tree%cell, tree%nodes, tree%column, tree%row, tree%parent, tree%seen, &
+         deallocate (tree%cell, tree%nodes, tree%place, tree%parent, tree%seen, &
             tree%potential)
       else
-         allocate (tree%place(places), source=0)
+         allocate (tree%at(0:places - 1), source=0)
       end if
       ! A growing set does not reallocate each time.
       room = int(min(1.2_wp*cells, real(huge(1), wp)))
-      allocate (tree%cell(n + n/5), tree%nodes(room), tree%column(room), tree%row(room), &
+      allocate (tree%cell(n + n/5), tree%nodes(room), tree%place(room), &
          tree%parent(room), tree%seen(2, room), tree%potential(room))
    end subroutine make_room
 
