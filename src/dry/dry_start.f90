@@ -15,7 +15,7 @@ module dry_start
    !> Error to which coarser grids are solved. A smaller one gains nothing on periodic areas, where
    !> finer grids bring new contacts; it helps on lines, and on open areas, which are smoother than
    !> most and have expensive fine grids.
-   real(wp), parameter :: area_tolerance = 0.3_wp, usual_tolerance = 1.0e-3_wp
+   real(wp), parameter :: area_tolerance = 0.1_wp, usual_tolerance = 1.0e-3_wp
    !> Most iterations on a coarser grid.
    integer, parameter :: max_iterations = 200
 

@@ -94,32 +94,26 @@ contains
       type(height_sums_t), intent(inout) :: sums
       integer(int64), intent(in) :: j
       real(wp), contiguous, intent(in) :: s(:), z(:)
-      real(wp) :: first, highest, lowest, of_one, of_s, of_s2, squares, steps, t, value
+      real(wp) :: highest, lowest, of_one, of_s, of_s2, squares, steps, t, value
       integer :: k
 
       of_one = 0.0_wp
       of_s = 0.0_wp
       of_s2 = 0.0_wp
+      steps = 0.0_wp
       squares = sums%squares
       lowest = sums%lowest
       highest = sums%highest
-      first = sums%first
       t = coordinate(j, sums%grid(2))
-      !$omp simd reduction(+:of_one, of_s, of_s2, squares) reduction(min:lowest) &
-      !$omp    reduction(max:highest) private(value)
       do k = 1, size(z)
          lowest = min(lowest, z(k))
          highest = max(highest, z(k))
-         value = z(k) - first
+         value = z(k) - sums%first
          of_one = of_one + value
          of_s = of_s + s(k)*value
          of_s2 = of_s2 + s(k)**2*value
          squares = squares + value**2
-      end do
-      steps = 0.0_wp
-      !$omp simd reduction(+:steps)
-      do k = 2, size(z)
-         steps = steps + (z(k) - z(k - 1))**2
+         if (k > 1) steps = steps + (z(k) - z(k - 1))**2
       end do
       sums%lowest = lowest
       sums%highest = highest
