@@ -14,7 +14,7 @@ adequacy of points: 298, 57, how sure 33; many harmonics: 1, 6;
 reversal without drained films: 11, 8, 2 words; random cases of points, histories, mixed films, what they found: 58, 133;
 all limits of points, their mixed outcome, the lock before trial runs, bench of their adequacy: 127, 149, how sure 12, bench 17;
 spikes of points: 58, 32, how sure 15;
-a further case in fewer instructions: 83, 1, 12 words, how sure 1; adequacy in half of them: 75, 23, how sure 82)."""
+a further case in fewer instructions: 83, 1, 12 words, how sure 1; adequacy in half of them: 75, 23, how sure 82; areas in fewer: 18, 1)."""
 
 import pathlib
 import re

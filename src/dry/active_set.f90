@@ -87,23 +87,17 @@ contains
       call survey_rows(self, problem, 0.0_wp, p, v)
    end subroutine survey
 
-   !> The same after p has changed on F only: also adds `factor` times the last product of `elastic`
-   !> to `v`. `change` is this addition on F.
-   subroutine follow(self, problem, factor, change, p, v)
+   !> The same after p has changed on F only, which holds all nodes with 0 < p < H, and the datum by
+   !> `rise`: also adds `factor` times the last product of `elastic` to `v`.
+   subroutine follow(self, problem, factor, rise, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
-      real(wp), intent(in) :: factor
-      real(wp), contiguous, intent(in) :: change(:), p(:)
+      real(wp), intent(in) :: factor, rise
+      real(wp), contiguous, intent(in) :: p(:)
       real(wp), contiguous, intent(inout) :: v(:)
-      logical :: is_found
 
-      call follow_datum(self, problem, change, p, is_found)
-      if (is_found) then
-         call survey_rows(self, problem, factor, p, v)
-      else
-         call problem%elastic%single%add_to(factor, v)
-         call self%survey(problem, p, v)
-      end if
+      self%datum = self%datum + rise
+      call survey_rows(self, problem, factor, p, v)
    end subroutine follow
 
    !> Adds `factor` times the last product to `v`, block by block, and finds F, counts and error
@@ -193,7 +187,7 @@ contains
       do i = lower, size(p)
          gap = v(i) - self%datum
          if (p(i) <= 0.0_wp) then
-            row%negative = max(row%negative, -p(i))
+            if (p(i) < 0.0_wp) row%negative = max(row%negative, -p(i))
             if (gap >= 0.0_wp) cycle
             row%opening = max(row%opening, -gap)
          else
@@ -295,35 +289,6 @@ contains
          self%datum = merge(highest, lowest, highest > -huge(1.0_wp))
       end if
    end subroutine find_datum
-
-   !> The same, if there are nodes with 0 < p < H (`is_found`); they must all be in the last F, on
-   !> which v has had a `change`.
-   subroutine follow_datum(self, problem, change, p, is_found)
-      class(active_set_t), intent(inout) :: self
-      type(dry_problem_t), intent(in) :: problem
-      real(wp), contiguous, intent(in) :: change(:), p(:)
-      logical, intent(out) :: is_found
-      real(wp) :: row_total, total(problem%grid%ny)
-      integer :: free(problem%grid%ny), j, k, row_free
-
-      !$omp parallel do num_threads(problem%grid%threads) private(k, row_free, row_total) &
-      !$omp    schedule(static)
-      do j = 1, problem%grid%ny
-         row_total = 0.0_wp
-         row_free = 0
-         do k = self%begin(j), self%begin(j + 1) - 1
-            if (p(self%node(k)) > 0.0_wp .and. p(self%node(k)) < problem%hardness) then
-               row_total = row_total + (change(k) - self%residual(k))
-               row_free = row_free + 1
-            end if
-         end do
-         total(j) = row_total
-         free(j) = row_free
-      end do
-      !$omp end parallel do
-      is_found = sum(free) > 0
-      if (is_found) self%datum = self%datum + sum(total)/sum(free)
-   end subroutine follow_datum
 
    !> Copies datum, counts and error of the last survey. Only this routine declares a dry contact
    !> solved: its error is at most the `tolerance`.

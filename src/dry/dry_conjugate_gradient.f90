@@ -42,13 +42,13 @@ module dry_conjugate_gradient
       real(wp), allocatable :: v(:)
       !> Currents of the network; direction, then change of p; K times the last change; on the list.
       real(wp), allocatable :: s(:), q(:), kd(:)
-      !> What nodes beyond a bound give back, and which nodes; on the list.
+      !> Which nodes have been beyond a bound, and what they give back.
+      integer, allocatable :: loose(:)
       real(wp), allocatable :: back(:)
-      logical, allocatable :: is_back(:)
-      !> The last change d of p, on its list.
+      !> The last change d of p (nx*ny), and the list that it is zero off.
+      real(wp), allocatable :: d(:)
       integer :: old_count = 0
       integer, allocatable :: old_node(:)
-      real(wp), allocatable :: d(:)
       !> d.K d (0: there is no d), and K d over the last product.
       real(wp) :: curvature = 0.0_wp, scale = 0.0_wp
       !> Length of the next step along its direction, from the last one: without a last change (1)
@@ -117,8 +117,9 @@ contains
       call new_tree_network(work%network, [grid%nx, grid%ny], &
          [1.0_wp/grid%nx, grid%aspect/grid%ny], grid%kernel /= kernel_open)
       work%network%threads = grid%threads
-      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1), &
-         work%back(n), work%is_back(n))
+      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%old_node(n), work%loose(n), &
+         work%back(n))
+      allocate (work%d(n), source=0.0_wp)
    end subroutine new_work
 
    !> Computes v = K p - z and surveys. Single precision is enough for a guess, and for a tolerance
@@ -148,9 +149,9 @@ contains
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(inout) :: p(:)
       type(work_t), intent(inout) :: work
-      real(wp) :: largest, length, scale
+      real(wp) :: change, largest, length, scale, total
       logical :: is_clipped
-      integer :: k, n
+      integer :: free, k, n
 
       n = work%set%count
       associate (elastic => problem%elastic, node => work%set%node(:n))
@@ -158,7 +159,7 @@ contains
          if (.not. is_old_list(work)) then
             if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, &
                work%scale, work%kd(:n))
-            call work%network%settle(node)
+            call work%network%settle(node, work%set%begin)
          end if
          call work%network%solve(work%set%residual(:n), work%s(:n))
          call find_direction(work, length)
@@ -166,20 +167,35 @@ contains
          call elastic%single%apply_listed(node, work%set%begin, work%q(:n), scale)
          call elastic%single%gather(node, work%set%begin, scale, work%kd(:n))
          call find_length(problem, p, is_clipped, work, length)
+         do k = 1, work%old_count
+            work%d(work%old_node(k)) = 0.0_wp
+         end do
          largest = 0.0_wp
+         total = 0.0_wp
+         free = 0
          do k = 1, n
-            work%d(k) = length*work%q(k)
-            ! within except for rounding
-            p(node(k)) = min(max(p(node(k)) + work%d(k), 0.0_wp), problem%hardness)
+            change = length*work%q(k)
+            work%d(node(k)) = change
+            work%old_node(k) = node(k)
             work%kd(k) = length*work%kd(k)
             largest = max(largest, abs(work%kd(k)))
+            ! within except for rounding
+            p(node(k)) = min(max(p(node(k)) + change, 0.0_wp), problem%hardness)
+            if (p(node(k)) > 0.0_wp .and. p(node(k)) < problem%hardness) then
+               total = total + (work%kd(k) - work%set%residual(k))
+               free = free + 1
+            end if
          end do
       end associate
-      work%old_node(:n) = work%set%node(:n)
       work%old_count = n
       work%scale = length*scale
       work%path = work%path + largest
-      call work%set%follow(problem, work%scale, work%kd(:n), p, work%v)
+      if (free > 0) then
+         call work%set%follow(problem, work%scale, total/free, p, work%v)
+      else
+         call problem%elastic%single%add_to(work%scale, work%v)
+         call work%set%survey(problem, p, work%v)
+      end if
    end subroutine step
 
    !> Whether F is the list of the last change.
@@ -201,11 +217,18 @@ contains
       integer :: k, n
 
       n = work%set%count
-      associate (s => work%s, q => work%q, r => work%set%residual)
+      associate (s => work%s, q => work%q, r => work%set%residual, node => work%set%node)
          length = work%lengths(1)
          if (work%curvature > 0.0_wp) then
             length = work%lengths(2)
-            call find_old_change(work, mean_d, overlap)
+            mean_d = 0.0_wp
+            overlap = 0.0_wp
+            do k = 1, n
+               q(k) = work%d(node(k))
+               mean_d = mean_d + q(k)
+               overlap = overlap + s(k)*work%kd(k)
+            end do
+            mean_d = mean_d/n
             beta = max(0.0_wp, -overlap/work%curvature)
             descent = 0.0_wp
             do k = 1, n
@@ -217,30 +240,6 @@ contains
          q(:n) = s(:n)
       end associate
    end subroutine find_direction
-
-   !> Computes the last change of p on the present list, q, and its mean; `overlap`: s.K d.
-   pure subroutine find_old_change(work, mean, overlap)
-      type(work_t), intent(inout) :: work
-      real(wp), intent(out) :: mean, overlap
-      integer :: k, n, old
-
-      n = work%set%count
-      old = 1
-      mean = 0.0_wp
-      overlap = 0.0_wp
-      ! A node past the end of the old list stops the search.
-      work%old_node(work%old_count + 1) = huge(1)
-      do k = 1, n
-         do while (work%old_node(old) < work%set%node(k))
-            old = old + 1
-         end do
-         work%q(k) = 0.0_wp
-         if (work%old_node(old) == work%set%node(k)) work%q(k) = work%d(old)
-         mean = mean + work%q(k)
-         overlap = overlap + work%s(k)*work%kd(k)
-      end do
-      mean = mean/n
-   end subroutine find_old_change
 
    !> Computes the change of p on F by `length` times t, on the list q; values that leave the bounds
    !> are returned (`is_clipped`). A shift of F removes rounding errors of the load.
@@ -265,8 +264,8 @@ contains
          load = problem%load
          if (work%set%held > 0) load = max(load - work%set%held*problem%hardness, 0.0_wp)
          if (is_clipped) then
-            call bring_back(problem%hardness, work%network, q, work%back(:n), work%s(:n), &
-               work%is_back(:n))
+            call bring_back(problem%hardness, work%network, q, work%loose(:n), work%back(:n), &
+               work%s(:n))
             call settle_load(problem%hardness, load, q)
             q = q - p(node)
          else

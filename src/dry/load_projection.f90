@@ -78,60 +78,67 @@ contains
    !> Moves values of `q` beyond 0 and `hardness` to these bounds. The network distributes the load
    !> added by this over the other nodes, with its potentials there unchanged: neighbours give most,
    !> so that the energy rises less than by a uniform shift. Nodes that this moves out of the bounds
-   !> follow; in the end few or none are outside. `back`, `change`, `is_back`: work arrays.
-   subroutine bring_back(hardness, network, q, back, change, is_back)
+   !> follow; in the end few or none are outside. `loose`, `back`, `change`: work arrays.
+   subroutine bring_back(hardness, network, q, loose, back, change)
       real(wp), intent(in) :: hardness
       type(tree_network_t), intent(inout) :: network
       real(wp), contiguous, intent(inout) :: q(:)
+      integer, contiguous, intent(out) :: loose(:)
       real(wp), contiguous, intent(out) :: back(:), change(:)
-      logical, contiguous, intent(out) :: is_back(:)
       real(wp) :: first, outside
-      integer :: k, turn
+      integer :: before, count, k, turn
 
-      is_back = .false.
+      count = 0
       first = 0.0_wp
       do turn = 1, max_returns
+         before = count
          outside = 0.0_wp
          nodes: do k = 1, size(q)
-            if (turn > 1) q(k) = q(k) + change(k)
-            back(k) = 0.0_wp
             if (q(k) >= 0.0_wp .and. q(k) <= hardness) cycle nodes
-            back(k) = min(max(q(k), 0.0_wp), hardness) - q(k)
-            is_back(k) = .true.
-            outside = outside + abs(back(k))
+            count = count + 1
+            loose(count) = k
+            back(count) = min(max(q(k), 0.0_wp), hardness) - q(k)
+            outside = outside + abs(back(count))
          end do nodes
          if (turn == 1) first = outside
          if (.not. outside > worth_a_return*first) exit
-         call network%solve(back, change, is_back)
+         call network%spread(loose(:count), back(:count), change)
+         do k = before + 1, count
+            q(loose(k)) = min(max(q(loose(k)), 0.0_wp), hardness)
+            back(k) = 0.0_wp
+         end do
+         q = q + change
       end do
-      if (turn > max_returns) q = q + change
    end subroutine bring_back
 
    !> Makes `q` add up to `load`: nodes between the bounds share the missing rounding error, nodes
    !> on a bound stay there. If values are still beyond a bound, or none is between them, `q`
    !> becomes the nearest one with bounds and load.
    subroutine settle_load(hardness, load, q)
-      real(wp), intent(in) :: hardness, load
+      real(wp), value :: hardness, load
       real(wp), contiguous, intent(inout) :: q(:)
-      real(wp) :: share, total
-      integer :: inside, k
-      logical :: is_outside
+      real(wp) :: highest, inside, lowest, share, total
+      integer :: k
 
-      inside = 0
+      inside = 0.0_wp
       total = 0.0_wp
+      !$omp simd reduction(+:inside, total)
       do k = 1, size(q)
          total = total + q(k)
-         inside = inside + merge(1, 0, q(k) > 0.0_wp .and. q(k) < hardness)
+         inside = inside + merge(1.0_wp, 0.0_wp, q(k) > 0.0_wp .and. q(k) < hardness)
       end do
-      is_outside = inside == 0
-      if (inside > 0) then
-         share = (load - total)/inside
-         do k = 1, size(q)
-            if (q(k) > 0.0_wp .and. q(k) < hardness) q(k) = q(k) + share
-            is_outside = is_outside .or. q(k) < 0.0_wp .or. q(k) > hardness
-         end do
+      share = (load - total)/max(inside, 1.0_wp)
+      lowest = 0.0_wp
+      highest = 0.0_wp
+      !$omp simd reduction(min:lowest) reduction(max:highest)
+      do k = 1, size(q)
+         q(k) = q(k) + merge(share, 0.0_wp, q(k) > 0.0_wp .and. q(k) < hardness)
+         lowest = min(lowest, q(k))
+         highest = max(highest, q(k))
+      end do
+      if (inside <= 0.0_wp .or. lowest < 0.0_wp .or. highest > hardness) then
+         call shift_into_bounds(q, hardness, load)
       end if
-      if (is_outside) call shift_into_bounds(q, hardness, load)
    end subroutine settle_load
 
 end module load_projection

@@ -4,137 +4,104 @@ module cell_tree
    implicit none (type, external)
    private
 
-   public :: cell_tree_t, join_cells, place_nodes
+   public :: cell_tree_t, join_cells, join_nodes
 
    !> Most doublings of a cell's side.
    integer, parameter, public :: max_levels = 31
 
-   !> Cells of all levels are stored one level after the other, the nodes first, each level by rows.
+   !> Cells of all levels are stored one level after the other, each in the order of its first node.
    type :: cell_tree_t
-      !> Position of the grid's first node in the first row of smallest cells, and its row.
+      !> Column and row of the grid's first node.
       integer :: shift(2) = 0
-      !> First cell of each level, and of the one above the last.
-      integer :: first(0:max_levels + 1) = 1
-      !> First cell of each row of the last level.
-      integer, allocatable :: row(:)
-      !> Position of each node in the list of nodes.
-      integer, allocatable :: place(:)
-      !> Column of each cell on its level; the cell above it, counted from the first one above the
-      !> nodes.
-      integer, allocatable :: column(:), parent(:)
+      !> First cell of each level above the nodes, and of the one above the last.
+      integer :: first(max_levels + 1) = 1
+      !> Cell of each node, and number of nodes in each cell of the lowest level, 0 in all others.
+      integer, allocatable :: cell(:), nodes(:)
+      !> Place of each cell on its level: its column and, `bits` higher, its row; the cell above it.
+      integer, allocatable :: place(:), parent(:)
+      !> The cell at each place of one level (0 ...), 0: none; 0 between calls.
+      integer, allocatable :: at(:)
    end type cell_tree_t
 
 contains
 
-   !> Puts the nodes in the order of the tree: with the shift, rows and columns that it moves past
-   !> the end of a periodic grid come first.
-   pure subroutine place_nodes(tree, nodes, is_periodic, node, rows)
+   !> Joins nodes to cells of the lowest level, in x, in y, or both (`is_joined`), with columns of
+   !> `bits` bits. `node`: the listed nodes of a grid of `nodes` (2), rising; row j begins at
+   !> begin(j). Rows and columns shifted past the end of a periodic grid come first.
+   pure subroutine join_nodes(tree, nodes, is_periodic, node, begin, is_joined, bits)
       type(cell_tree_t), intent(inout) :: tree
       integer, intent(in) :: nodes(2)
       logical, intent(in) :: is_periodic
-      integer, contiguous, intent(in) :: node(:)
-      integer, intent(out) :: rows
-      integer :: first(0:nodes(2)), begin, j, k, n, row
-
-      k = 1
-      do j = 0, nodes(2) - 1
-         first(j) = k
-         row_end: do while (k <= size(node))
-            if (node(k) > (j + 1)*nodes(1)) exit row_end
-            k = k + 1
-         end do row_end
-      end do
-      first(nodes(2)) = k
-      rows = nodes(2)
-      if (.not. is_periodic) rows = rows + tree%shift(2)
-      if (.not. allocated(tree%row)) allocate (tree%row(0:rows))
-      n = 0
-      do row = 0, rows - 1
-         tree%row(row) = n + 1
-         j = row - tree%shift(2)
-         if (is_periodic) j = modulo(j, nodes(2))
-         if (j < 0) cycle
-         begin = first(j + 1)
-         if (is_periodic) begin = first(j) + count(node(first(j):first(j + 1) - 1) <= (j &
-            + 1)*nodes(1) - tree%shift(1))
-         call place_run(tree, node, begin, first(j + 1) - 1, &
-            j*nodes(1) + nodes(1) - tree%shift(1), n)
-         call place_run(tree, node, first(j), begin - 1, j*nodes(1) - tree%shift(1), n)
-      end do
-      tree%row(rows) = n + 1
-      tree%first(0:1) = [1, n + 1]
-   end subroutine place_nodes
-
-   !> Appends the nodes `begin` ... `end` of the list behind the `n` nodes placed before; columns
-   !> count from `before` + 1.
-   pure subroutine place_run(tree, node, begin, end, before, n)
-      type(cell_tree_t), intent(inout) :: tree
-      integer, contiguous, intent(in) :: node(:)
-      integer, intent(in) :: begin, end, before
-      integer, intent(inout) :: n
-      integer :: k
-
-      do k = begin, end
-         n = n + 1
-         tree%place(n) = k
-         tree%column(n) = node(k) - before - 1
-      end do
-   end subroutine place_run
-
-   !> Joins the cells of `level` to those of the next, in x, in y, or both (`is_joined`).
-   pure subroutine join_cells(tree, level, rows, is_joined)
-      type(cell_tree_t), intent(inout) :: tree
-      integer, intent(in) :: level
-      integer, intent(inout) :: rows
+      integer, contiguous, intent(in) :: node(:), begin(:)
       logical, intent(in) :: is_joined(2)
-      integer :: ends(2), here, next(2), row, rows_above, shift
+      integer, intent(in) :: bits
+      integer :: before, column, j, k, past, row
 
-      shift = merge(-1, 0, is_joined(1))
-      rows_above = merge((rows + 1)/2, rows, is_joined(2))
-      here = tree%first(level + 1) - 1
-      do row = 0, rows_above - 1
-         next(1) = tree%row(merge(2*row, row, is_joined(2)))
-         ends(1) = tree%row(merge(2*row + 1, row + 1, is_joined(2)))
-         next(2) = ends(1)
-         ends(2) = ends(1)
-         if (is_joined(2)) ends(2) = tree%row(min(2*row + 2, rows))
-         tree%row(row) = here + 1
-         call join_rows(tree%column, tree%parent, tree%first(1) - 1, next, ends, shift, here)
-      end do
-      tree%row(rows_above) = here + 1
-      tree%first(level + 2) = here + 1
-      rows = rows_above
-   end subroutine join_cells
-
-   !> Joins the cells of one row or of two: `next` ... `ends` - 1 of the columns `cell`, the first
-   !> `nodes` of which are nodes; columns are shifted by `shift` bits.
-   pure subroutine join_rows(cell, parent, nodes, next, ends, shift, here)
-      integer, contiguous, intent(inout) :: cell(:), parent(:)
-      integer, intent(in) :: nodes, ends(2), shift
-      integer, intent(inout) :: next(2), here
-      integer :: above, column, k
-
-      do while (next(1) < ends(1) .and. next(2) < ends(2))
-         here = here + 1
-         above = min(ishft(cell(next(1)), shift), ishft(cell(next(2)), shift))
-         cell(here) = above
-         do k = 1, 2
-            same: do while (next(k) < ends(k))
-               if (ishft(cell(next(k)), shift) > above) exit same
-               parent(next(k)) = here - nodes
-               next(k) = next(k) + 1
-            end do same
+      past = merge(nodes(1), huge(1), is_periodic)
+      do j = 1, nodes(2)
+         row = j - 1 + tree%shift(2)
+         if (is_periodic) row = modulo(row, nodes(2))
+         if (is_joined(2)) row = row/2
+         row = ishft(row, bits)
+         before = (j - 1)*nodes(1) + 1 - tree%shift(1)
+         do k = begin(j), begin(j + 1) - 1
+            column = node(k) - before
+            if (column >= past) column = column - past
+            if (is_joined(1)) column = ishft(column, -1)
+            tree%cell(k) = row + column
          end do
       end do
-      ! Remaining cells of one row.
-      above = -1
-      do k = minval(merge(next, huge(1), next < ends)), maxval(merge(ends, 0, next < ends)) - 1
-         column = ishft(cell(k), shift)
-         here = here + merge(0, 1, column == above)
-         cell(here) = column
-         parent(k) = here - nodes
-         above = column
+      call find_cells(1, tree%cell(:size(node)), tree%place, tree%at, tree%first(2))
+      tree%nodes(:tree%first(2) - 1) = 0
+      do k = 1, size(node)
+         tree%nodes(tree%cell(k)) = tree%nodes(tree%cell(k)) + 1
       end do
-   end subroutine join_rows
+   end subroutine join_nodes
+
+   !> Joins the cells of `level` >= 1, whose columns have bits(1) bits, to those of the next, whose
+   !> have bits(2).
+   pure subroutine join_cells(tree, level, is_joined, bits)
+      type(cell_tree_t), intent(inout) :: tree
+      integer, intent(in) :: level
+      logical, intent(in) :: is_joined(2)
+      integer, intent(in) :: bits(2)
+      integer :: column, k, row
+
+      associate (begin => tree%first(level), end => tree%first(level + 1) - 1, &
+         next => tree%first(level + 2))
+         do k = begin, end
+            column = iand(tree%place(k), maskr(bits(1)))
+            row = ishft(tree%place(k), -bits(1))
+            if (is_joined(1)) column = ishft(column, -1)
+            if (is_joined(2)) row = ishft(row, -1)
+            tree%parent(k) = ishft(row, bits(2)) + column
+         end do
+         call find_cells(end + 1, tree%parent(begin:end), tree%place, tree%at, next)
+         tree%nodes(end + 1:next - 1) = 0
+      end associate
+   end subroutine join_cells
+
+   !> Finds the `cell` at each of the places that `cell` holds, and the `place` of each; `first` is
+   !> the first cell of the level, `next` the one behind the last. `at` is empty before and after.
+   pure subroutine find_cells(first, cell, place, at, next)
+      integer, intent(in) :: first
+      integer, contiguous, intent(inout) :: cell(:), place(:), at(0:)
+      integer, intent(out) :: next
+      integer :: here, k
+
+      here = first - 1
+      do k = 1, size(cell)
+         if (at(cell(k)) == 0) then
+            here = here + 1
+            at(cell(k)) = here
+            place(here) = cell(k)
+         end if
+         cell(k) = at(cell(k))
+      end do
+      do k = first, here
+         at(place(k)) = 0
+      end do
+      next = here + 1
+   end subroutine find_cells
 
 end module cell_tree

@@ -18,4 +18,5 @@ module double_product
    private
 
    include 'grid_product.inc'
+   include 'grid_kernels.inc'
 end module double_product

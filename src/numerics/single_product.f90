@@ -1,9 +1,10 @@
 !> Products with a matrix that is diagonal in Fourier space, in single precision: `grid_product.inc`
 !> for this kind of reals.
 !>
-!> A grid is transformed in parts: rows, then columns in groups that stay in the cache while they
-!> are transformed, multiplied and transformed back, then rows. That is faster than transforms of
-!> the full grid; rows without a listed node and rows of padding cost nothing.
+!> A grid is transformed in parts: rows, two real ones as one complex, then columns in groups that
+!> stay in the cache while they are transformed, multiplied and transformed back, then rows. That is
+!> faster than transforms of the full grid, and complex transforms are planned with a fifth of the
+!> instructions; pairs of rows without a listed node and rows of padding cost nothing.
 module single_product
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, &
       c_ptr, c_size_t
@@ -22,4 +23,5 @@ module single_product
    private
 
    include 'grid_product.inc'
+   include 'grid_kernels.inc'
 end module single_product

@@ -148,7 +148,7 @@ contains
       real(wp), allocatable :: symbol(:, :)
       real(wp) :: weight
 
-      weight = 1.0_wp/product(real(self%sizes, wp))
+      weight = self%double%weight()
       call move_alloc(self%double%symbol, symbol)
       allocate (self%double%symbol, mold=symbol)
       self%double%symbol = 0.0_wp

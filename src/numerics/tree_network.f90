@@ -18,7 +18,7 @@
 !> shifted by a third of the grid, does not: condition numbers of 2 to 5. Module cell_tree finds the
 !> cells.
 module tree_network
-   use cell_tree, only: cell_tree_t, join_cells, max_levels, place_nodes
+   use cell_tree, only: cell_tree_t, join_cells, join_nodes, max_levels
    use kinds, only: pi, wp
    implicit none (type, external)
    private
@@ -29,12 +29,9 @@ module tree_network
 
    !> One tree with its resistors.
    type, extends(cell_tree_t) :: tree_t
-      !> Seen from beyond the resistor above each cell except the nodes: conductance, and current at
-      !> zero potential (2, cells).
-      real(wp), allocatable :: seen(:, :)
-      real(wp), allocatable :: potential(:)
-      !> Currents into the nodes, in the order of the tree.
-      real(wp), allocatable :: current(:)
+      !> Seen from beyond the resistor above each cell, over those of a node: conductance, and
+      !> current at zero potential (2, cells).
+      real(wp), allocatable :: seen(:, :), potential(:)
    end type tree_t
 
    !> The trees over a grid.
@@ -49,11 +46,11 @@ module tree_network
       !> Resistor above the cells of each level, and whether they are joined in x and in y.
       real(wp), private :: resistance(0:max_levels) = 0.0_wp
       logical, private :: is_joined(2, 0:max_levels) = .false.
-      !> Most cells of each level.
-      integer, private :: most(0:max_levels) = 0
+      !> Most cells of each level, bits of their columns, and places of the lowest level.
+      integer, private :: most(0:max_levels) = 0, bits(0:max_levels) = 0, places = 0
       type(tree_t), private :: tree(trees)
    contains
-      procedure :: settle, solve
+      procedure :: settle, solve, spread
    end type tree_network_t
 
 contains
@@ -83,6 +80,8 @@ contains
       answer_below = 0.0_wp
       do level = 0, max_levels
          self%levels = level
+         self%bits(level) = bit_size(1) - leadz(cells(1) - 1)
+         if (level == 1) self%places = ishft(cells(2), self%bits(1))
          self%most(level) = int(min(real(cells(1), wp)*cells(2), real(huge(1), wp)))
          joined = cells > 1
          if (.not. any(joined)) exit
@@ -100,52 +99,55 @@ contains
       end do
    end subroutine new_tree_network
 
-   !> Builds the trees over the listed nodes `node` (rising).
-   subroutine settle(self, node)
+   !> Builds the trees over the listed nodes `node` (rising), of which row j begins at begin(j).
+   subroutine settle(self, node, begin)
       class(tree_network_t), intent(inout) :: self
-      integer, contiguous, intent(in) :: node(:)
-      integer :: level, rows, tree
+      integer, contiguous, intent(in) :: node(:), begin(:)
+      integer :: level, tree
 
-      !$omp parallel do num_threads(min(self%threads, trees)) private(level, rows) schedule(static)
+      if (self%levels == 0) return
+      !$omp parallel do num_threads(min(self%threads, trees)) private(level) schedule(static)
       do tree = 1, trees
          associate (t => self%tree(tree))
-            call make_room(t, size(node), &
-               sum(min(real(self%most(:self%levels), wp), real(size(node), wp))))
-            call place_nodes(t%cell_tree_t, self%nodes, self%is_periodic, node, rows)
-            do level = 0, self%levels - 1
-               call join_cells(t%cell_tree_t, level, rows, self%is_joined(:, level))
+            call make_room(t, size(node), self%places, &
+               sum(min(real(self%most(1:self%levels), wp), real(size(node), wp))))
+            call join_nodes(t%cell_tree_t, self%nodes, self%is_periodic, node, begin, &
+               self%is_joined(:, 0), self%bits(1))
+            do level = 1, self%levels - 1
+               call join_cells(t%cell_tree_t, level, self%is_joined(:, level), &
+                  self%bits(level:level + 1))
             end do
          end associate
       end do
       !$omp end parallel do
    end subroutine settle
 
-   !> Allocates memory for `n` nodes and `cells` cells.
-   pure subroutine make_room(tree, n, cells)
+   !> Allocates memory for `n` nodes, `places` of a level and `cells`.
+   pure subroutine make_room(tree, n, places, cells)
       type(tree_t), intent(inout) :: tree
-      integer, intent(in) :: n
+      integer, intent(in) :: n, places
       real(wp), intent(in) :: cells
       integer :: room
 
-      if (allocated(tree%place)) then
-         if (size(tree%place) >= n .and. size(tree%parent) >= cells) return
-         deallocate (tree%place, tree%column, tree%parent, tree%seen, tree%potential, tree%current)
+      if (allocated(tree%cell)) then
+         if (size(tree%cell) >= n .and. size(tree%parent) >= cells) return
+         deallocate (tree%cell, tree%nodes, tree%place, tree%parent, tree%seen, &
+            tree%potential)
+      else
+         allocate (tree%at(0:places - 1), source=0)
       end if
       ! A growing set does not reallocate each time.
       room = int(min(1.2_wp*cells, real(huge(1), wp)))
-      allocate (tree%place(n + n/5), tree%column(room), tree%parent(room))
-      room = int(min(1.2_wp*(cells - n), real(huge(1), wp)))
-      allocate (tree%seen(2, room), tree%potential(room), tree%current(n + n/5))
+      allocate (tree%cell(n + n/5), tree%nodes(room), tree%place(room), &
+         tree%parent(room), tree%seen(2, room), tree%potential(room))
    end subroutine make_room
 
    !> Computes the currents into the nodes of the last `settle`, in its order, that give them the
-   !> potentials `given` up to a constant, or are `given` themselves where `is_given`; the mean of
-   !> the trees. They add up to zero unless all are given.
-   subroutine solve(self, given, current, is_given)
+   !> potentials `given` up to a constant; the mean of the trees. They add up to zero.
+   subroutine solve(self, given, current)
       class(tree_network_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: given(:)
       real(wp), contiguous, intent(out) :: current(:)
-      logical, contiguous, intent(in), optional :: is_given(:)
       integer :: tree
 
       if (size(given) == 0 .or. self%levels == 0) then
@@ -154,97 +156,95 @@ contains
       end if
       !$omp parallel do num_threads(min(self%threads, trees)) schedule(static)
       do tree = 1, trees
-         call solve_tree(self%tree(tree), self%levels, self%resistance, given, is_given)
+         associate (t => self%tree(tree))
+            call begin_sums(t%nodes(:t%first(self%levels)), t%seen)
+            call leave_nodes(given, t%cell, t%seen)
+            call find_potentials(t, self%levels, self%resistance/self%resistance(0))
+         end associate
       end do
       !$omp end parallel do
-      ! The first tree is not shifted: its nodes are in the order of the list.
-      call add_trees(self%tree(1)%current, self%tree(2)%current, self%tree(2)%place, current)
+      call reach_nodes(self, current)
+      current = current + given/self%resistance(0)
    end subroutine solve
 
-   !> Computes current = first + second, the latter at its `place`.
-   pure subroutine add_trees(first, second, place, current)
-      real(wp), contiguous, intent(in) :: first(:), second(:)
-      integer, contiguous, intent(in) :: place(:)
+   !> Computes the currents into the nodes at potential zero if those into the nodes numbered
+   !> `loose` in the list are `given` and their potentials free, where `current` is zero. They add
+   !> up to zero with those given, unless all are.
+   subroutine spread(self, loose, given, current)
+      class(tree_network_t), intent(inout) :: self
+      integer, contiguous, intent(in) :: loose(:)
+      real(wp), contiguous, intent(in) :: given(:)
       real(wp), contiguous, intent(out) :: current(:)
+      integer :: k, tree
+
+      if (self%levels == 0) then
+         current = 0.0_wp
+         return
+      end if
+      !$omp parallel do num_threads(min(self%threads, trees)) private(k) schedule(static)
+      do tree = 1, trees
+         associate (t => self%tree(tree))
+            call begin_sums(t%nodes(:t%first(self%levels)), t%seen)
+            do k = 1, size(loose)
+               associate (cell => t%cell(loose(k)))
+                  t%seen(1, cell) = t%seen(1, cell) - 1.0_wp
+                  t%seen(2, cell) = t%seen(2, cell) + given(k)*self%resistance(0)
+               end associate
+            end do
+            call find_potentials(t, self%levels, self%resistance/self%resistance(0))
+         end associate
+      end do
+      !$omp end parallel do
+      call reach_nodes(self, current)
+      current(loose) = 0.0_wp
+   end subroutine spread
+
+   !> Sets the conductances from cells to their `nodes`, 0 above the lowest level, and no current.
+   pure subroutine begin_sums(nodes, seen)
+      integer, contiguous, intent(in) :: nodes(:)
+      real(wp), contiguous, intent(inout) :: seen(:, :)
       integer :: k
 
-      do k = 1, size(current)
-         current(place(k)) = first(place(k)) + second(k)
+      do k = 1, size(nodes)
+         seen(1, k) = nodes(k)
+         seen(2, k) = 0.0_wp
       end do
-   end subroutine add_trees
+   end subroutine begin_sums
 
-   !> Computes the currents of one tree in `solve`: `tree%current`.
-   pure subroutine solve_tree(tree, levels, resistance, given, is_given)
+   !> Computes the potentials of the cells from what is seen from the lowest level.
+   pure subroutine find_potentials(tree, levels, resistance)
       type(tree_t), intent(inout) :: tree
       integer, intent(in) :: levels
       real(wp), intent(in) :: resistance(0:)
-      real(wp), contiguous, intent(in) :: given(:)
-      logical, contiguous, intent(in), optional :: is_given(:)
-      integer :: first(levels + 1), k, level, nodes
+      integer :: level
 
-      nodes = tree%first(1) - 1
-      first = tree%first(1:levels + 1) - nodes
-      do k = 1, first(levels + 1) - 1   ! as an array each cell would be a call
-         tree%seen(1, k) = 0.0_wp
-         tree%seen(2, k) = 0.0_wp
-      end do
-      if (present(is_given)) then
-         call leave_mixed(1.0_wp/resistance(0), given, is_given, tree%place, tree%parent, tree%seen)
-      else
-         call leave_nodes(1.0_wp/resistance(0), given, tree%place, tree%parent, tree%seen)
-      end if
       do level = 1, levels - 1
-         call lift(first(level), first(level + 1) - 1, resistance(level), &
-            tree%parent(nodes + 1:), tree%seen)
+         call lift(tree%first(level), tree%first(level + 1) - 1, resistance(level), tree%parent, &
+            tree%seen)
       end do
       ! No current goes into the root, which has no resistor.
-      associate (root => first(levels))
+      associate (root => tree%first(levels))
          tree%potential(root) = 0.0_wp
          if (tree%seen(1, root) > 0.0_wp) tree%potential(root) = tree%seen(2, root) &
             /tree%seen(1, root)
       end associate
       do level = levels - 1, 1, -1
-         call lower(first(level), first(level + 1) - 1, resistance(level), &
-            tree%parent(nodes + 1:), tree%seen, tree%potential)
+         call lower(tree%first(level), tree%first(level + 1) - 1, resistance(level), tree%parent, &
+            tree%seen, tree%potential)
       end do
-      if (present(is_given)) then
-         call reach_mixed(1.0_wp/resistance(0), given, is_given, tree%place, tree%parent, &
-            tree%potential, tree%current)
-      else
-         call reach_nodes(1.0_wp/resistance(0), given, tree%place, tree%parent, tree%potential, &
-            tree%current)
-      end if
-   end subroutine solve_tree
+   end subroutine find_potentials
 
-   !> Passes from the nodes, seen from beyond their resistors of `conductance`, to the cells above.
-   pure subroutine leave_nodes(conductance, given, place, parent, seen)
-      real(wp), intent(in) :: conductance
+   !> Passes from the nodes through their resistors to the cells.
+   pure subroutine leave_nodes(given, cell, seen)
       real(wp), contiguous, intent(in) :: given(:)
-      integer, contiguous, intent(in) :: place(:), parent(:)
+      integer, contiguous, intent(in) :: cell(:)
       real(wp), contiguous, intent(inout) :: seen(:, :)
       integer :: k
 
       do k = 1, size(given)
-         seen(1, parent(k)) = seen(1, parent(k)) + conductance
-         seen(2, parent(k)) = seen(2, parent(k)) + conductance*given(place(k))
+         seen(2, cell(k)) = seen(2, cell(k)) + given(k)
       end do
    end subroutine leave_nodes
-
-   !> The same with some currents given.
-   pure subroutine leave_mixed(conductance, given, is_given, place, parent, seen)
-      real(wp), intent(in) :: conductance
-      real(wp), contiguous, intent(in) :: given(:)
-      logical, contiguous, intent(in) :: is_given(:)
-      integer, contiguous, intent(in) :: place(:), parent(:)
-      real(wp), contiguous, intent(inout) :: seen(:, :)
-      integer :: k
-
-      do k = 1, size(given)
-         seen(1, parent(k)) = seen(1, parent(k)) + merge(0.0_wp, conductance, is_given(place(k)))
-         seen(2, parent(k)) = seen(2, parent(k)) + merge(1.0_wp, conductance, &
-            is_given(place(k)))*given(place(k))
-      end do
-   end subroutine leave_mixed
 
    !> Passes from the cells `begin` ... `end` of a level through their resistors to those above.
    pure subroutine lift(begin, end, resistance, parent, seen)
@@ -279,32 +279,21 @@ contains
       end do
    end subroutine lower
 
-   !> Computes the currents into the nodes from the potentials above them.
-   pure subroutine reach_nodes(conductance, given, place, parent, potential, current)
-      real(wp), intent(in) :: conductance
-      real(wp), contiguous, intent(in) :: given(:), potential(:)
-      integer, contiguous, intent(in) :: place(:), parent(:)
-      real(wp), contiguous, intent(inout) :: current(:)
+   !> Computes the currents into nodes at potential zero, the mean of the trees, from the potentials
+   !> above them.
+   subroutine reach_nodes(self, current)
+      type(tree_network_t), intent(in) :: self
+      real(wp), contiguous, intent(out) :: current(:)
       integer :: k
 
-      do k = 1, size(given)
-         current(k) = (conductance*given(place(k)) - conductance*potential(parent(k)))/trees
-      end do
+      associate (one => self%tree(1), two => self%tree(2), &
+         conductance => 1.0_wp/(trees*self%resistance(0)))
+         !$omp parallel do num_threads(self%threads) schedule(static)
+         do k = 1, size(current)
+            current(k) = -conductance*(one%potential(one%cell(k)) + two%potential(two%cell(k)))
+         end do
+         !$omp end parallel do
+      end associate
    end subroutine reach_nodes
-
-   !> The same with some currents given.
-   pure subroutine reach_mixed(conductance, given, is_given, place, parent, potential, current)
-      real(wp), intent(in) :: conductance
-      real(wp), contiguous, intent(in) :: given(:), potential(:)
-      logical, contiguous, intent(in) :: is_given(:)
-      integer, contiguous, intent(in) :: place(:), parent(:)
-      real(wp), contiguous, intent(inout) :: current(:)
-      integer :: k
-
-      do k = 1, size(given)
-         current(k) = (merge(1.0_wp, conductance, is_given(place(k)))*given(place(k)) &
-            - merge(0.0_wp, conductance, is_given(place(k)))*potential(parent(k)))/trees
-      end do
-   end subroutine reach_mixed
 
 end module tree_network

@@ -51,23 +51,20 @@ contains
       mean = mean/n
       ra = 0.0_wp
       rq = 0.0_wp
-      !$omp simd reduction(+:ra, rq)
+      rsk = 0.0_wp
+      rku = 0.0_wp
+      !$omp simd reduction(+:ra, rq, rsk, rku)
       do i = 1, n
          ra = ra + abs(z(i) - mean)
          rq = rq + (z(i) - mean)**2
+         rsk = rsk + (z(i) - mean)**3
+         rku = rku + (z(i) - mean)**4
       end do
       values%ra = ra/n
       values%rq = sqrt(rq/n)
       if (values%rq > 0.0_wp) then
-         rsk = 0.0_wp
-         rku = 0.0_wp
-         !$omp simd reduction(+:rsk, rku)
-         do i = 1, n
-            rsk = rsk + ((z(i) - mean)/values%rq)**3
-            rku = rku + ((z(i) - mean)/values%rq)**4
-         end do
-         values%rsk = rsk/n
-         values%rku = rku/n
+         values%rsk = rsk/n/values%rq**2/values%rq
+         values%rku = rku/n/values%rq**2/values%rq**2
       end if
       values%rz = highest - lowest
       if (.not. is_line .or. n < parts) return
@@ -150,25 +147,25 @@ contains
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
-      real(wp) :: slope, across, along, in_x(size(z, 1)), in_y(size(z, 1))
+      real(wp) :: slope, across, along
       integer :: i, j, nx, ny
 
       nx = size(z, 1)
       ny = size(z, 2)
       along = 0.0_wp
       across = 0.0_wp
-      in_y = 0.0_wp
       do j = 1, ny
-         in_x(:nx - 1) = (z(2:, j) - z(:nx - 1, j))/dx
-         in_x(nx) = (z(1, j) - z(nx, j))/dx
-         if (ny > 1) in_y = (z(:, modulo(j, ny) + 1) - z(:, j))/dy
-         !$omp simd reduction(+:along, across)
-         do i = 1, nx
-            along = along + in_x(i)**2
-            across = across + in_y(i)**2
-         end do
+         along = along + (z(1, j) - z(nx, j))**2
+         associate (here => z(:, j), after => z(:, modulo(j, ny) + 1))
+            !$omp simd reduction(+:along, across)
+            do i = 1, nx - 1
+               along = along + (here(i + 1) - here(i))**2
+               across = across + (after(i) - here(i))**2
+            end do
+            across = across + (after(nx) - here(nx))**2
+         end associate
       end do
-      slope = sqrt((along + across)/size(z))
+      slope = sqrt((along/dx**2 + across/dy**2)/size(z))
    end function rms_slope
 
    !> Root mean square second difference of a periodic surface (nx, ny); for an area of half the
@@ -176,28 +173,27 @@ contains
    pure function rms_curvature(z, dx, dy) result(curvature)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
-      real(wp) :: curvature, second(size(z, 1)), total
+      real(wp) :: curvature, in_x, in_y, total
       integer :: i, j, nx, ny
 
       nx = size(z, 1)
       ny = size(z, 2)
+      in_x = merge(1.0_wp, 0.5_wp, ny == 1)/dx**2
+      in_y = 0.5_wp/dy**2
       total = 0.0_wp
       do j = 1, ny
-         second(1) = z(modulo(1, nx) + 1, j) - 2.0_wp*z(1, j) + z(nx, j)
-         do i = 2, nx - 1
-            second(i) = z(i + 1, j) - 2.0_wp*z(i, j) + z(i - 1, j)
-         end do
-         second(nx) = z(1, j) - 2.0_wp*z(nx, j) + z(modulo(nx - 2, nx) + 1, j)
-         second = second/dx**2
-         if (ny > 1) then
-            associate (before => z(:, modulo(j - 2, ny) + 1), after => z(:, modulo(j, ny) + 1))
-               second = 0.5_wp*(second + (after - 2.0_wp*z(:, j) + before)/dy**2)
-            end associate
-         end if
-         !$omp simd reduction(+:total)
-         do i = 1, nx
-            total = total + second(i)**2
-         end do
+         associate (here => z(:, j), before => z(:, modulo(j - 2, ny) + 1), &
+            after => z(:, modulo(j, ny) + 1))
+            do i = 1, nx, max(nx - 1, 1)
+               total = total + (in_x*(here(modulo(i, nx) + 1) - 2.0_wp*here(i) &
+                  + here(modulo(i - 2, nx) + 1)) + in_y*(after(i) - 2.0_wp*here(i) + before(i)))**2
+            end do
+            !$omp simd reduction(+:total)
+            do i = 2, nx - 1
+               total = total + (in_x*(here(i + 1) - 2.0_wp*here(i) + here(i - 1)) &
+                  + in_y*(after(i) - 2.0_wp*here(i) + before(i)))**2
+            end do
+         end associate
       end do
       curvature = sqrt(total/size(z))
    end function rms_curvature
