@@ -33,9 +33,9 @@ module point_cycle
       type(point_level_t), allocatable :: levels(:)
       type(point_smoother_t), allocatable :: smoothers(:)
       type(cycle_work_t), allocatable :: work(:)
-      !> Factored equations of the coarsest level.
+      !> Flowing nodes (2, number) of the coarsest level, and their factored equations.
       real(wp), allocatable :: coarsest(:, :), unknown(:)
-      integer, allocatable :: pivots(:)
+      integer, allocatable :: pivots(:), nodes(:, :)
    end type point_hierarchy_t
 
 contains
@@ -55,7 +55,7 @@ contains
          levels = levels + 1
       end do
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels, hierarchy%smoothers, &
-         hierarchy%work, hierarchy%coarsest, hierarchy%unknown, hierarchy%pivots)
+         hierarchy%work)
       allocate (hierarchy%levels(levels), hierarchy%smoothers(levels), hierarchy%work(levels))
       do k = 1, levels
          n = [nx, ny]/2**(k - 1)
@@ -65,9 +65,6 @@ contains
             allocate (work%right_side, work%residual, work%v, work%film, mold=level%film)
          end associate
       end do
-      allocate (hierarchy%unknown((n(1) - 1)*(n(2) - 1)))
-      allocate (hierarchy%pivots(size(hierarchy%unknown)), &
-         hierarchy%coarsest(size(hierarchy%unknown), size(hierarchy%unknown)))
    end subroutine new_hierarchy
 
    !> Prepares cycles for the bands of the finest level: the coarse ones, lines, factors. Fails
@@ -96,50 +93,55 @@ contains
       call factor_coarsest(hierarchy, error)   ! error: handed up
    end subroutine prepare_cycle
 
-   !> Sets and factors the equations of the coarsest level.
+   !> Sets and factors the equations of the flowing nodes of the coarsest level.
    subroutine factor_coarsest(hierarchy, error)
       type(point_hierarchy_t), intent(inout) :: hierarchy
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: di(bands) = [-2, -1, 0, 1, 0, 0], dj(bands) = [0, 0, 0, 0, -1, 1]
-      real(wp), allocatable :: kernel(:, :)
-      integer :: a, b, column, i, j, k, n, row
+      real(wp), allocatable :: column(:, :), kernel(:, :)
+      integer :: a, b, c, i, j, k, n
 
-      associate (level => hierarchy%levels(size(hierarchy%levels)), matrix => hierarchy%coarsest, &
+      associate (level => hierarchy%levels(size(hierarchy%levels)), &
          h => hierarchy%levels(size(hierarchy%levels))%by_film)
          n = level%nx - 1
-         allocate (kernel(-n - 1:n + 1, 0:level%ny))
+         allocate (kernel(-n - 1:n + 1, 0:level%ny), column(n, level%ny - 1))
          do i = -n - 1, n + 1
             kernel(i, :) = level%kernel(abs(i), :)
          end do
-         matrix = 0.0_wp
-         do b = 1, level%ny - 1
-            columns: do a = 1, n
-               column = a + (b - 1)*n
-               if (.not. level%flowing(a, b) > 0.0_wp) then
-                  matrix(column, column) = 1.0_wp
-                  cycle columns
-               end if
+         hierarchy%nodes = reshape([(([i, j], i=1, n), j=1, level%ny - 1)], [2, size(column)])
+         hierarchy%nodes = hierarchy%nodes(:, pack([(i, i=1, size(column))], &
+            reshape(level%flowing(1:n, 1:level%ny - 1) > 0.0_wp, [size(column)])))
+         associate (nodes => hierarchy%nodes)
+            c = size(nodes, 2)
+            if (allocated(hierarchy%coarsest)) deallocate (hierarchy%coarsest, hierarchy%unknown, &
+               hierarchy%pivots)
+            allocate (hierarchy%coarsest(c, c), hierarchy%pivots(c))
+            allocate (hierarchy%unknown(c), source=0.0_wp)
+            do c = 1, size(nodes, 2)
+               a = nodes(1, c)
+               b = nodes(2, c)
                do j = 1, level%ny - 1
-                  row = (j - 1)*n
                   do i = 1, n
-                     matrix(row + i, column) = level%flowing(i, j)*(h(i, 1, j)*kernel(i - 2 - a, &
-                        abs(j - b)) + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) &
-                        + h(i, 3, j)*kernel(i - a, abs(j - b)) + h(i, 4, j)*kernel(i + 1 - a, &
-                        abs(j - b)) + h(i, 5, j)*kernel(i - a, abs(j - 1 - b)) &
-                        + h(i, 6, j)*kernel(i - a, abs(j + 1 - b)))
+                     column(i, j) = h(i, 1, j)*kernel(i - 2 - a, abs(j - b)) &
+                        + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) + h(i, 3, j)*kernel(i - a, &
+                        abs(j - b)) + h(i, 4, j)*kernel(i + 1 - a, abs(j - b)) &
+                        + h(i, 5, j)*kernel(i - a, abs(j - 1 - b)) + h(i, 6, j)*kernel(i - a, &
+                        abs(j + 1 - b))
                   end do
                end do
                do k = 1, bands
                   i = a - di(k)
                   j = b - dj(k)
-                  row = i + (j - 1)*n
-                  if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) matrix(row, column) = &
-                     matrix(row, column) + level%flowing(i, j)*level%by_pressure(i, k, j)
+                  if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) column(i, j) = column(i, j) &
+                     + level%by_pressure(i, k, j)
                end do
-            end do columns
-         end do
-         hierarchy%unknown = 0.0_wp
-         call solve_dense(matrix, hierarchy%unknown, hierarchy%pivots, error)   ! error: handed up
+               do k = 1, size(nodes, 2)
+                  hierarchy%coarsest(k, c) = column(nodes(1, k), nodes(2, k))
+               end do
+            end do
+            if (size(nodes) > 0) call solve_dense(hierarchy%coarsest, hierarchy%unknown, &
+               hierarchy%pivots, error)   ! error: handed up
+         end associate
       end associate
    end subroutine factor_coarsest
 
@@ -159,54 +161,58 @@ contains
    recursive subroutine descend(hierarchy, k)
       type(point_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
+      integer :: i
 
       associate (level => hierarchy%levels(k), work => hierarchy%work(k))
          if (k == size(hierarchy%levels)) then
-            hierarchy%unknown = reshape(work%right_side(1:level%nx - 1, 1:level%ny - 1) &
-               *level%flowing(1:level%nx - 1, 1:level%ny - 1), [size(hierarchy%unknown)])
-            call solve_factored(hierarchy%coarsest, hierarchy%unknown, hierarchy%pivots)
-            work%v = 0.0_wp
-            work%v(1:level%nx - 1, 1:level%ny - 1) = reshape(hierarchy%unknown, &
-               [level%nx - 1, level%ny - 1])
+            associate (nodes => hierarchy%nodes)
+               do i = 1, size(nodes, 2)
+                  hierarchy%unknown(i) = work%right_side(nodes(1, i), nodes(2, i))
+               end do
+               if (size(nodes) > 0) call solve_factored(hierarchy%coarsest, hierarchy%unknown, &
+                  hierarchy%pivots)
+               work%v = 0.0_wp
+               do i = 1, size(nodes, 2)
+                  work%v(nodes(1, i), nodes(2, i)) = hierarchy%unknown(i)
+               end do
+            end associate
          else
-            work%right_side = level%flowing*work%right_side
-            call restrict(work%right_side, hierarchy%work(k + 1)%right_side)
+            call restrict(work%right_side, hierarchy%levels(k + 1)%flowing, hierarchy%work(k &
+               + 1)%right_side)
             call descend(hierarchy, k + 1)
-            call interpolate(hierarchy%work(k + 1)%v, work%v)
+            call interpolate(hierarchy%work(k + 1)%v, work%v, level%flowing)
             call interpolate(hierarchy%work(k + 1)%film, work%film)
-            work%v = level%flowing*work%v
-            call multiply_bands(level, work%v, work%film, work%residual)
-            work%residual = work%right_side - work%residual
+            call multiply_bands(level, work%v, work%film, work%residual, work%right_side)
             call sweep_lines(hierarchy%smoothers(k), level, work%residual, work%v)
          end if
          if (k > 1) call deflect(level, work%v, work%film)
       end associate
    end subroutine descend
 
-   !> Full weighting of a `fine` residual along x, then y.
-   pure subroutine restrict(fine, coarse)
-      real(wp), intent(in) :: fine(0:, 0:)
-      real(wp), intent(out) :: coarse(0:, 0:)
-      real(wp) :: rows(0:ubound(coarse, 1), -1:1)
-      integer :: j, k
+   !> Full weighting of a `fine` residual along x, then y, where it is `flowing`.
+   pure subroutine restrict(fine, flowing, coarse)
+      real(wp), intent(in), contiguous :: fine(0:, 0:), flowing(0:, 0:)
+      real(wp), intent(out), contiguous :: coarse(0:, 0:)
+      integer :: j
 
       coarse = 0.0_wp
       do j = 1, ubound(coarse, 2) - 1
-         do k = -1, 1
-            call full_weighting(fine(:, 2*j + k), rows(:, k))
-         end do
-         coarse(:, j) = 0.25_wp*(rows(:, -1) + 2*rows(:, 0) + rows(:, 1))
+         call full_weighting(0.25_wp*(fine(:, 2*j - 1) + 2*fine(:, 2*j) + fine(:, 2*j + 1)), &
+            coarse(:, j))
+         coarse(:, j) = flowing(:, j)*coarse(:, j)
       end do
    end subroutine restrict
 
-   !> The bilinear interpolation of `coarse`.
-   pure subroutine interpolate(coarse, fine)
+   !> The bilinear interpolation of `coarse`, where it is `flowing`.
+   pure subroutine interpolate(coarse, fine, flowing)
       real(wp), intent(in) :: coarse(0:, 0:)
       real(wp), intent(out) :: fine(0:, 0:)
+      real(wp), intent(in), optional :: flowing(0:, 0:)
       integer :: j
 
       do j = 0, ubound(fine, 2)
          call prolong_linear(0.5_wp*(coarse(:, j/2) + coarse(:, (j + 1)/2)), fine(:, j))
+         if (present(flowing)) fine(:, j) = flowing(:, j)*fine(:, j)
       end do
    end subroutine interpolate
 

@@ -157,11 +157,12 @@ contains
    end function load_on
 
    !> Computes y = J (v, dH) on the flowing nodes, 0 elsewhere: `v` the change of the pressure,
-   !> `change` that of the film.
-   subroutine multiply_bands(level, v, change, y)
+   !> `change` that of the film; with a `right_side` what it leaves of that.
+   subroutine multiply_bands(level, v, change, y, right_side)
       type(point_level_t), intent(in) :: level
       real(wp), intent(in), dimension(0:level%nx, 0:level%ny) :: v, change
       real(wp), intent(out) :: y(0:level%nx, 0:level%ny)
+      real(wp), intent(in), optional :: right_side(0:level%nx, 0:level%ny)
       integer :: j
 
       y(:, 0) = 0.0_wp
@@ -172,7 +173,11 @@ contains
             change(:, j - 1:j + 1), y(:, j))
          if (allocated(level%corners)) call add_corners(level%corners(:, :, j), v(:, j - 1:j + 1), &
             y(:, j))
-         y(:, j) = level%flowing(:, j)*y(:, j)
+         if (present(right_side)) then
+            y(:, j) = level%flowing(:, j)*(right_side(:, j) - y(:, j))
+         else
+            y(:, j) = level%flowing(:, j)*y(:, j)
+         end if
       end do
       !$omp end parallel do
    end subroutine multiply_bands

@@ -167,9 +167,11 @@ contains
          newton%inverse = reshape(merge(1/level%diagonal, 1.0_wp, level%flowing > 0.0_wp), [n])
          newton%weight = 1/(level%hx*level%hy*sqrt(real(n, wp)))
          fixed = reshape((1 - level%flowing)*(border - level%pressure), [n])
-         newton%change = spread(1.0_wp, 1, n)
-         newton%product = spread(0.0_wp, 1, n)
-         newton%column = fixed   ! of this size
+         newton%change = fixed   ! of this size
+         newton%product = fixed
+         newton%column = fixed
+         newton%change = 1.0_wp
+         newton%product = 0.0_wp
          call multiply_bands(level, newton%product, newton%change, newton%column)
          ! in a time step the cycles hardly change
          if (newton%steps == 0 .or. .not. level%inverse_time_step > 0.0_wp) then
