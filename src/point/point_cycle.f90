@@ -33,9 +33,9 @@ module point_cycle
       type(point_level_t), allocatable :: levels(:)
       type(point_smoother_t), allocatable :: smoothers(:)
       type(cycle_work_t), allocatable :: work(:)
-      !> Flowing nodes (2, number) of the coarsest level, and their factored equations.
+      !> Factored equations of the flowing nodes of the coarsest level.
       real(wp), allocatable :: coarsest(:, :), unknown(:)
-      integer, allocatable :: pivots(:), nodes(:, :)
+      integer, allocatable :: pivots(:)
    end type point_hierarchy_t
 
 contains
@@ -98,7 +98,8 @@ contains
       type(point_hierarchy_t), intent(inout) :: hierarchy
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: di(bands) = [-2, -1, 0, 1, 0, 0], dj(bands) = [0, 0, 0, 0, -1, 1]
-      real(wp), allocatable :: column(:, :), kernel(:, :)
+      real(wp), allocatable :: column(:, :), kernel(:, :), matrix(:, :)
+      integer, allocatable :: nodes(:, :)   ! the flowing ones
       integer :: a, b, c, i, j, k, n
 
       associate (level => hierarchy%levels(size(hierarchy%levels)), &
@@ -108,40 +109,36 @@ contains
          do i = -n - 1, n + 1
             kernel(i, :) = level%kernel(abs(i), :)
          end do
-         hierarchy%nodes = reshape([(([i, j], i=1, n), j=1, level%ny - 1)], [2, size(column)])
-         hierarchy%nodes = hierarchy%nodes(:, pack([(i, i=1, size(column))], &
-            reshape(level%flowing(1:n, 1:level%ny - 1) > 0.0_wp, [size(column)])))
-         associate (nodes => hierarchy%nodes)
-            c = size(nodes, 2)
-            if (allocated(hierarchy%coarsest)) deallocate (hierarchy%coarsest, hierarchy%unknown, &
-               hierarchy%pivots)
-            allocate (hierarchy%coarsest(c, c), hierarchy%pivots(c))
-            allocate (hierarchy%unknown(c), source=0.0_wp)
-            do c = 1, size(nodes, 2)
-               a = nodes(1, c)
-               b = nodes(2, c)
-               do j = 1, level%ny - 1
-                  do i = 1, n
-                     column(i, j) = h(i, 1, j)*kernel(i - 2 - a, abs(j - b)) &
-                        + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) + h(i, 3, j)*kernel(i - a, &
-                        abs(j - b)) + h(i, 4, j)*kernel(i + 1 - a, abs(j - b)) &
-                        + h(i, 5, j)*kernel(i - a, abs(j - 1 - b)) + h(i, 6, j)*kernel(i - a, &
-                        abs(j + 1 - b))
-                  end do
-               end do
-               do k = 1, bands
-                  i = a - di(k)
-                  j = b - dj(k)
-                  if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) column(i, j) = column(i, j) &
-                     + level%by_pressure(i, k, j)
-               end do
-               do k = 1, size(nodes, 2)
-                  hierarchy%coarsest(k, c) = column(nodes(1, k), nodes(2, k))
+         nodes = reshape([(([i, j], i=1, n), j=1, level%ny - 1)], [2, size(column)])
+         nodes = nodes(:, pack([(i, i=1, size(column))], reshape(level%flowing(1:n, 1:level%ny &
+            - 1) > 0.0_wp, [size(column)])))
+         allocate (matrix(size(nodes, 2), size(nodes, 2)))
+         do c = 1, size(nodes, 2)
+            a = nodes(1, c)
+            b = nodes(2, c)
+            do j = 1, level%ny - 1
+               do i = 1, n
+                  column(i, j) = h(i, 1, j)*kernel(i - 2 - a, abs(j - b)) &
+                     + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) + h(i, 3, j)*kernel(i - a, abs(j &
+                     - b)) + h(i, 4, j)*kernel(i + 1 - a, abs(j - b)) + h(i, 5, j)*kernel(i - a, &
+                     abs(j - 1 - b)) + h(i, 6, j)*kernel(i - a, abs(j + 1 - b))
                end do
             end do
-            if (size(nodes) > 0) call solve_dense(hierarchy%coarsest, hierarchy%unknown, &
-               hierarchy%pivots, error)   ! error: handed up
-         end associate
+            do k = 1, bands
+               i = a - di(k)
+               j = b - dj(k)
+               if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) column(i, j) = column(i, j) &
+                  + level%by_pressure(i, k, j)
+            end do
+            do k = 1, size(nodes, 2)
+               matrix(k, c) = column(nodes(1, k), nodes(2, k))
+            end do
+         end do
+         hierarchy%unknown = 0*nodes(1, :)
+         hierarchy%pivots = nodes(1, :)
+         call move_alloc(matrix, hierarchy%coarsest)
+         if (size(nodes) > 0) call solve_dense(hierarchy%coarsest, hierarchy%unknown, &
+            hierarchy%pivots, error)   ! error: handed up
       end associate
    end subroutine factor_coarsest
 
@@ -161,21 +158,13 @@ contains
    recursive subroutine descend(hierarchy, k)
       type(point_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
-      integer :: i
 
       associate (level => hierarchy%levels(k), work => hierarchy%work(k))
          if (k == size(hierarchy%levels)) then
-            associate (nodes => hierarchy%nodes)
-               do i = 1, size(nodes, 2)
-                  hierarchy%unknown(i) = work%right_side(nodes(1, i), nodes(2, i))
-               end do
-               if (size(nodes) > 0) call solve_factored(hierarchy%coarsest, hierarchy%unknown, &
-                  hierarchy%pivots)
-               work%v = 0.0_wp
-               do i = 1, size(nodes, 2)
-                  work%v(nodes(1, i), nodes(2, i)) = hierarchy%unknown(i)
-               end do
-            end associate
+            hierarchy%unknown = pack(work%right_side, level%flowing > 0.0_wp)
+            if (size(hierarchy%unknown) > 0) call solve_factored(hierarchy%coarsest, &
+               hierarchy%unknown, hierarchy%pivots)
+            work%v = unpack(hierarchy%unknown, level%flowing > 0.0_wp, 0.0_wp)
          else
             call restrict(work%right_side, hierarchy%levels(k + 1)%flowing, hierarchy%work(k &
                + 1)%right_side)

@@ -104,6 +104,8 @@ contains
       integer, intent(in) :: nx
       real(wp), intent(in) :: p(0:nx), h(0:nx)
       real(wp), intent(out) :: nodes(0:nx, node_columns)
+      real(wp) :: b, curve, root
+      integer :: i
 
       nodes(:, of_p) = p
       nodes(:, of_h) = h
@@ -114,31 +116,23 @@ contains
       nodes(:, of_mass) = nodes(:, of_rho)*h
       nodes(:, of_e) = nodes(:, of_mass)*h**2/contact%lambda
       if (thins(contact%fluid)) then
-         call thin_nodes(contact, nx, nodes)
+         nodes(:, plain:plain + 1) = nodes(:, along_x:along_x + 1)
+         do i = 0, nx
+            b = max(sliding_number(contact%fluid)*exp(min(nodes(i, plain), &
+               largest_exponent))/h(i), least_sliding)
+            root = sqrt(1 + b**2)
+            curve = b/root/asinh(b)   ! d ln arsinh B/d ln B
+            nodes(i, along_y) = nodes(i, plain) - log(b/asinh(b))
+            nodes(i, along_y + 1) = nodes(i, plain + 1)*curve
+            nodes(i, along_y + 3) = (1 - curve)/h(i)
+            nodes(i, along_x) = nodes(i, plain) - log(root)
+            nodes(i, along_x + 1) = nodes(i, plain + 1)/root**2
+            nodes(i, along_x + 3) = (b/root)**2/h(i)
+         end do
          nodes(:, along_y + 2) = exp(-nodes(:, along_y))
       end if
       nodes(:, along_x + 2) = exp(-nodes(:, along_x))
    end subroutine fill_nodes
-
-   !> Sets the effective viscosities of an oil that thins, from those of the oil.
-   pure subroutine thin_nodes(contact, nx, nodes)
-      type(point_contact_t), intent(in) :: contact
-      integer, intent(in) :: nx
-      real(wp), intent(inout) :: nodes(0:nx, node_columns)
-      real(wp) :: b(0:nx), curve(0:nx), root(0:nx)
-
-      nodes(:, plain:plain + 1) = nodes(:, along_x:along_x + 1)
-      b = max(sliding_number(contact%fluid)*exp(min(nodes(:, plain), largest_exponent)) &
-         /nodes(:, of_h), least_sliding)
-      root = sqrt(1 + b**2)
-      curve = b/root/asinh(b)   ! d ln arsinh B/d ln B
-      nodes(:, along_y) = nodes(:, plain) - log(b/asinh(b))
-      nodes(:, along_y + 1) = nodes(:, plain + 1)*curve
-      nodes(:, along_y + 3) = (1 - curve)/nodes(:, of_h)
-      nodes(:, along_x) = nodes(:, plain) - log(root)
-      nodes(:, along_x + 1) = nodes(:, plain + 1)/root**2
-      nodes(:, along_x + 3) = (b/root)**2/nodes(:, of_h)
-   end subroutine thin_nodes
 
    !> Fills the columns of the faces between the nodes i of row `one` = `j` and i + 1 of it, or i of
    !> row `two` = j + 1; `axis`: first column of the viscosity along it.
@@ -148,7 +142,7 @@ contains
       integer, intent(in) :: j, axis
       real(wp), intent(in) :: one(0:level%nx, node_columns), two(0:level%nx, node_columns)
       real(wp), intent(out) :: faces(0:level%nx, face_columns)
-      real(wp) :: e, e_1, e_2, half
+      real(wp) :: change(2), e, e_1, e_2, half
       integer :: i, k, last, of, shift
       logical :: rests, thinned
 
@@ -180,18 +174,7 @@ contains
          faces(i, by_h1) = 3*half*e_1/one(i, of_h)
          faces(i, by_h2) = 3*half*e_2/two(k, of_h)
       end do
-      if (thinned) call add_thinning(last, shift, of, one, two, faces)
-   end subroutine fill_faces
-
-   !> Adds what thinning by sliding and by the gradient changes on the faces 0 ... `last`, whose
-   !> second nodes are `shift` further; `of`: first column of the viscosity along them.
-   pure subroutine add_thinning(last, shift, of, one, two, faces)
-      integer, intent(in) :: last, shift, of
-      real(wp), intent(in), contiguous :: one(0:, :), two(0:, :)
-      real(wp), intent(inout), contiguous :: faces(0:, :)
-      real(wp) :: change(2), e, half
-      integer :: i, k
-
+      if (.not. thinned) return
       do i = 0, last
          k = i + shift
          e = faces(i, of_both)*faces(i, fluidity)
@@ -207,7 +190,7 @@ contains
          faces(i, by_h2) = faces(i, by_h2) - half*(1 - faces(i, slant))*two(k, of + 3) &
             + 0.5_wp*e*faces(i, drop + 4)/two(k, of_h)
       end do
-   end subroutine add_thinning
+   end subroutine fill_faces
 
    !> Turns the drops P2 - P1 of `fill_faces` into those that drive as much oil without thinning by
    !> the gradient, and sets their change with P2 - P1, less 1, with the slope of P across, with ln

@@ -8,7 +8,7 @@
 !> are pentadiagonal, and dominated by the diagonal: no pivots.
 module point_smoother
    use kinds, only: wp
-   use point_level, only: point_level_t
+   use point_level, only: last_flowing, point_level_t
    implicit none (type, external)
    private
 
@@ -45,7 +45,7 @@ contains
       type(point_smoother_t), intent(inout) :: smoother
       type(point_level_t), intent(in) :: level
       real(wp) :: share_y
-      integer :: d, j, l
+      integer :: d, j, l, n
 
       share_y = 0.5_wp*level%hx**2/(level%hx**2 + level%hy**2)
       smoother%share_x = 0.5_wp - share_y
@@ -62,25 +62,26 @@ contains
       end do
       if (.not. allocated(smoother%lines)) allocate (smoother%lines(level%nx - 1, -2:2, &
          level%ny - 1))
-      !$omp parallel do num_threads(level%threads) schedule(static)
+      !$omp parallel do num_threads(level%threads) private(n) schedule(static)
       do j = 1, level%ny - 1
-         call set_line(smoother, level, j, smoother%lines(:, :, j))
-         call factor_line(smoother%lines(:, :, j), level%flowing(1:level%nx - 1, j))
+         n = last_flowing(level, j)
+         call set_line(smoother, level, j, n, smoother%lines(:, :, j))
+         call factor_line(smoother%lines(:, :, j), level%flowing(1:n, j))
       end do
       !$omp end parallel do
    end subroutine factor_lines
 
-   !> Sets the matrix of line `j`: the change of row i with the unknown of node i + k.
-   pure subroutine set_line(smoother, level, j, line)
+   !> Sets the matrix of line `j` to node `n`: the change of row i with the unknown of node i + k.
+   pure subroutine set_line(smoother, level, j, n, line)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      integer, intent(in) :: j
+      integer, intent(in) :: j, n
       real(wp), intent(out), contiguous :: line(:, -2:)
-      real(wp), dimension(level%nx - 1, -3:3) :: h, p
+      real(wp), dimension(n, -3:3) :: h, p
       real(wp) :: alone, more(-reach:reach, 0:1), rest
       integer :: c, i, k
 
-      associate (flowing => level%flowing(:, j), n => level%nx - 1, film => smoother%pattern)
+      associate (flowing => level%flowing(:, j), film => smoother%pattern)
          more = film(1, :, :) - film(0, :, :)
          p = 0.0_wp
          p(:, -2:1) = level%by_pressure(1:n, 1:4, j)
@@ -99,14 +100,15 @@ contains
                   - level%is_local(c, j))*rest)
             end do
          end do
-         line(:, 0) = line(:, 0) + (1 - flowing(2:n + 1)) - flowing(2:n + 1)*(1 &
+         line(:n, 0) = line(:n, 0) + (1 - flowing(2:n + 1)) - flowing(2:n + 1)*(1 &
             - level%is_local(1:n, j))*(smoother%across(1:n, j - 1)*level%by_pressure(1:n, 5, j) &
             + smoother%across(1:n, j + 1)*level%by_pressure(1:n, 6, j))
       end associate
    end subroutine set_line
 
-   !> Factors a pentadiagonal matrix in place, rows over their pivots: what elimination takes from
-   !> rows before, the inverse of the pivot, 0 where nothing is `flowing`, and what is above it.
+   !> Factors as many rows of a pentadiagonal matrix as `flowing` has, in place, over their pivots:
+   !> what elimination takes from rows before, the inverse of the pivot, 0 where nothing is flowing,
+   !> and what is above it.
    pure subroutine factor_line(a, flowing)
       real(wp), intent(inout), contiguous :: a(:, -2:)
       real(wp), intent(in) :: flowing(:)
@@ -115,7 +117,7 @@ contains
 
       above = 0.0_wp
       before = 0.0_wp
-      do i = 1, size(a, 1)
+      do i = 1, size(flowing)
          a(i, -1) = a(i, -1) - a(i, -2)*before(1)
          inverse = 1/(a(i, 0) - a(i, -2)*before(2) - a(i, -1)*above(1))
          a(i, 1) = a(i, 1) - a(i, -1)*above(2)
@@ -161,14 +163,16 @@ contains
       integer, intent(in) :: j, step
       real(wp), intent(inout) :: work(-room:level%nx + room, columns)
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      integer :: i, next
+      integer :: i, n, next
 
       next = j + merge(step, 1, step /= 0)
-      call solve_line(smoother%lines(:, :, j), r(1:level%nx - 1, j), work(-1:level%nx + 1, unknown))
-      do i = 1, level%nx - 1
+      n = last_flowing(level, j)
+      work(n + 1:, :) = 0.0_wp
+      call solve_line(smoother%lines(:, :, j), r(1:n, j), work(-1:n + 2, unknown))
+      do i = 1, n
          work(i, spread) = work(i, unknown)*(1 - level%is_local(i, j))
       end do
-      do i = 1, level%nx - 1
+      do i = 1, n
          work(i, own) = level%flowing(i, j)*(work(i, unknown) - smoother%share_x*(work(i - 1, &
             spread) + work(i + 1, spread)))
          work(i, beside) = -smoother%across(i, next)*work(i, spread)
@@ -204,26 +208,27 @@ contains
       real(wp), intent(inout) :: work(-room:level%nx + room, columns)
       real(wp), intent(inout) :: r(0:level%nx, 0:level%ny)
       real(wp) :: w(0:far), w_all(0:1)
-      integer :: i, side
+      integer :: i, n, side
 
       side = merge(5, 6, step > 0)   ! the band of this line with the one before
       w_all = smoother%pattern(0, 0:1, 1)
       w = smoother%pattern(1, 0:far, 1)
       w(0:1) = w(0:1) - w_all
-      do i = 0, level%nx
+      n = last_flowing(level, j)
+      do i = 0, n + 1
          work(i, film) = w_all(0)*work(i, unknown) + w_all(1)*(work(i - 1, unknown) + work(i + 1, &
             unknown)) + w(0)*work(i, spread) + w(1)*(work(i - 1, spread) + work(i + 1, spread)) &
             + w(2)*(work(i - 2, spread) + work(i + 2, spread))
       end do
       associate (p => level%by_pressure, h => level%by_film)
-         do i = 1, level%nx - 1
+         do i = 1, n
             r(i, j) = r(i, j) - (p(i, side, j)*work(i, own) + p(i, 2, j)*work(i - 1, beside) &
                + p(i, 3, j)*work(i, beside) + p(i, 4, j)*work(i + 1, beside) &
                + h(i, 1, j)*work(i - 2, film) + h(i, 2, j)*work(i - 1, film) &
                + h(i, 3, j)*work(i, film) + h(i, 4, j)*work(i + 1, film))
          end do
          if (j + step < 1 .or. j + step > level%ny - 1) return
-         do i = 1, level%nx - 1
+         do i = 1, n
             r(i, j + step) = r(i, j + step) - p(i, side, j + step)*work(i, beside)
          end do
       end associate
