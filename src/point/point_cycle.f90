@@ -166,11 +166,10 @@ contains
                hierarchy%unknown, hierarchy%pivots)
             work%v = unpack(hierarchy%unknown, level%flowing > 0.0_wp, 0.0_wp)
          else
-            call restrict(work%right_side, hierarchy%levels(k + 1)%flowing, hierarchy%work(k &
+            call restrict(hierarchy%levels(k + 1), work%right_side, hierarchy%work(k &
                + 1)%right_side)
             call descend(hierarchy, k + 1)
-            call interpolate(hierarchy%work(k + 1)%v, work%v, level%flowing)
-            call interpolate(hierarchy%work(k + 1)%film, work%film)
+            call interpolate(level, hierarchy%work(k + 1), work)
             call multiply_bands(level, work%v, work%film, work%residual, work%right_side)
             call sweep_lines(hierarchy%smoothers(k), level, work%residual, work%v)
          end if
@@ -178,31 +177,40 @@ contains
       end associate
    end subroutine descend
 
-   !> Full weighting of a `fine` residual along x, then y, where it is `flowing`.
-   pure subroutine restrict(fine, flowing, coarse)
-      real(wp), intent(in), contiguous :: fine(0:, 0:), flowing(0:, 0:)
-      real(wp), intent(out), contiguous :: coarse(0:, 0:)
+   !> Full weighting of a `fine` residual along x, then y, where the coarse `level` flows.
+   subroutine restrict(level, fine, coarse)
+      type(point_level_t), intent(in) :: level
+      real(wp), intent(in) :: fine(0:, 0:)
+      real(wp), intent(out) :: coarse(0:, 0:)
       integer :: j
 
       coarse = 0.0_wp
-      do j = 1, ubound(coarse, 2) - 1
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do j = 1, level%ny - 1
          call full_weighting(0.25_wp*(fine(:, 2*j - 1) + 2*fine(:, 2*j) + fine(:, 2*j + 1)), &
             coarse(:, j))
-         coarse(:, j) = flowing(:, j)*coarse(:, j)
+         coarse(:, j) = level%flowing(:, j)*coarse(:, j)
       end do
+      !$omp end parallel do
    end subroutine restrict
 
-   !> The bilinear interpolation of `coarse`, where it is `flowing`.
-   pure subroutine interpolate(coarse, fine, flowing)
-      real(wp), intent(in) :: coarse(0:, 0:)
-      real(wp), intent(out) :: fine(0:, 0:)
-      real(wp), intent(in), optional :: flowing(0:, 0:)
+   !> The bilinear interpolation of a `coarse` v, on flowing nodes, and its film to a fine `level`.
+   subroutine interpolate(level, coarse, fine)
+      type(point_level_t), intent(in) :: level
+      type(cycle_work_t), intent(in) :: coarse
+      type(cycle_work_t), intent(inout) :: fine
       integer :: j
 
-      do j = 0, ubound(fine, 2)
-         call prolong_linear(0.5_wp*(coarse(:, j/2) + coarse(:, (j + 1)/2)), fine(:, j))
-         if (present(flowing)) fine(:, j) = flowing(:, j)*fine(:, j)
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do j = 0, level%ny
+         associate (lower => j/2, upper => (j + 1)/2)
+            call prolong_linear(0.5_wp*(coarse%v(:, lower) + coarse%v(:, upper)), fine%v(:, j))
+            call prolong_linear(0.5_wp*(coarse%film(:, lower) + coarse%film(:, upper)), &
+               fine%film(:, j))
+         end associate
+         fine%v(:, j) = level%flowing(:, j)*fine%v(:, j)
       end do
+      !$omp end parallel do
    end subroutine interpolate
 
 end module point_cycle
