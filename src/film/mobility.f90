@@ -23,11 +23,13 @@ module mobility
    implicit none (type, external)
    private
 
-   public :: bent_step, coefficients_t, fluid_face_mobility, fluid_mobility, mean_fluidity, &
+   public :: bent_step, coefficients_t, fluid_face_mobility, fluid_mobility, fluidity_between, &
       mobility_slopes_t, oil_viscosity
 
    !> A step is bent where it changes ln e by more than this.
    real(wp), parameter :: small_change = 0.3_wp
+   !> Most exp(-2 |x|) of an x whose sinh(x)/x is not that of the series.
+   real(wp), parameter :: most_decay = exp(-2*series_limit)
    !> The oil of a node flows where its mobility exceeds this share of the diagonal (1000 Newtonian
    !> contacts: of 0.02-2 the fastest).
    real(wp), parameter, public :: flowing_share = 0.1_wp
@@ -223,27 +225,53 @@ contains
    pure subroutine mean_fluidity(left, right, exponent, shape_factor, slant)
       real(wp), intent(in), contiguous :: left(:), right(:)
       real(wp), intent(out), contiguous :: exponent(:), shape_factor(:), slant(:)
-      real(wp) :: x, y, small, large, decay, is_small, is_large, series, slope
+      real(wp) :: is_large, large, x
       integer :: i
 
       do i = 1, size(exponent)
          x = 0.5_wp*(right(i) - left(i))
-         is_large = 0.5_wp + sign(0.5_wp, abs(x) - series_limit)
-         is_small = 1.0_wp - is_large
-         small = min(max(x, -series_limit), series_limit)
          large = max(abs(x), series_limit)
-         y = small*small
-         series = s(0) &
-            + y*(s(1) + y*(s(2) + y*(s(3) + y*(s(4) + y*(s(5) + y*(s(6) + y*(s(7) + y*s(8))))))))
-         decay = exp(-2*large)
+         call shape_mean(x, exp(-2*large), is_large, shape_factor(i), slant(i))
          exponent(i) = is_large*large - 0.5_wp*(left(i) + right(i))
-         shape_factor(i) = is_small*series + is_large*0.5_wp*(1 - decay)/large
-         slope = ds(0) &
-            + y*(ds(1) + y*(ds(2) + y*(ds(3) + y*(ds(4) + y*(ds(5) + y*(ds(6) + y*ds(7)))))))
-         slant(i) = is_small*small*slope/series + is_large*sign(1.0_wp, &
-            x)*((1 + decay)/(1 - decay) - 1/large)
       end do
    end subroutine mean_fluidity
+
+   !> The mean L itself and `slant`, of nodes whose fluidities 1/mu are known too: no exponentials.
+   pure subroutine fluidity_between(left, right, of_left, of_right, mean, slant)
+      real(wp), intent(in), contiguous :: left(:), right(:), of_left(:), of_right(:)
+      real(wp), intent(out), contiguous :: mean(:), slant(:)
+      real(wp) :: decay, is_large, larger, shape_factor
+      integer :: i
+
+      do i = 1, size(mean)
+         larger = max(of_left(i), of_right(i))
+         decay = min(of_left(i), of_right(i))/max(larger, tiny(larger))
+         call shape_mean(0.5_wp*(right(i) - left(i)), min(decay, most_decay), is_large, &
+            shape_factor, slant(i))
+         mean(i) = larger*shape_factor*(is_large + (1.0_wp - is_large)*sqrt(decay))
+      end do
+   end subroutine fluidity_between
+
+   !> sinh(x)/x, over exp(|x|) if `is_large`, 1 or 0, and `slant`; `decay` = exp(-2 |x|), at most
+   !> `most_decay`. Private, so that position-independent code also inlines it in the loops.
+   pure elemental subroutine shape_mean(x, decay, is_large, shape_factor, slant)
+      real(wp), intent(in) :: x, decay
+      real(wp), intent(out) :: is_large, shape_factor, slant
+      real(wp) :: y, small, large, is_small, series, slope
+
+      is_large = 0.5_wp + sign(0.5_wp, abs(x) - series_limit)
+      is_small = 1.0_wp - is_large
+      small = min(max(x, -series_limit), series_limit)
+      large = max(abs(x), series_limit)
+      y = small*small
+      series = s(0) &
+         + y*(s(1) + y*(s(2) + y*(s(3) + y*(s(4) + y*(s(5) + y*(s(6) + y*(s(7) + y*s(8))))))))
+      shape_factor = is_small*series + is_large*0.5_wp*(1 - decay)/large
+      slope = ds(0) &
+         + y*(ds(1) + y*(ds(2) + y*(ds(3) + y*(ds(4) + y*(ds(5) + y*(ds(6) + y*ds(7)))))))
+      slant = is_small*small*slope/series + is_large*sign(1.0_wp, &
+         x)*((1 + decay)/(1 - decay) - 1/large)
+   end subroutine shape_mean
 
    !> H dP/dX and 1/H at the faces from `first` on, with their spacings `dx`.
    pure subroutine drive_at_faces(dx, state, first, drive, inverse_film)

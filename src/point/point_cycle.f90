@@ -33,7 +33,7 @@ module point_cycle
       type(point_level_t), allocatable :: levels(:)
       type(point_smoother_t), allocatable :: smoothers(:)
       type(cycle_work_t), allocatable :: work(:)
-      !> Factored equations of the coarsest level.
+      !> Factored equations of the flowing nodes of the coarsest level.
       real(wp), allocatable :: coarsest(:, :), unknown(:)
       integer, allocatable :: pivots(:)
    end type point_hierarchy_t
@@ -55,7 +55,7 @@ contains
          levels = levels + 1
       end do
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels, hierarchy%smoothers, &
-         hierarchy%work, hierarchy%coarsest, hierarchy%unknown, hierarchy%pivots)
+         hierarchy%work)
       allocate (hierarchy%levels(levels), hierarchy%smoothers(levels), hierarchy%work(levels))
       do k = 1, levels
          n = [nx, ny]/2**(k - 1)
@@ -65,9 +65,6 @@ contains
             allocate (work%right_side, work%residual, work%v, work%film, mold=level%film)
          end associate
       end do
-      allocate (hierarchy%unknown((n(1) - 1)*(n(2) - 1)))
-      allocate (hierarchy%pivots(size(hierarchy%unknown)), &
-         hierarchy%coarsest(size(hierarchy%unknown), size(hierarchy%unknown)))
    end subroutine new_hierarchy
 
    !> Prepares cycles for the bands of the finest level: the coarse ones, lines, factors. Fails
@@ -96,50 +93,52 @@ contains
       call factor_coarsest(hierarchy, error)   ! error: handed up
    end subroutine prepare_cycle
 
-   !> Sets and factors the equations of the coarsest level.
+   !> Sets and factors the equations of the flowing nodes of the coarsest level.
    subroutine factor_coarsest(hierarchy, error)
       type(point_hierarchy_t), intent(inout) :: hierarchy
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: di(bands) = [-2, -1, 0, 1, 0, 0], dj(bands) = [0, 0, 0, 0, -1, 1]
-      real(wp), allocatable :: kernel(:, :)
-      integer :: a, b, column, i, j, k, n, row
+      real(wp), allocatable :: column(:, :), kernel(:, :), matrix(:, :)
+      integer, allocatable :: nodes(:, :)   ! the flowing ones
+      integer :: a, b, c, i, j, k, n
 
-      associate (level => hierarchy%levels(size(hierarchy%levels)), matrix => hierarchy%coarsest, &
+      associate (level => hierarchy%levels(size(hierarchy%levels)), &
          h => hierarchy%levels(size(hierarchy%levels))%by_film)
          n = level%nx - 1
-         allocate (kernel(-n - 1:n + 1, 0:level%ny))
+         allocate (kernel(-n - 1:n + 1, 0:level%ny), column(n, level%ny - 1))
          do i = -n - 1, n + 1
             kernel(i, :) = level%kernel(abs(i), :)
          end do
-         matrix = 0.0_wp
-         do b = 1, level%ny - 1
-            columns: do a = 1, n
-               column = a + (b - 1)*n
-               if (.not. level%flowing(a, b) > 0.0_wp) then
-                  matrix(column, column) = 1.0_wp
-                  cycle columns
-               end if
-               do j = 1, level%ny - 1
-                  row = (j - 1)*n
-                  do i = 1, n
-                     matrix(row + i, column) = level%flowing(i, j)*(h(i, 1, j)*kernel(i - 2 - a, &
-                        abs(j - b)) + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) &
-                        + h(i, 3, j)*kernel(i - a, abs(j - b)) + h(i, 4, j)*kernel(i + 1 - a, &
-                        abs(j - b)) + h(i, 5, j)*kernel(i - a, abs(j - 1 - b)) &
-                        + h(i, 6, j)*kernel(i - a, abs(j + 1 - b)))
-                  end do
+         nodes = reshape([(([i, j], i=1, n), j=1, level%ny - 1)], [2, size(column)])
+         nodes = nodes(:, pack([(i, i=1, size(column))], reshape(level%flowing(1:n, 1:level%ny &
+            - 1) > 0.0_wp, [size(column)])))
+         allocate (matrix(size(nodes, 2), size(nodes, 2)))
+         do c = 1, size(nodes, 2)
+            a = nodes(1, c)
+            b = nodes(2, c)
+            do j = 1, level%ny - 1
+               do i = 1, n
+                  column(i, j) = h(i, 1, j)*kernel(i - 2 - a, abs(j - b)) &
+                     + h(i, 2, j)*kernel(i - 1 - a, abs(j - b)) + h(i, 3, j)*kernel(i - a, abs(j &
+                     - b)) + h(i, 4, j)*kernel(i + 1 - a, abs(j - b)) + h(i, 5, j)*kernel(i - a, &
+                     abs(j - 1 - b)) + h(i, 6, j)*kernel(i - a, abs(j + 1 - b))
                end do
-               do k = 1, bands
-                  i = a - di(k)
-                  j = b - dj(k)
-                  row = i + (j - 1)*n
-                  if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) matrix(row, column) = &
-                     matrix(row, column) + level%flowing(i, j)*level%by_pressure(i, k, j)
-               end do
-            end do columns
+            end do
+            do k = 1, bands
+               i = a - di(k)
+               j = b - dj(k)
+               if (min(i, j) >= 1 .and. i <= n .and. j < level%ny) column(i, j) = column(i, j) &
+                  + level%by_pressure(i, k, j)
+            end do
+            do k = 1, size(nodes, 2)
+               matrix(k, c) = column(nodes(1, k), nodes(2, k))
+            end do
          end do
-         hierarchy%unknown = 0.0_wp
-         call solve_dense(matrix, hierarchy%unknown, hierarchy%pivots, error)   ! error: handed up
+         hierarchy%unknown = 0*nodes(1, :)
+         hierarchy%pivots = nodes(1, :)
+         call move_alloc(matrix, hierarchy%coarsest)
+         if (size(nodes) > 0) call solve_dense(hierarchy%coarsest, hierarchy%unknown, &
+            hierarchy%pivots, error)   ! error: handed up
       end associate
    end subroutine factor_coarsest
 
@@ -162,52 +161,56 @@ contains
 
       associate (level => hierarchy%levels(k), work => hierarchy%work(k))
          if (k == size(hierarchy%levels)) then
-            hierarchy%unknown = reshape(work%right_side(1:level%nx - 1, 1:level%ny - 1) &
-               *level%flowing(1:level%nx - 1, 1:level%ny - 1), [size(hierarchy%unknown)])
-            call solve_factored(hierarchy%coarsest, hierarchy%unknown, hierarchy%pivots)
-            work%v = 0.0_wp
-            work%v(1:level%nx - 1, 1:level%ny - 1) = reshape(hierarchy%unknown, &
-               [level%nx - 1, level%ny - 1])
+            hierarchy%unknown = pack(work%right_side, level%flowing > 0.0_wp)
+            if (size(hierarchy%unknown) > 0) call solve_factored(hierarchy%coarsest, &
+               hierarchy%unknown, hierarchy%pivots)
+            work%v = unpack(hierarchy%unknown, level%flowing > 0.0_wp, 0.0_wp)
          else
-            work%right_side = level%flowing*work%right_side
-            call restrict(work%right_side, hierarchy%work(k + 1)%right_side)
+            call restrict(hierarchy%levels(k + 1), work%right_side, hierarchy%work(k &
+               + 1)%right_side)
             call descend(hierarchy, k + 1)
-            call interpolate(hierarchy%work(k + 1)%v, work%v)
-            call interpolate(hierarchy%work(k + 1)%film, work%film)
-            work%v = level%flowing*work%v
-            call multiply_bands(level, work%v, work%film, work%residual)
-            work%residual = work%right_side - work%residual
+            call interpolate(level, hierarchy%work(k + 1), work)
+            call multiply_bands(level, work%v, work%film, work%residual, work%right_side)
             call sweep_lines(hierarchy%smoothers(k), level, work%residual, work%v)
          end if
          if (k > 1) call deflect(level, work%v, work%film)
       end associate
    end subroutine descend
 
-   !> Full weighting of a `fine` residual along x, then y.
-   pure subroutine restrict(fine, coarse)
+   !> Full weighting of a `fine` residual along x, then y, where the coarse `level` flows.
+   subroutine restrict(level, fine, coarse)
+      type(point_level_t), intent(in) :: level
       real(wp), intent(in) :: fine(0:, 0:)
       real(wp), intent(out) :: coarse(0:, 0:)
-      real(wp) :: rows(0:ubound(coarse, 1), -1:1)
-      integer :: j, k
-
-      coarse = 0.0_wp
-      do j = 1, ubound(coarse, 2) - 1
-         do k = -1, 1
-            call full_weighting(fine(:, 2*j + k), rows(:, k))
-         end do
-         coarse(:, j) = 0.25_wp*(rows(:, -1) + 2*rows(:, 0) + rows(:, 1))
-      end do
-   end subroutine restrict
-
-   !> The bilinear interpolation of `coarse`.
-   pure subroutine interpolate(coarse, fine)
-      real(wp), intent(in) :: coarse(0:, 0:)
-      real(wp), intent(out) :: fine(0:, 0:)
       integer :: j
 
-      do j = 0, ubound(fine, 2)
-         call prolong_linear(0.5_wp*(coarse(:, j/2) + coarse(:, (j + 1)/2)), fine(:, j))
+      coarse = 0.0_wp
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do j = 1, level%ny - 1
+         call full_weighting(0.25_wp*(fine(:, 2*j - 1) + 2*fine(:, 2*j) + fine(:, 2*j + 1)), &
+            coarse(:, j))
+         coarse(:, j) = level%flowing(:, j)*coarse(:, j)
       end do
+      !$omp end parallel do
+   end subroutine restrict
+
+   !> The bilinear interpolation of a `coarse` v, on flowing nodes, and its film to a fine `level`.
+   subroutine interpolate(level, coarse, fine)
+      type(point_level_t), intent(in) :: level
+      type(cycle_work_t), intent(in) :: coarse
+      type(cycle_work_t), intent(inout) :: fine
+      integer :: j
+
+      !$omp parallel do num_threads(level%threads) schedule(static)
+      do j = 0, level%ny
+         associate (lower => j/2, upper => (j + 1)/2)
+            call prolong_linear(0.5_wp*(coarse%v(:, lower) + coarse%v(:, upper)), fine%v(:, j))
+            call prolong_linear(0.5_wp*(coarse%film(:, lower) + coarse%film(:, upper)), &
+               fine%film(:, j))
+         end associate
+         fine%v(:, j) = level%flowing(:, j)*fine%v(:, j)
+      end do
+      !$omp end parallel do
    end subroutine interpolate
 
 end module point_cycle

@@ -13,7 +13,7 @@
 !> the face, over its limit S Sigma.
 module point_equations
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
-   use mobility, only: mean_fluidity
+   use mobility, only: fluidity_between
    use flow_law, only: largest_exponent
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_viscosity, sliding_number, thins
@@ -26,14 +26,16 @@ module point_equations
 
    public :: evaluate
 
-   !> What a row of nodes is made of, by column: P, H, E, rho, rho', then ln of the effective
-   !> viscosity along x and its slopes by P and H; the same across; ln of the viscosity, its slope.
-   integer, parameter :: of_p = 1, of_h = 2, of_e = 3, of_rho = 4, of_drho = 5, along_x = 6, &
-      along_y = 9, plain = 12, node_columns = 13
+   !> What a row of nodes is made of, by column: P, H, E, rho, d ln rho/dP, rho H, its change
+   !> with P, then ln of the effective viscosity along x, its slope by P, the fluidity and, of a
+   !> thinning oil, the slope by H; the same across; ln of the viscosity, its slope.
+   integer, parameter :: of_p = 1, of_h = 2, of_e = 3, of_rho = 4, of_dln_rho = 5, of_mass = 6, &
+      of_mass_by_p = 7, along_x = 8, along_y = 12, plain = 16, node_columns = 17
    !> What a face has: flux, flow by P1 and P2 with E as it is, change with P1, P2, H1, H2, with the
-   !> slope of P across.
+   !> slope of P across; mean E and fluidity, the slant of that, and the drop P2 - P1 with, for an
+   !> oil that thins, its four changes.
    integer, parameter :: flux = 1, flow_1 = 2, flow_2 = 3, by_p1 = 4, by_p2 = 5, by_h1 = 6, &
-      by_h2 = 7, by_turn = 8, face_columns = 8
+      by_h2 = 7, by_turn = 8, of_both = 9, fluidity = 10, slant = 11, drop = 12, face_columns = 16
    !> A node's flow is strong if both faces along X have more than this share of the wedge.
    real(wp), parameter :: strong_flow = 0.43_wp
    !> Least B of sliding: below it both effective viscosities are that of the oil.
@@ -70,7 +72,6 @@ contains
       integer, intent(in) :: first, last
       real(wp), intent(out) :: largest
       real(wp), allocatable :: nodes(:, :, :), along(:, :), across(:, :, :), before(:, :)
-      real(wp) :: fluidity(0:level%nx)
       integer :: j, new, old
 
       allocate (nodes(0:level%nx, node_columns, 0:1), across(0:level%nx, face_columns, 0:1))
@@ -92,8 +93,8 @@ contains
          call assemble_row(level, j, nodes(:, :, old), along, across(:, :, old), across(:, :, new))
          if (has_bands) call assemble_bands(level, j, nodes(:, :, old), along, across(:, :, old), &
             across(:, :, new))
-         fluidity = exp(-nodes(:, along_x, old))
-         largest = max(largest, maxval(nodes(:, of_e, old)*fluidity*nodes(:, of_p, old)))
+         largest = max(largest, maxval(nodes(:, of_e, old)*nodes(:, along_x + 2, old) &
+            *nodes(:, of_p, old)))
       end do
    end subroutine evaluate_rows
 
@@ -103,28 +104,34 @@ contains
       integer, intent(in) :: nx
       real(wp), intent(in) :: p(0:nx), h(0:nx)
       real(wp), intent(out) :: nodes(0:nx, node_columns)
-      real(wp) :: b(0:nx), curve(0:nx), root(0:nx)
+      real(wp) :: b, curve, root
+      integer :: i
 
       nodes(:, of_p) = p
       nodes(:, of_h) = h
-      call fluid_density(contact%fluid, p, nodes(:, of_rho), nodes(:, of_drho))
-      nodes(:, of_e) = nodes(:, of_rho)*h**3/contact%lambda
+      call fluid_density(contact%fluid, p, nodes(:, of_rho), nodes(:, of_dln_rho))
       call fluid_viscosity(contact%fluid, p, nodes(:, along_x), nodes(:, along_x + 1))
-      nodes(:, along_x + 2) = 0.0_wp
-      nodes(:, along_y:along_y + 2) = nodes(:, along_x:along_x + 2)
-      nodes(:, plain:plain + 1) = nodes(:, along_x:along_x + 1)
+      nodes(:, of_mass_by_p) = nodes(:, of_dln_rho)*h
+      nodes(:, of_dln_rho) = nodes(:, of_dln_rho)/nodes(:, of_rho)
+      nodes(:, of_mass) = nodes(:, of_rho)*h
+      nodes(:, of_e) = nodes(:, of_mass)*h**2/contact%lambda
       if (thins(contact%fluid)) then
-         b = max(sliding_number(contact%fluid)*exp(min(nodes(:, along_x), largest_exponent))/h, &
-            least_sliding)
-         root = sqrt(1 + b**2)
-         curve = b/root/asinh(b)   ! d ln arsinh B/d ln B
-         nodes(:, along_y) = nodes(:, along_y) - log(b/asinh(b))
-         nodes(:, along_y + 1) = nodes(:, along_y + 1)*curve
-         nodes(:, along_y + 2) = (1 - curve)/h
-         nodes(:, along_x) = nodes(:, along_x) - log(root)
-         nodes(:, along_x + 1) = nodes(:, along_x + 1)/root**2
-         nodes(:, along_x + 2) = (b/root)**2/h
+         nodes(:, plain:plain + 1) = nodes(:, along_x:along_x + 1)
+         do i = 0, nx
+            b = max(sliding_number(contact%fluid)*exp(min(nodes(i, plain), &
+               largest_exponent))/h(i), least_sliding)
+            root = sqrt(1 + b**2)
+            curve = b/root/asinh(b)   ! d ln arsinh B/d ln B
+            nodes(i, along_y) = nodes(i, plain) - log(b/asinh(b))
+            nodes(i, along_y + 1) = nodes(i, plain + 1)*curve
+            nodes(i, along_y + 3) = (1 - curve)/h(i)
+            nodes(i, along_x) = nodes(i, plain) - log(root)
+            nodes(i, along_x + 1) = nodes(i, plain + 1)/root**2
+            nodes(i, along_x + 3) = (b/root)**2/h(i)
+         end do
+         nodes(:, along_y + 2) = exp(-nodes(:, along_y))
       end if
+      nodes(:, along_x + 2) = exp(-nodes(:, along_x))
    end subroutine fill_nodes
 
    !> Fills the columns of the faces between the nodes i of row `one` = `j` and i + 1 of it, or i of
@@ -135,89 +142,83 @@ contains
       integer, intent(in) :: j, axis
       real(wp), intent(in) :: one(0:level%nx, node_columns), two(0:level%nx, node_columns)
       real(wp), intent(out) :: faces(0:level%nx, face_columns)
-      real(wp), dimension(0:level%nx - merge(1, 0, axis == along_x)) :: drop, exponent, fluidity, &
-         shape_factor, slant
-      real(wp), dimension(0:4, 0:level%nx) :: slopes
-      real(wp) :: e, e_1, e_2, mean, slope_1, slope_2
-      integer :: i, k, last, shift
-      logical :: thinned
+      real(wp) :: change(2), e, e_1, e_2, half
+      integer :: i, k, last, of, shift
+      logical :: rests, thinned
 
-      last = ubound(drop, 1)
-      shift = level%nx - last
-      call mean_fluidity(one(:last, axis), two(shift:, axis), exponent, shape_factor, slant)
-      fluidity = exp(exponent)*shape_factor
-      drop = two(shift:, of_p) - one(:last, of_p)
+      shift = merge(1, 0, axis == along_x)
+      last = level%nx - shift
       thinned = thins(contact%fluid)
-      if (thinned) then
-         slopes(0, :last) = drop
-         call thin_drops(level, contact, j, axis, one, two, slopes(:, :last))
-         drop = slopes(0, :last)
-      end if
+      rests = contact%rests
+      of = merge(axis, along_x, thinned)
+      call fluidity_between(one(:last, of), two(shift:, of), one(:last, of + 2), two(shift:, of &
+         + 2), faces(:last, fluidity), faces(:last, slant))
+      faces(:last, drop) = two(shift:, of_p) - one(:last, of_p)
+      if (thinned) call thin_drops(level, contact, j, axis, one, two, faces)
       do i = 0, last
          k = i + shift
-         mean = fluidity(i)
-         slope_1 = -0.5_wp*mean*drop(i)*(1 + slant(i))
-         slope_2 = -0.5_wp*mean*drop(i)*(1 - slant(i))
          e_1 = one(i, of_e)
          e_2 = two(k, of_e)
+         if (rests) then
+            e_1 = sqrt(e_1*e_2)
+            e_2 = e_1
+         end if
          e = 0.5_wp*(e_1 + e_2)
-         if (contact%rests) then
-            e = sqrt(e_1*e_2)
-            e_1 = e
-            e_2 = e
-         end if
-         faces(i, flux) = e*mean*drop(i)
-         faces(i, flow_1) = e*(mean - slope_1*one(i, axis + 1))
-         faces(i, flow_2) = e*(mean + slope_2*two(k, axis + 1))
-         if (thinned) then
-            ! a change of ln mu and of ln H in the middle is half of that of a node
-            faces(i, flow_1) = faces(i, flow_1) + e*mean*(slopes(1, i) - 0.5_wp*slopes(3, &
-               i)*one(i, plain + 1))
-            faces(i, flow_2) = faces(i, flow_2) + e*mean*(slopes(1, i) + 0.5_wp*slopes(3, &
-               i)*two(k, plain + 1))
-            faces(i, by_turn) = e*mean*slopes(2, i)
-         end if
-         faces(i, by_p1) = 0.5_wp*mean*drop(i)*e_1*one(i, of_drho)/one(i, of_rho) &
-            - faces(i, flow_1)
-         faces(i, by_p2) = 0.5_wp*mean*drop(i)*e_2*two(k, of_drho)/two(k, of_rho) &
-            + faces(i, flow_2)
-         faces(i, by_h1) = 1.5_wp*mean*drop(i)*e_1/one(i, of_h) &
-            + e*slope_1*one(i, axis + 2)
-         faces(i, by_h2) = 1.5_wp*mean*drop(i)*e_2/two(k, of_h) &
-            + e*slope_2*two(k, axis + 2)
-         if (thinned) then
-            faces(i, by_h1) = faces(i, by_h1) + 0.5_wp*e*mean*slopes(4, i)/one(i, of_h)
-            faces(i, by_h2) = faces(i, by_h2) + 0.5_wp*e*mean*slopes(4, i)/two(k, of_h)
-         end if
+         half = 0.5_wp*faces(i, fluidity)*faces(i, drop)
+         faces(i, of_both) = e
+         faces(i, flux) = 2*e*half
+         faces(i, flow_1) = e*(faces(i, fluidity) + half*(1 + faces(i, slant))*one(i, of + 1))
+         faces(i, flow_2) = e*(faces(i, fluidity) - half*(1 - faces(i, slant))*two(k, of + 1))
+         faces(i, by_p1) = half*e_1*one(i, of_dln_rho) - faces(i, flow_1)
+         faces(i, by_p2) = half*e_2*two(k, of_dln_rho) + faces(i, flow_2)
+         faces(i, by_h1) = 3*half*e_1/one(i, of_h)
+         faces(i, by_h2) = 3*half*e_2/two(k, of_h)
+      end do
+      if (.not. thinned) return
+      do i = 0, last
+         k = i + shift
+         e = faces(i, of_both)*faces(i, fluidity)
+         half = 0.5_wp*e*faces(i, drop)
+         ! a change of ln mu and of ln H in the middle is half of that of a node
+         change = e*(faces(i, drop + 1) + 0.5_wp*faces(i, drop + 3)*[-one(i, plain + 1), two(k, &
+            plain + 1)])
+         faces(i, flow_1:flow_2) = faces(i, flow_1:flow_2) + change
+         faces(i, by_turn) = e*faces(i, drop + 2)
+         faces(i, by_p1:by_p2) = faces(i, by_p1:by_p2) + [-change(1), change(2)]
+         faces(i, by_h1) = faces(i, by_h1) - half*(1 + faces(i, slant))*one(i, of + 3) &
+            + 0.5_wp*e*faces(i, drop + 4)/one(i, of_h)
+         faces(i, by_h2) = faces(i, by_h2) - half*(1 - faces(i, slant))*two(k, of + 3) &
+            + 0.5_wp*e*faces(i, drop + 4)/two(k, of_h)
       end do
    end subroutine fill_faces
 
-   !> Turns the drops P2 - P1 of `fill_faces`, `drops(0, :)`, into those that drive as much oil
-   !> without thinning by the gradient, and sets their change with P2 - P1, less 1, with the slope
-   !> of P across, with ln mu, and with ln H.
-   pure subroutine thin_drops(level, contact, j, axis, one, two, drops)
+   !> Turns the drops P2 - P1 of `fill_faces` into those that drive as much oil without thinning by
+   !> the gradient, and sets their change with P2 - P1, less 1, with the slope of P across, with ln
+   !> mu, and with ln H.
+   pure subroutine thin_drops(level, contact, j, axis, one, two, faces)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
       integer, intent(in) :: j, axis
       real(wp), intent(in) :: one(0:level%nx, node_columns), two(0:level%nx, node_columns)
-      real(wp), intent(inout) :: drops(0:, 0:)
+      real(wp), intent(inout) :: faces(0:level%nx, face_columns)
       type(plane_flow_t) :: plane
       real(wp) :: b, curve, h, ln_b, scale, share, sigma(2), spacing, unit
       integer :: i, k, of
 
-      drops(1:, :) = 0.0_wp
+      faces(:, drop + 1:drop + 4) = 0.0_wp
       of = merge(1, 2, axis == along_x)
       spacing = merge(level%hx, level%hy, of == 1)
-      do i = of - 1, ubound(drops, 2) - (of - 1)
+      do i = of - 1, level%nx - 1
          k = i + 2 - of
          h = sqrt(one(i, of_h)*two(k, of_h))
          unit = contact%fluid%rheology%sigma_scale*h
          associate (p => level%pressure)
             if (of == 1) then
-               sigma = [drops(0, i)/level%hx, 0.25_wp*sum(p(i:k, j + 1) - p(i:k, j - 1))/level%hy]
+               sigma = [faces(i, drop)/level%hx, 0.25_wp*sum(p(i:k, j + 1) - p(i:k, j &
+                  - 1))/level%hy]
             else
                sigma = [0.25_wp*sum(p(i + 1, j:j + 1) - p(i - 1, j:j + 1))/level%hx, &
-                  drops(0, i)/level%hy]
+                  faces(i, drop)/level%hy]
             end if
          end associate
          sigma = unit*sigma
@@ -235,11 +236,12 @@ contains
          end if
          ! over the slip factor of the limit, from Sigma to drops
          scale = exp(plane%growth - scale)*spacing/unit
-         drops(0, i) = scale*plane%flow(of)
-         drops(1, i) = scale*plane%by_sigma(of, of)*unit/spacing - 1
-         drops(2, i) = scale*plane%by_sigma(of, 3 - of)*unit
-         drops(3, i) = scale*plane%by_ln_b(of) - drops(0, i)*curve
-         drops(4, i) = scale*dot_product(plane%by_sigma(of, :), sigma) - drops(0, i) - drops(3, i)
+         faces(i, drop) = scale*plane%flow(of)
+         faces(i, drop + 1) = scale*plane%by_sigma(of, of)*unit/spacing - 1
+         faces(i, drop + 2) = scale*plane%by_sigma(of, 3 - of)*unit
+         faces(i, drop + 3) = scale*plane%by_ln_b(of) - faces(i, drop)*curve
+         faces(i, drop + 4) = scale*dot_product(plane%by_sigma(of, :), sigma) - faces(i, drop) &
+            - faces(i, drop + 3)
       end do
    end subroutine thin_drops
 
@@ -249,15 +251,15 @@ contains
       integer, intent(in) :: j
       real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
          below(0:level%nx, face_columns), above(0:level%nx, face_columns)
-      real(wp) :: ix, iy, mass(0:level%nx), own
+      real(wp) :: ix, iy, own, w(-2:0)
       integer :: i, nx
 
       nx = level%nx
       own = wedge_diagonal(level)
       ix = 1/level%hx**2
       iy = 1/level%hy**2
-      mass = nodes(:, of_rho)*nodes(:, of_h)/level%hx
       associate (r => level%residual, d => level%diagonal)
+         w = level%entrainment*wedge_weights(2)/level%hx
          do i = 1, nx - 1
             r(i, j) = ix*(along(i, flux) - along(i - 1, flux)) + iy*(above(i, flux) &
                - below(i, flux))
@@ -265,11 +267,13 @@ contains
                + iy*(above(i, flow_1) + below(i, flow_2))
             d(i, j) = level%flow(i, j) + nodes(i, of_rho)*own
          end do
-         r(1, j) = r(1, j) - level%entrainment*(mass(1) - mass(0))
-         r(2:nx - 1, j) = r(2:nx - 1, j) - level%entrainment*(1.5_wp*mass(2:nx - 1) &
-            - 2*mass(1:nx - 2) + 0.5_wp*mass(0:nx - 3))
-         if (allocated(level%old_squeeze)) r(1:nx - 1, j) = r(1:nx - 1, j) - (level%hx &
-            *level%inverse_time_step*mass(1:nx - 1) + level%old_squeeze(1:nx - 1, j))
+         r(1, j) = r(1, j) - level%entrainment/level%hx*(nodes(1, of_mass) - nodes(0, of_mass))
+         do i = 2, nx - 1
+            r(i, j) = r(i, j) - (w(0)*nodes(i, of_mass) + w(-1)*nodes(i - 1, of_mass) &
+               + w(-2)*nodes(i - 2, of_mass))
+         end do
+         if (allocated(level%old_squeeze)) r(1:nx - 1, j) = r(1:nx - 1, j) &
+            - (level%inverse_time_step*nodes(1:nx - 1, of_mass) + level%old_squeeze(1:nx - 1, j))
       end associate
    end subroutine assemble_row
 
@@ -296,10 +300,8 @@ contains
       iy = 1/level%hy**2
       strong = strong_flow*wedge_diagonal(level)
       level%rise(:, j) = nodes(:, along_x + 1)
-      call set_flow(level%by_pressure(:, :, j), by_p1, by_p2)
-      call set_flow(level%by_film(:, :, j), by_h1, by_h2)
-      call set_wedge(level%by_pressure(:, :, j), nodes(:, of_drho)*nodes(:, of_h))
-      call set_wedge(level%by_film(:, :, j), nodes(:, of_rho))
+      call set_bands(level%by_pressure(:, :, j), by_p1, by_p2, of_mass_by_p)
+      call set_bands(level%by_film(:, :, j), by_h1, by_h2, of_rho)
       if (allocated(level%corners)) call add_turns(level%by_pressure(:, :, j), level%corners(:, :, &
          j))
       do i = 1, level%nx - 1
@@ -330,41 +332,27 @@ contains
          end do
       end subroutine add_turns
 
-      !> Change of the flow of all nodes with P or H, by the columns of the two nodes of a face.
-      pure subroutine set_flow(change, one, two)
+      !> Change of flow, wedge and squeeze of all nodes with P or H: by the columns of the two nodes
+      !> of a face, and that of the change of rho H.
+      pure subroutine set_bands(change, one, two, of_change)
          real(wp), intent(inout), contiguous :: change(0:, :)
-         integer, intent(in) :: one, two
+         integer, intent(in) :: one, two, of_change
+         real(wp) :: w(-2:0)
          integer :: i
 
+         w = level%entrainment*wedge_weights(2)/level%hx
          do i = 1, level%nx - 1
-            change(i, 2) = -ix*along(i - 1, one)
+            change(i, 2) = -ix*along(i - 1, one) - w(-1)*nodes(i - 1, of_change)
             change(i, 3) = ix*(along(i, one) - along(i - 1, two)) + iy*(above(i, one) &
-               - below(i, two))
+               - below(i, two)) - (w(0) + level%inverse_time_step)*nodes(i, of_change)
             change(i, 4) = ix*along(i, two)
             change(i, 5) = -iy*below(i, one)
             change(i, 6) = iy*above(i, two)
          end do
-      end subroutine set_flow
-
-      !> Adds that of wedge and squeeze, of the rho H that changes by `mass` with P or H.
-      pure subroutine set_wedge(change, mass)
-         real(wp), intent(inout), contiguous :: change(0:, :)
-         real(wp), intent(in) :: mass(0:)
-         real(wp) :: w(-2:0)
-         integer :: i
-
-         w = level%entrainment*wedge_weights(1)/level%hx
-         change(1, 2:3) = change(1, 2:3) - w(-1:0)*mass(0:1)
-         w = level%entrainment*wedge_weights(2)/level%hx
-         do i = 2, level%nx - 1
-            change(i, 1) = -w(-2)*mass(i - 2)
-            change(i, 2) = change(i, 2) - w(-1)*mass(i - 1)
-            change(i, 3) = change(i, 3) - w(0)*mass(i)
-         end do
-         do i = 1, level%nx - 1
-            change(i, 3) = change(i, 3) - level%inverse_time_step*mass(i)
-         end do
-      end subroutine set_wedge
+         change(2:level%nx - 1, 1) = -w(-2)*nodes(0:level%nx - 3, of_change)
+         w = w - level%entrainment*wedge_weights(1)/level%hx
+         change(1, 2:3) = change(1, 2:3) + w(-1:0)*nodes(0:1, of_change)
+      end subroutine set_bands
 
    end subroutine assemble_bands
 

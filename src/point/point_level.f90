@@ -13,7 +13,8 @@ module point_level
    implicit none (type, external)
    private
 
-   public :: deflect, load_on, multiply_bands, new_level, set_point_film, set_surfaces, turn_nodes
+   public :: deflect, last_flowing, load_on, multiply_bands, new_level, set_point_film, &
+      set_surfaces, turn_nodes
 
    !> Distance, in nodes, up to which the deflection is kept.
    integer, parameter :: reach = 64
@@ -156,23 +157,37 @@ contains
       load = level%hx*level%hy*sum(p)
    end function load_on
 
+   !> Last node of line `j` that flows; 1 if none does.
+   pure integer function last_flowing(level, j) result(i)
+      type(point_level_t), intent(in) :: level
+      integer, intent(in) :: j
+
+      do i = level%nx - 1, 2, -1
+         if (level%flowing(i, j) > 0.0_wp) exit
+      end do
+   end function last_flowing
+
    !> Computes y = J (v, dH) on the flowing nodes, 0 elsewhere: `v` the change of the pressure,
-   !> `change` that of the film.
-   subroutine multiply_bands(level, v, change, y)
+   !> `change` that of the film; with a `right_side` what it leaves of that.
+   subroutine multiply_bands(level, v, change, y, right_side)
       type(point_level_t), intent(in) :: level
       real(wp), intent(in), dimension(0:level%nx, 0:level%ny) :: v, change
       real(wp), intent(out) :: y(0:level%nx, 0:level%ny)
-      integer :: j
+      real(wp), intent(in), optional :: right_side(0:level%nx, 0:level%ny)
+      integer :: j, n
 
       y(:, 0) = 0.0_wp
       y(:, level%ny) = 0.0_wp
-      !$omp parallel do num_threads(level%threads) schedule(static)
+      !$omp parallel do num_threads(level%threads) private(n) schedule(static)
       do j = 1, level%ny - 1
+         n = last_flowing(level, j) + 1
          call multiply_row(level%by_pressure(:, :, j), level%by_film(:, :, j), v(:, j - 1:j + 1), &
-            change(:, j - 1:j + 1), y(:, j))
+            change(:, j - 1:j + 1), y(:n, j))
          if (allocated(level%corners)) call add_corners(level%corners(:, :, j), v(:, j - 1:j + 1), &
-            y(:, j))
-         y(:, j) = level%flowing(:, j)*y(:, j)
+            y(:n, j))
+         if (present(right_side)) y(:n, j) = right_side(:n, j) - y(:n, j)
+         y(:n, j) = level%flowing(:n, j)*y(:n, j)
+         y(n + 1:, j) = 0.0_wp
       end do
       !$omp end parallel do
    end subroutine multiply_bands

@@ -167,8 +167,8 @@ contains
          newton%inverse = reshape(merge(1/level%diagonal, 1.0_wp, level%flowing > 0.0_wp), [n])
          newton%weight = 1/(level%hx*level%hy*sqrt(real(n, wp)))
          fixed = reshape((1 - level%flowing)*(border - level%pressure), [n])
-         newton%change = spread(1.0_wp, 1, n)
-         newton%product = spread(0.0_wp, 1, n)
+         newton%product = 0*fixed
+         newton%change = newton%product + 1
          newton%column = fixed   ! of this size
          call multiply_bands(level, newton%product, newton%change, newton%column)
          ! in a time step the cycles hardly change

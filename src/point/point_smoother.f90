@@ -8,22 +8,30 @@
 !> are pentadiagonal, and dominated by the diagonal: no pivots.
 module point_smoother
    use kinds, only: wp
-   use point_level, only: point_level_t
+   use point_level, only: last_flowing, point_level_t
    implicit none (type, external)
    private
 
    public :: factor_lines, sweep_lines
 
-   !> Farthest node at which the film of a changed line is followed on the next one.
-   integer, parameter :: far = 4
+   !> Farthest node at which the film of a changed line is followed on the next one, of nodes that
+   !> change with their neighbours; of others, where the flow outweighs the film: to the neighbours.
+   integer, parameter :: far = 2
    !> Lines on either side of the middle one that wait until both halves are done.
    integer, parameter :: between = 2
+
+   !> What a changed line is made of, by column: unknowns, those of nodes that change with their
+   !> neighbours, change of P there and on the next line, film of that; room beyond both ends.
+   integer, parameter :: unknown = 1, spread = 2, own = 3, beside = 4, film = 5, columns = 5, &
+      room = max(far, 2)
+   !> Nodes along X, from a changed one, whose film the equations of its line hold.
+   integer, parameter :: reach = 4
 
    !> Factored lines (nx-1, -2:2, ny-1) and the films of both ways to change a node (0: alone), at
    !> distances along X, on its line and the next.
    type, public :: point_smoother_t
       real(wp), allocatable :: lines(:, :, :)
-      real(wp) :: pattern(0:1, -far - 1:far + 1, 0:1) = 0.0_wp
+      real(wp) :: pattern(0:1, -reach:reach, 0:1) = 0.0_wp
       !> Shares of the neighbours along X, and of each node as neighbour across: less where its flow
       !> is strong, because its line may be done.
       real(wp) :: share_x = 0.25_wp
@@ -37,14 +45,14 @@ contains
       type(point_smoother_t), intent(inout) :: smoother
       type(point_level_t), intent(in) :: level
       real(wp) :: share_y
-      integer :: d, j, l
+      integer :: d, j, l, n
 
       share_y = 0.5_wp*level%hx**2/(level%hx**2 + level%hy**2)
       smoother%share_x = 0.5_wp - share_y
       if (.not. allocated(smoother%across)) allocate (smoother%across(0:level%nx, 0:level%ny))
       smoother%across(:, :) = share_y*level%flowing*(1 - level%flow/level%diagonal)
       do l = 0, 1
-         do d = -far - 1, far + 1
+         do d = -reach, reach
             associate (k => level%kernel)
                smoother%pattern(0, d, l) = k(abs(d), l)
                smoother%pattern(1, d, l) = k(abs(d), l) - smoother%share_x*(k(abs(d - 1), l) &
@@ -54,25 +62,27 @@ contains
       end do
       if (.not. allocated(smoother%lines)) allocate (smoother%lines(level%nx - 1, -2:2, &
          level%ny - 1))
-      !$omp parallel do num_threads(level%threads) schedule(static)
+      !$omp parallel do num_threads(level%threads) private(n) schedule(static)
       do j = 1, level%ny - 1
-         call set_line(smoother, level, j, smoother%lines(:, :, j))
-         call factor_line(smoother%lines(:, :, j))
+         n = last_flowing(level, j)
+         call set_line(smoother, level, j, n, smoother%lines(:, :, j))
+         call factor_line(smoother%lines(:, :, j), level%flowing(1:n, j))
       end do
       !$omp end parallel do
    end subroutine factor_lines
 
-   !> Sets the matrix of line `j`: the change of row i with the unknown of node i + k.
-   pure subroutine set_line(smoother, level, j, line)
+   !> Sets the matrix of line `j` to node `n`: the change of row i with the unknown of node i + k.
+   pure subroutine set_line(smoother, level, j, n, line)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
-      integer, intent(in) :: j
+      integer, intent(in) :: j, n
       real(wp), intent(out), contiguous :: line(:, -2:)
-      real(wp), dimension(level%nx - 1, -3:3) :: h, p
-      real(wp) :: alone, spread
+      real(wp), dimension(n, -3:3) :: h, p
+      real(wp) :: alone, more(-reach:reach, 0:1), rest
       integer :: c, i, k
 
-      associate (flowing => level%flowing(:, j), n => level%nx - 1, film => smoother%pattern)
+      associate (flowing => level%flowing(:, j), film => smoother%pattern)
+         more = film(1, :, :) - film(0, :, :)
          p = 0.0_wp
          p(:, -2:1) = level%by_pressure(1:n, 1:4, j)
          h(:, -2:1) = level%by_film(1:n, 1:4, j)
@@ -83,40 +93,38 @@ contains
                c = i + k
                alone = p(i, k) + h(i, -2)*film(0, -2 - k, 0) + h(i, -1)*film(0, -1 - k, 0) &
                   + h(i, 0)*film(0, -k, 0) + h(i, 1)*film(0, 1 - k, 0) + h(i, 2)*film(0, -k, 1)
-               spread = p(i, k) + h(i, -2)*film(1, -2 - k, 0) + h(i, -1)*film(1, -1 - k, 0) &
-                  + h(i, 0)*film(1, -k, 0) + h(i, 1)*film(1, 1 - k, 0) + h(i, 2)*film(1, -k, 1) &
-                  - smoother%share_x*(p(i, k - 1)*level%flowing(c - 1, j) &
-                  + p(i, k + 1)*level%flowing(c + 1, j))
-               line(i, k) = level%flowing(i, j)*level%flowing(c, j)*merge(spread, alone, &
-                  level%is_local(c, j) < 0.5_wp)
+               rest = h(i, -2)*more(-2 - k, 0) + h(i, -1)*more(-1 - k, 0) + h(i, 0)*more(-k, 0) &
+                  + h(i, 1)*more(1 - k, 0) + h(i, 2)*more(-k, 1) - smoother%share_x*(p(i, k - 1) &
+                  *level%flowing(c - 1, j) + p(i, k + 1)*level%flowing(c + 1, j))
+               line(i, k) = level%flowing(i, j)*level%flowing(c, j)*(alone + (1 &
+                  - level%is_local(c, j))*rest)
             end do
          end do
-         line(:, 0) = line(:, 0) + (1 - flowing(2:n + 1)) - flowing(2:n + 1)*(1 &
+         line(:n, 0) = line(:n, 0) + (1 - flowing(2:n + 1)) - flowing(2:n + 1)*(1 &
             - level%is_local(1:n, j))*(smoother%across(1:n, j - 1)*level%by_pressure(1:n, 5, j) &
             + smoother%across(1:n, j + 1)*level%by_pressure(1:n, 6, j))
       end associate
    end subroutine set_line
 
-   !> Factors a pentadiagonal matrix in place: the factors of elimination, the inverse of the
-   !> diagonal, and what is above it over that.
-   pure subroutine factor_line(a)
+   !> Factors as many rows of a pentadiagonal matrix as `flowing` has, in place, over their pivots:
+   !> what elimination takes from rows before, the inverse of the pivot, 0 where nothing is flowing,
+   !> and what is above it.
+   pure subroutine factor_line(a, flowing)
       real(wp), intent(inout), contiguous :: a(:, -2:)
-      integer :: i, n
+      real(wp), intent(in) :: flowing(:)
+      real(wp) :: above(2), before(2), inverse
+      integer :: i
 
-      n = size(a, 1)
-      do i = 1, n
-         a(i, 0) = 1/a(i, 0)
-         a(i, 1:2) = a(i, 1:2)*a(i, 0)
-         if (i < n) then
-            a(i + 1, 0) = a(i + 1, 0) - a(i + 1, -1)*a(i, 1)
-            a(i + 1, 1) = a(i + 1, 1) - a(i + 1, -1)*a(i, 2)
-            a(i + 1, -1) = a(i + 1, -1)*a(i, 0)
-         end if
-         if (i < n - 1) then
-            a(i + 2, -1) = a(i + 2, -1) - a(i + 2, -2)*a(i, 1)
-            a(i + 2, 0) = a(i + 2, 0) - a(i + 2, -2)*a(i, 2)
-            a(i + 2, -2) = a(i + 2, -2)*a(i, 0)
-         end if
+      above = 0.0_wp
+      before = 0.0_wp
+      do i = 1, size(flowing)
+         a(i, -1) = a(i, -1) - a(i, -2)*before(1)
+         inverse = 1/(a(i, 0) - a(i, -2)*before(2) - a(i, -1)*above(1))
+         a(i, 1) = a(i, 1) - a(i, -1)*above(2)
+         a(i, :) = a(i, :)*inverse
+         a(i, 0) = inverse*flowing(i)
+         before = above
+         above = a(i, 1:2)
       end do
    end subroutine factor_line
 
@@ -127,106 +135,101 @@ contains
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
+      real(wp) :: work(-room:level%nx + room, columns, 2)
       integer :: count, half, middle
 
       middle = level%ny/2
+      work = 0.0_wp
       !$omp parallel do num_threads(min(level%threads, 2)) private(count) schedule(static)
       do half = 1, 2
          do count = 1, merge(middle, level%ny - middle, half == 1) - between - 1
             call relax_line(smoother, level, merge(count, level%ny - count, half == 1), &
-               merge(1, -1, half == 1), r, v)
+               merge(1, -1, half == 1), work(:, :, half), r, v)
          end do
       end do
       !$omp end parallel do
       do count = between, 1, -1
-         call relax_line(smoother, level, middle - count, 1, r, v)
-         call relax_line(smoother, level, middle + count, -1, r, v)
+         call relax_line(smoother, level, middle - count, 1, work(:, :, 1), r, v)
+         call relax_line(smoother, level, middle + count, -1, work(:, :, 1), r, v)
       end do
-      call relax_line(smoother, level, middle, 0, r, v)
+      call relax_line(smoother, level, middle, 0, work(:, :, 1), r, v)
    end subroutine sweep_lines
 
    !> Solves line `j` and changes the residuals of the next two lines in the direction of `step`, if
-   !> it is not 0.
-   pure subroutine relax_line(smoother, level, j, step, r, v)
+   !> it is not 0. `work` is 0 beyond both ends.
+   pure subroutine relax_line(smoother, level, j, step, work, r, v)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       integer, intent(in) :: j, step
+      real(wp), intent(inout) :: work(-room:level%nx + room, columns)
       real(wp), intent(inout), dimension(0:level%nx, 0:level%ny) :: r, v
-      real(wp) :: own(0:level%nx), parts(-far - 1:level%nx + far + 1, 0:1)
-      integer :: i, nx
+      integer :: i, n, next
 
-      nx = level%nx
-      parts = 0.0_wp
-      associate (a => smoother%lines, flowing => level%flowing, d => parts(1:nx - 1, 0))
-         ! written so that each value waits for one product and one difference
-         d = r(1:nx - 1, j)*flowing(1:nx - 1, j)
-         d(2) = d(2) - a(2, -1, j)*d(1)
-         do i = 3, nx - 1
-            d(i) = (d(i) - a(i, -2, j)*d(i - 2)) - a(i, -1, j)*d(i - 1)
-         end do
-         d = d*a(:, 0, j)
-         d(nx - 2) = d(nx - 2) - a(nx - 2, 1, j)*d(nx - 1)
-         do i = nx - 3, 1, -1
-            d(i) = (d(i) - a(i, 2, j)*d(i + 2)) - a(i, 1, j)*d(i + 1)
-         end do
-         d = d*flowing(1:nx - 1, j)
-         parts(1:nx - 1, 1) = d*(1 - level%is_local(1:nx - 1, j))
-         own = flowing(:, j)*(parts(0:nx, 0) - smoother%share_x*(parts(-1:nx - 1, 1) &
-            + parts(1:nx + 1, 1)))
-      end associate
-      parts(:, 0) = parts(:, 0) - parts(:, 1)
-      v(:, j) = v(:, j) + own
-      v(:, j - 1) = v(:, j - 1) - smoother%across(:, j - 1)*parts(0:nx, 1)
-      v(:, j + 1) = v(:, j + 1) - smoother%across(:, j + 1)*parts(0:nx, 1)
-      if (step /= 0) call pass_on(smoother, level, j, step, own, parts, r)
+      next = j + merge(step, 1, step /= 0)
+      n = last_flowing(level, j)
+      work(n + 1:, :) = 0.0_wp
+      call solve_line(smoother%lines(:, :, j), r(1:n, j), work(-1:n + 2, unknown))
+      do i = 1, n
+         work(i, spread) = work(i, unknown)*(1 - level%is_local(i, j))
+      end do
+      do i = 1, n
+         work(i, own) = level%flowing(i, j)*(work(i, unknown) - smoother%share_x*(work(i - 1, &
+            spread) + work(i + 1, spread)))
+         work(i, beside) = -smoother%across(i, next)*work(i, spread)
+         v(i, j) = v(i, j) + work(i, own)
+         v(i, next) = v(i, next) + work(i, beside)
+         v(i, 2*j - next) = v(i, 2*j - next) - smoother%across(i, 2*j - next)*work(i, spread)
+      end do
+      if (step /= 0 .and. next >= 1 .and. next < level%ny) call pass_on(smoother, level, next, &
+         step, work, r)
    end subroutine relax_line
 
-   !> Changes the residuals of the lines at `step` and 2 `step` from line `j` by its change `own`;
-   !> `parts` of it: of nodes alone, and of nodes with their neighbours.
-   pure subroutine pass_on(smoother, level, j, step, own, parts, r)
+   !> Computes the unknowns `d` of a factored line, 0 beyond both ends. (Written so that each waits
+   !> for one product and one difference.)
+   pure subroutine solve_line(line, right_side, d)
+      real(wp), intent(in), contiguous :: line(:, -2:), right_side(:)
+      real(wp), intent(inout), contiguous :: d(-1:)
+      integer :: i
+
+      do i = 1, size(right_side)
+         d(i) = (right_side(i)*line(i, 0) - line(i, -2)*d(i - 2)) - line(i, -1)*d(i - 1)
+      end do
+      do i = size(right_side), 1, -1
+         d(i) = (d(i) - line(i, 2)*d(i + 2)) - line(i, 1)*d(i + 1)
+      end do
+   end subroutine solve_line
+
+   !> Changes the residuals of line `j` and the one at `step` from it by the change of the line
+   !> before them.
+   pure subroutine pass_on(smoother, level, j, step, work, r)
       type(point_smoother_t), intent(in) :: smoother
       type(point_level_t), intent(in) :: level
       integer, intent(in) :: j, step
-      real(wp), intent(in) :: own(0:level%nx), parts(-far - 1:level%nx + far + 1, 0:1)
+      real(wp), intent(inout) :: work(-room:level%nx + room, columns)
       real(wp), intent(inout) :: r(0:level%nx, 0:level%ny)
-      real(wp), dimension(-1:level%nx) :: beside, next_film, own_film
-      real(wp) :: w(0:1, 0:far, 0:1)
-      integer :: c, i, next, nx, side
+      real(wp) :: w(0:far), w_all(0:1)
+      integer :: i, n, side
 
-      nx = level%nx
-      next = j + step
-      if (next < 1 .or. next > level%ny - 1) return
-      side = merge(5, 6, step > 0)   ! the band of the next line with this one
-      beside(-1) = 0.0_wp
-      beside(0:nx) = -smoother%across(:, next)*parts(0:nx, 1)
-      w = smoother%pattern(:, 0:far, :)
-      associate (a => parts(:, 0), b => parts(:, 1))
-         do i = -1, nx
-            c = i + far + 2   ! of a and b
-            next_film(i) = w(0, 0, 1)*a(c) + w(0, 1, 1)*(a(c - 1) + a(c + 1)) &
-               + w(0, 2, 1)*(a(c - 2) + a(c + 2)) + w(0, 3, 1)*(a(c - 3) + a(c + 3)) &
-               + w(0, 4, 1)*(a(c - 4) + a(c + 4)) + w(1, 0, 1)*b(c) &
-               + w(1, 1, 1)*(b(c - 1) + b(c + 1)) + w(1, 2, 1)*(b(c - 2) + b(c + 2)) &
-               + w(1, 3, 1)*(b(c - 3) + b(c + 3)) + w(1, 4, 1)*(b(c - 4) + b(c + 4))
-            own_film(i) = w(0, 0, 0)*a(c) + w(0, 1, 0)*(a(c - 1) + a(c + 1)) &
-               + w(0, 2, 0)*(a(c - 2) + a(c + 2)) + w(0, 3, 0)*(a(c - 3) + a(c + 3)) &
-               + w(0, 4, 0)*(a(c - 4) + a(c + 4)) + w(1, 0, 0)*b(c) &
-               + w(1, 1, 0)*(b(c - 1) + b(c + 1)) + w(1, 2, 0)*(b(c - 2) + b(c + 2)) &
-               + w(1, 3, 0)*(b(c - 3) + b(c + 3)) + w(1, 4, 0)*(b(c - 4) + b(c + 4))
-         end do
-      end associate
+      side = merge(5, 6, step > 0)   ! the band of this line with the one before
+      w_all = smoother%pattern(0, 0:1, 1)
+      w = smoother%pattern(1, 0:far, 1)
+      w(0:1) = w(0:1) - w_all
+      n = last_flowing(level, j)
+      do i = 0, n + 1
+         work(i, film) = w_all(0)*work(i, unknown) + w_all(1)*(work(i - 1, unknown) + work(i + 1, &
+            unknown)) + w(0)*work(i, spread) + w(1)*(work(i - 1, spread) + work(i + 1, spread)) &
+            + w(2)*(work(i - 2, spread) + work(i + 2, spread))
+      end do
       associate (p => level%by_pressure, h => level%by_film)
-         do i = 1, nx - 1
-            r(i, next) = r(i, next) - p(i, side, next)*own(i) - h(i, side, next)*own_film(i) &
-               - p(i, 1, next)*beside(i - 2) - p(i, 2, next)*beside(i - 1) &
-               - p(i, 3, next)*beside(i) - p(i, 4, next)*beside(i + 1) &
-               - h(i, 1, next)*next_film(i - 2) - h(i, 2, next)*next_film(i - 1) &
-               - h(i, 3, next)*next_film(i) - h(i, 4, next)*next_film(i + 1)
+         do i = 1, n
+            r(i, j) = r(i, j) - (p(i, side, j)*work(i, own) + p(i, 2, j)*work(i - 1, beside) &
+               + p(i, 3, j)*work(i, beside) + p(i, 4, j)*work(i + 1, beside) &
+               + h(i, 1, j)*work(i - 2, film) + h(i, 2, j)*work(i - 1, film) &
+               + h(i, 3, j)*work(i, film) + h(i, 4, j)*work(i + 1, film))
          end do
-         c = next + step
-         if (c < 1 .or. c > level%ny - 1) return
-         do i = 1, nx - 1
-            r(i, c) = r(i, c) - p(i, side, c)*beside(i)
+         if (j + step < 1 .or. j + step > level%ny - 1) return
+         do i = 1, n
+            r(i, j + step) = r(i, j + step) - p(i, side, j + step)*work(i, beside)
          end do
       end associate
    end subroutine pass_on
