@@ -80,6 +80,8 @@ module pressure_errors
    !> Sliding friction errs by up to this many times what a spike may add to it; not known if that
    !> exceeds the second share of it.
    real(wp), parameter :: shear_safety = 12.0_wp, largest_shear_growth = 0.02_wp
+   !> This share of them where the part of the spike that grows is known.
+   real(wp), parameter :: share_of_part = 0.25_wp
    !> The largest share that friction may err by, and be known.
    real(wp), parameter, public :: largest_doubt = shear_safety*largest_shear_growth
 
@@ -350,6 +352,7 @@ contains
          growth = law%lambda/6*abs(of(sliding_power)%value)/force*growth/force
          growth = growth*of(friction_coefficient)%value/of(row)%value
          if (growth <= largest_shear_growth) doubt = shear_safety*growth
+         if (summary%crests%growing > 0.0_wp) doubt = share_of_part*doubt
       end associate
    end function shear_doubt
 

@@ -5,7 +5,7 @@ module point_quantities
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
    use features, only: surface_height
    use film_shear, only: film_limits
-   use grid_errors, only: error_on_grids, orders, safety
+   use grid_errors, only: error_on_grids, safety
    use kinds, only: exceeds, larger, not_known, pi, wp
    use line_contact, only: finest_wave
    use line_state, only: friction_t, line_state_t, stressed_share, turned, unknown_limits, &
@@ -16,17 +16,29 @@ module point_quantities
    use point_level, only: point_level_t
    use pressure_errors, only: allow_for_spike, estimate_crest, pressure_safety, shear_doubt, &
       spike_law_t
-   use quantities, only: exit_between_nodes, friction_coefficient, h_min, h_min_node, p_max, &
-      quantity_count, quantity_rows, rolling_coefficient, rule_between, sliding_power, sliding_rows
+   use quantities, only: exit_between_nodes, friction_coefficient, h_central, h_min, h_min_node, &
+      p_max, quantity_count, quantity_rows, rolling_coefficient, rule_between, sliding_power, &
+      sliding_rows
    implicit none (type, external)
    private
 
    public :: estimate_point_errors, fill_heights, fill_point_state, summary_of_point
 
-   !> Rows of forces.
-   integer, parameter :: forces(*) = [sliding_rows, rolling_coefficient]
+   !> Rows of films.
+   integer, parameter :: films(*) = [h_min, h_min_node, h_central]
    !> Pressures over the largest one that count as none: what the tolerance leaves behind the exit.
    real(wp), parameter :: least_share = 1.0e-7_wp
+   !> Bounds of observed orders, the lowest where a single change is known; orders of sliding
+   !> friction from a single change, most of it by the film, and from several, on whose grids the
+   !> edge of the cavity shows; that of rolling friction.
+   real(wp), parameter :: orders(2) = [1.15_wp, 2.0_wp], orders_sliding(2) = [1.5_wp, 0.87_wp], &
+      order_rolling = 1.0_wp
+   !> Films err by at least this share of the largest relative error of a film: that of one may be
+   !> small by chance.
+   real(wp), parameter :: share_of_film = 0.4_wp
+   !> A corner of the pressure rises by at least the first share of its possible height, and by the
+   !> second one times the share of that on half of the intervals that came true.
+   real(wp), parameter :: corner_shares(2) = [0.15_wp, 3.0_wp]
 
 contains
 
@@ -184,36 +196,48 @@ contains
       type(line_summary_t), intent(in) :: coarser(:)
       real(wp), intent(in) :: residual
       type(line_summary_t), intent(in), optional :: near, far
-      real(wp) :: both(2), change, spike, values(4)
+      real(wp) :: bounds(2), grid(2, quantity_count), least(quantity_count), spike, stress, &
+         values(4, quantity_count)
       integer :: i, k
 
+      values = not_known()
+      values(1, :) = summary%of%between
+      do k = 1, min(size(coarser), 3)
+         values(1 + k, :) = coarser(k)%of%between
+      end do
+      do i = 1, quantity_count
+         bounds = orders
+         if (any(i == sliding_rows)) bounds = orders_sliding(min(max(size(coarser), 1), 2))
+         if (i == rolling_coefficient) bounds = order_rolling
+         grid(:, i) = error_on_grids(values(:, i), bounds, lasts=.true.)
+      end do
+      associate (error => grid(1, :), of => summary%of)
+         error(p_max) = pressure_safety/safety*error(p_max)
+         least = 0.0_wp
+         least(films) = share_of_film*larger(error(h_min)/of(h_min)%value, error(h_central) &
+            /of(h_central)%value)
+         ! arsinh(B), the mean stress of an Eyring oil over its own, falls with the film by tanh
+         stress = larger(wall_stress(contact%fluid, 4*of(friction_coefficient)%value/3), &
+            tiny(1.0_wp))
+         least(sliding_rows) = share_of_film*error(h_central)/of(h_central)%value*tanh(stress) &
+            /stress
+         least = least*abs(of%value)
+         where (exceeds(least - error, 0.0_wp)) error = least
+      end associate
       do i = 1, quantity_count
          associate (of => summary%of(i))
-            values = not_known()
-            values(1) = of%between
-            do k = 1, min(size(coarser), 3)
-               values(1 + k) = coarser(k)%of(i)%between
-            end do
-            ! with the edge of the cavity forces may err to first order
-            both = error_on_grids(values, merge(orders, orders(1), all(i /= forces)), lasts=.true.)
-            if (i == p_max) both(1) = pressure_safety/safety*both(1)
             spike = 0.0_wp
             if (any(i == sliding_rows)) spike = of%error_grid
-            of%error_grid = quantity_rows(i)%widening*both(1) + abs(of%value - of%between)
+            of%error_grid = quantity_rows(i)%widening*grid(1, i) + abs(of%value - of%between)
             if (i == h_min) of%error_grid = of%error_grid + abs(of%value &
                - summary%of(h_min_node)%value)
             if (.not. exceeds(of%error_grid - abs(spike), 0.0_wp)) of%error_grid = abs(spike)
-            if (quantity_rows(i)%rule /= rule_between) of%extrapolated = both(2)
-            if (i == p_max .and. size(coarser) > 1) call estimate_crest(values(:3), [of%value, &
+            if (quantity_rows(i)%rule /= rule_between) of%extrapolated = grid(2, i)
+            if (i == p_max .and. size(coarser) > 1) call estimate_crest(values(:3, i), [of%value, &
                coarser(:2)%of(i)%value], of)
          end associate
       end do
-      ! A of P = B + A/sqrt(dX) by the last rise, or by half of the one before
-      do k = 1, min(size(coarser), 2)
-         change = summary%crests%spike - coarser(1)%crests%spike
-         if (k == 2) change = 0.5_wp*(coarser(1)%crests%spike - coarser(2)%crests%spike)
-         summary%crests%growing = larger(summary%crests%growing, change/(1 - sqrt(0.5_wp)))
-      end do
+      if (size(coarser) > 0) call limit_crests(coarser, summary)
       call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), (contact%domain%x_outlet &
          - contact%domain%x_inlet)/contact%domain%intervals, summary)
       do i = 1, quantity_count
@@ -225,5 +249,31 @@ contains
          end associate
       end do
    end subroutine estimate_point_errors
+
+   !> Limits what the largest pressure may rise by what it has risen from `coarser` grids on: A of a
+   !> spike P = B + A/sqrt(dX), by its flank, to once or twice that by its last change or by half of
+   !> the one before, and the possible height of a corner by how much came true of that before.
+   pure subroutine limit_crests(coarser, summary)
+      type(line_summary_t), intent(in) :: coarser(:)
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: change, rise, tops(0:2)
+      integer :: k
+
+      tops(0) = summary%crests%spike
+      change = not_known()
+      do k = 1, min(size(coarser), 2)
+         tops(k) = coarser(k)%crests%spike
+         if (.not. ieee_is_finite(tops(k))) tops(k) = coarser(k)%of(p_max)%value
+         change = larger(change, abs(tops(k - 1) - tops(k))/k/(1 - sqrt(0.5_wp)))
+      end do
+      associate (own => summary%crests, last => coarser(1)%crests)
+         if (ieee_is_finite(change)) own%growing = min(max(own%growing, change), 2*change)
+         if (min(own%corner_top - own%corner, last%corner_top - last%corner) <= 0.0_wp) return
+         rise = max(abs(own%highest - last%highest), abs(summary%of(p_max)%value &
+            - coarser(1)%of(p_max)%value))/(last%corner_top - last%corner)
+         own%corner_top = own%corner + (own%corner_top - own%corner)*min(corner_shares(1) &
+            + corner_shares(2)*rise, 1.0_wp)
+      end associate
+   end subroutine limit_crests
 
 end module point_quantities
