@@ -31,11 +31,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 48_952,
-    "how sure": 5_866,
+    "sources": 48_955,
+    "how sure": 5_867,
     "tests": 37_386,
     "bench": 5_681,
-    "words of pages": 44_960,
+    "words of pages": 44_959,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,

@@ -28,7 +28,7 @@ module passage_pair
    real(wp), parameter, public :: coarse_tolerance = 1.0e-4_wp
    !> Newton steps from one position of the waves to the next, and the fewest positions while the
    !> finest wave moves by its own length.
-   real(wp), parameter :: steps_to_next = 5.0_wp, least_places = 3.0_wp
+   real(wp), parameter :: steps_to_next = 3.0_wp, least_places = 3.0_wp
 
    !> A transient on the finer and the coarser grid.
    type :: passage_pair_t

@@ -70,6 +70,7 @@ contains
       target = settings%target
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       call settle_tolerance(settings)
+      target = target - settings%tolerance
       most = max_chosen(settings)
       next = first_trial(new_experiment(contact, settings, time))
       if (next%contact%domain%intervals > most) then

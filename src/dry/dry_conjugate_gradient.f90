@@ -149,7 +149,7 @@ contains
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(inout) :: p(:)
       type(work_t), intent(inout) :: work
-      real(wp) :: change, largest, length, scale, total
+      real(wp) :: change, largest, length, scale, share, total
       logical :: is_clipped
       integer :: free, k, n
 
@@ -163,7 +163,7 @@ contains
          end if
          call work%network%solve(work%set%residual(:n), work%s(:n))
          call find_direction(work, length)
-         call find_change(problem, p, length, work, is_clipped)
+         call find_change(problem, p, length, work, is_clipped, share)
          call elastic%single%apply_listed(node, work%set%begin, work%q(:n), scale)
          call elastic%single%gather(node, work%set%begin, scale, work%kd(:n))
          call find_length(problem, p, is_clipped, work, length)
@@ -174,7 +174,7 @@ contains
          total = 0.0_wp
          free = 0
          do k = 1, n
-            change = length*work%q(k)
+            change = length*work%q(k) + (1 - length)*share   ! all of the shift
             work%d(node(k)) = change
             work%old_node(k) = node(k)
             work%kd(k) = length*work%kd(k)
@@ -242,19 +242,21 @@ contains
    end subroutine find_direction
 
    !> Computes the change of p on F by `length` times t, on the list q; values that leave the bounds
-   !> are returned (`is_clipped`). A shift of F removes rounding errors of the load.
-   subroutine find_change(problem, p, length, work, is_clipped)
+   !> are returned (`is_clipped`). The shift `share` of F removes rounding errors of the load.
+   subroutine find_change(problem, p, length, work, is_clipped, share)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)
       real(wp), intent(in) :: length
       type(work_t), intent(inout) :: work
       logical, intent(out) :: is_clipped
-      real(wp) :: load, share, total
+      real(wp), intent(out) :: share
+      real(wp) :: load, total
       integer :: k, n
 
       n = work%set%count
       associate (q => work%q(:n), node => work%set%node(:n))
          is_clipped = .false.
+         share = 0.0_wp
          total = 0.0_wp
          do k = 1, n
             q(k) = p(node(k)) + length*q(k)
