@@ -60,8 +60,10 @@ def quantities(file: h5py.File) -> dict[str, float]:
     return {name: float(file[f"summary/{name}"][()]) for name in QUANTITIES}
 
 
-def told(file: h5py.File) -> dict[str, dict]:
-    """What the program says of each ingredient, and the resolution of the run."""
+def told(file: h5py.File) -> dict[str, dict] | None:
+    """What the program says of each ingredient, and the resolution of the run; None if nothing was measured."""
+    if "adequacy" not in file:
+        return None
     used = file["input/effective/domain"].attrs
     n, *sides = ("intervals_x", "y_half_width") if "intervals_x" in used else ("intervals",)
     scales = () if sides else ("reduced_radius", "reduced_modulus", "load_per_length")
