@@ -10,7 +10,7 @@ module ablation_runs
    use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence, no_solution
    use errors, only: error_t
    use kinds, only: exceeds, not_known, quotient, wp
-   use line_contact, only: finest_wave, line_contact_t
+   use line_contact, only: intervals_for_waves, line_contact_t
    use lean_levels, only: kappa, lean_level_t, pose, pressure_on, refined, solve_by, &
       solve_without, upwind
    use line_hierarchy, only: coarsest_for_film
@@ -41,8 +41,6 @@ module ablation_runs
    !> Intervals of the finer of the two grids: at most the first where the budget allows, at least
    !> the second.
    integer, parameter :: most_intervals = 256, least_intervals = 64
-   !> Fewest nodes of the coarser grid in the finest wave.
-   real(wp), parameter, public :: least_nodes = 4.0_wp
 
 contains
 
@@ -274,7 +272,9 @@ contains
       integer :: grids(2), finer, least
 
       grids = 0
-      least = max(least_intervals, 2*coarsest_for_film(contact), intervals_in_waves(contact))
+      ! the coarser one has four nodes in every wave
+      least = max(least_intervals, 2*coarsest_for_film(contact), (intervals_for_waves(contact) &
+         + 1)/2)
       finer = n
       do while (modulo(finer, 2) == 0 .and. finer/2 >= least .and. (finer > most_intervals &
          .or. 1.5_wp*finer*usual_steps*(solutions + 1) > budget))
@@ -282,13 +282,5 @@ contains
       end do
       if (modulo(finer, 2) == 0 .and. 1.5_wp*finer*usual_steps*2 <= budget) grids = [finer, finer/2]
    end function grids_for
-
-   !> Intervals from which half of them resolve every wave of the surfaces; 1 if they are smooth.
-   pure integer function intervals_in_waves(contact) result(intervals)
-      type(line_contact_t), intent(in) :: contact
-
-      intervals = ceiling(min(2*least_nodes*(contact%domain%x_outlet - contact%domain%x_inlet) &
-         /finest_wave(contact), 1.0e9_wp))
-   end function intervals_in_waves
 
 end module ablation_runs

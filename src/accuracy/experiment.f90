@@ -12,7 +12,6 @@ module experiment
    use march_state, only: march_state_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
-   use quantities, only: h_min
    implicit none (type, external)
    private
 
@@ -36,8 +35,6 @@ module experiment
       !> n/4 ... intervals of its nested start.
       type(line_summary_t) :: summary
       type(line_summary_t), allocatable :: coarser(:)
-      !> Smallest film at each time step (0:steps); huge at times that do not count.
-      real(wp), allocatable :: films(:)
       !> Nodes times Newton steps.
       real(wp) :: work = 0.0_wp
    end type outcome_t
@@ -45,7 +42,6 @@ module experiment
    !> Collects the extremes over the time steps that count.
    type, extends(relay_t) :: collector_t
       type(passage_extremes_t) :: passage
-      real(wp), allocatable :: films(:)
    contains
       procedure :: on_step => collect_step
       procedure :: on_part => collect_part
@@ -116,7 +112,6 @@ contains
       if (.not. outcome%is_known) return
       outcome%summary = collector%passage%extremes(summary_of(last))
       call move_alloc(collector%coarser, outcome%coarser)
-      call move_alloc(collector%films, outcome%films)
       if (present(state)) state = last
    end subroutine run_experiment
 
@@ -138,18 +133,10 @@ contains
       type(line_state_t), intent(in) :: state
       type(march_state_t), intent(in) :: history
       type(report_t), intent(in) :: report
-      type(line_summary_t) :: summary
 
       associate (unused_history => history, unused_report => report)
       end associate
-      if (step == 0) then
-         if (allocated(self%films)) deallocate (self%films)
-         allocate (self%films(0:steps), source=huge(1.0_wp))
-      end if
-      summary = summary_of(state)
-      call self%passage%add(summary, state%time, step == steps)
-      if (step > ubound(self%films, 1)) return   ! the run has become longer
-      if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
+      call self%passage%add(summary_of(state), state%time, step == steps)
    end subroutine collect_step
 
    !> Adds the quantities inside a time step.

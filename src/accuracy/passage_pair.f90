@@ -1,12 +1,12 @@
 !> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
-   use ablation_runs, only: change_between, doubt_between, least_nodes, set_change
+   use ablation_runs, only: change_between, doubt_between, set_change
    use ablations, only: contact_without, ingredient_t, roughness, squeeze
    use adequacy, only: influence_t
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
    use kinds, only: wp
-   use line_contact, only: finest_wave, solver_settings_t, time_settings_t, without_surfaces
+   use line_contact, only: intervals_for_waves, solver_settings_t, time_settings_t, without_surfaces
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
@@ -80,15 +80,13 @@ contains
       end do
    end subroutine run_pair
 
-   !> Whether the grid of an experiment carries the film and resolves every wave.
+   !> Whether the grid of an experiment carries the film and has four nodes in every wave.
    pure logical function sees_all(experiment)
       type(experiment_t), intent(in) :: experiment
 
-      ! divided: without waves the finest one is the largest number
-      associate (domain => experiment%contact%domain)
-         sees_all = domain%intervals >= coarsest_for_film(experiment%contact, min_intervals) &
-            .and. finest_wave(experiment%contact) >= least_nodes*(domain%x_outlet &
-            - domain%x_inlet)/max(domain%intervals, 1)
+      associate (n => experiment%contact%domain%intervals)
+         sees_all = n >= coarsest_for_film(experiment%contact, min_intervals) .and. 4*n &
+            >= intervals_for_waves(experiment%contact)
       end associate
    end function sees_all
 

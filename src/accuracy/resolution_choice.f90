@@ -11,7 +11,6 @@
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: inlet_error
-   use duty, only: span_of
    use errors, only: error_t, fail, input_error
    use experiment, only: experiment_t, new_experiment, outcome_t, run_experiment
    use grid_errors, only: error_in_time, observed_order
@@ -24,6 +23,7 @@ module resolution_choice
    use listener, only: listener_t
    use quantities, only: h_min
    use text, only: to_text
+   use wave_resolution, only: choose_time_step
    implicit none (type, external)
    private
 
@@ -35,8 +35,6 @@ module resolution_choice
    !> those of the first.
    integer, parameter :: min_intervals = 16
    real(wp), parameter :: max_work = 2.0_wp**14
-   !> Share of a step that is rounding.
-   real(wp), parameter :: rounding = 1.0e-6_wp
    !> Resolutions between two trial runs, over the coarser one, and bounds of the order by which an
    !> error falls from one to the next.
    real(wp), parameter :: finer(*) = [1.0_wp, 1.25_wp, 1.5_wp, 1.75_wp, 2.0_wp], &
@@ -102,9 +100,9 @@ contains
       time%time_step = next%time%time_step
    end subroutine choose_resolution
 
-   !> The first trial run: the fewest intervals that carry the film and have two nodes in the finest
-   !> wave, and dT <= dX; with a duty an eighth of the usual intervals and steps, or as few as carry
-   !> the film of its mean.
+   !> The first trial run: the fewest intervals that carry the film and have four nodes in the
+   !> finest wave, and dT <= dX; with a duty an eighth of the usual intervals and steps, or as few
+   !> as carry the film of its mean.
    pure function first_trial(usual) result(first)
       type(experiment_t), intent(in) :: usual
       type(experiment_t) :: first
@@ -130,19 +128,16 @@ contains
       end associate
    end function first_trial
 
-   !> The same on `ratio` times the intervals with as many times shorter steps, a whole number of
-   !> them to the end or in a cycle.
+   !> The same on `ratio` times the intervals with as many times shorter steps.
    pure function times_finer(self, ratio) result(finer)
       type(experiment_t), intent(in) :: self
       real(wp), intent(in) :: ratio
       type(experiment_t) :: finer
-      real(wp) :: whole
 
       finer = self
       finer%contact%domain%intervals = nint(ratio*self%contact%domain%intervals)
-      whole = self%time%end_time
-      if (self%time%may_lengthen) whole = span_of(self%contact%duty)
-      finer%time%time_step = whole/ceiling(ratio*whole/self%time%time_step - rounding)
+      finer%time%time_step = self%time%time_step/ratio
+      call choose_time_step(finer%contact, finer%time)
       finer%time%tolerance = self%time%tolerance/ratio**3
    end function times_finer
 
