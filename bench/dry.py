@@ -6,8 +6,8 @@ answer. The peers run with the loosest of a ladder of tolerances that reaches 1e
 without reading and writing. Those of the peers cover their solving call with its planning and allocation; ours are given with and
 without planning, and the ratios include it. `limit` is the sum over all transforms of FFTW's own time at their size and
 precision, with plans measured beforehand. The peers have their own environment, made by python3 -m venv DIR && DIR/bin/pip
-install tamaas ContactMechanics aspher; missing peers are left out. Parts may be run one by one: rows of other parts stay in the
-table.
+install tamaas ContactMechanics aspher (it needs libeigen3-dev); missing peers are left out. Parts may be run one by one: rows of
+other parts stay in the table.
 """
 
 from __future__ import annotations
