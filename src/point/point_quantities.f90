@@ -86,7 +86,8 @@ contains
          size(state%y))]
    end subroutine fill_point_state
 
-   !> Quantities of the level.
+   !> Quantities of the level; errors of the largest pressure and of sliding friction are what a
+   !> spike may add to them on finer grids; NaN: not known.
    pure function summary_of_point(level, contact) result(summary)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
@@ -97,6 +98,8 @@ contains
       summary = summary_of(state)
       summary%of(sliding_rows)%error_grid = summary%of(sliding_rows)%value*shear_on_highest(level, &
          contact, summary)
+      summary%of(p_max)%error_grid = 0.0_wp
+      call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), level%hx, summary)
    end function summary_of_point
 
    !> Share of the friction on the row of the largest pressure that a spike there may add on finer
