@@ -71,13 +71,13 @@ contains
       self%hierarchy => hierarchy
       self%line => contact
       self%contact => contact
+      self%film => hierarchy%levels(hierarchy%finest)%state
       self%settings = settings
       self%time = time
       allocate (self%attempts, source=time_step_attempts(contact, settings, &
          has_parts=time%tolerance > 0.0_wp))
       call note_choice(report, self%attempts(1))
       associate (level => hierarchy%levels(hierarchy%finest), history => self%history)
-         self%film => level%state
          call listener%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from

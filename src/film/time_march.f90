@@ -226,7 +226,7 @@ contains
          first = 0.0_wp
          i = 1
          do made = 1, most_parts
-            if (any([by_error, .not. first > 0.0_wp])) then   ! it may be made once more
+            if (any([by_error, all([made == 1, size(self%ends) > 1])])) then   ! may be made again
                start = history
                film = self%film
             end if
