@@ -7,9 +7,8 @@ module case_notes
    use iteration_report, only: report_t
    use kinds, only: exceeds, wp
    use line_contact, only: rough_contact_t
-   use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use quantities, only: h_min, quantity_rows
+   use quantities, only: h_min, quantity_count, quantity_rows
    use run_observer, only: run_observer_t
    use text, only: add_sentence, duration_text, prefixed_text, to_text
    use wave_resolution, only: coarse_waves, intervals_at_least, long_steps
@@ -106,27 +105,29 @@ contains
       end associate
    end subroutine note_coarse_waves
 
-   !> Adds to the notes of the `report` an error that is above the wanted one: of a steady contact
-   !> that which misses it by most in the closing table, in time that of h_min, if it was measured;
-   !> on a given inlet the target is that of grid and time step alone.
-   subroutine note_missed_error(case, listener, state, report)
+   !> Adds to the notes of the `report` an error of `summary` that is above the target: of a steady
+   !> contact that which misses it by most in the closing table, in time that of h_min, if it was
+   !> measured; on a given inlet the target is that of grid and time step alone. Of a point contact
+   !> that of its films.
+   subroutine note_missed_error(case, listener, summary, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
-      type(line_state_t), intent(in) :: state
+      type(line_summary_t), intent(in) :: summary
       type(report_t), intent(inout) :: report
-      type(line_summary_t) :: summary
       character(:), allocatable :: found
       real(wp) :: error, worst
+      logical :: counts(quantity_count), in_time   ! a line
       integer :: i
 
-      if (.not. (case%solver%target > 0.0_wp .and. report%converged)) return
+      if (.not. report%converged) return
       if (case%time%is_transient .and. .not. case%solver%wants_coarse_runs) return
-      summary = listener%writer%quantities_at_end(state, report)
+      in_time = case%time%is_transient .and. .not. allocated(case%point)
       worst = (1.0_wp + rounding)*case%solver%target
       found = ''
+      counts = quantity_rows%short /= '' .and. .not. in_time
+      if (allocated(case%point)) counts = quantity_rows%short(:2) == 'h_'
       do i = 1, size(summary%of)
-         if (case%time%is_transient) exit
-         if (quantity_rows(i)%short == '' .or. .not. exceeds(summary%of(i)%value, 0.0_wp)) cycle
+         if (.not. all([counts(i), exceeds(summary%of(i)%value, 0.0_wp)])) cycle
          error = summary%of(i)%error_estimate/summary%of(i)%value
          if (error <= worst) cycle
          found = ' of '//trim(quantity_rows(i)%short)//': no error is estimated'
@@ -135,7 +136,7 @@ contains
          found = ' of '//trim(quantity_rows(i)%short)//': a relative error of '//to_text(error, 2) &
             //' is estimated'
       end do
-      if (case%time%is_transient) then
+      if (in_time) then
          associate (film => summary%of(h_min))
             error = merge(film%error_grid, film%error_estimate, case%domain%has_inlet)/film%value
          end associate

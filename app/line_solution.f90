@@ -81,7 +81,8 @@ contains
       end if
       call check_ends(case, listener, report, error)
       if (allocated(error)) return
-      call note_missed_error(case, listener, state, report)
+      if (case%solver%target > 0.0_wp) call note_missed_error(case, listener, &
+         listener%writer%quantities_at_end(state, report), report)
       call fill_chosen(case, report, listener%writer%run%passage%times)
       call fill_numbers(case, report, listener%writer%choice)
       call listener%complete(report)

@@ -1,7 +1,7 @@
 !> The solution of a lubricated point contact, its quantities with their errors, and what the
 !> ingredients of its model change.
 module run_point_case
-   use case_notes, only: add_note, note_coarse_waves, note_unusual
+   use case_notes, only: add_note, note_coarse_waves, note_missed_error, note_unusual
    use case_record, only: case_t, list_passage, set_effective
    use errors, only: error_t
    use iteration_report, only: report_t
@@ -13,11 +13,9 @@ module run_point_case
    use point_errors, only: choose_passage, find_quantities
    use point_march, only: solve_point
    use point_solver, only: point_run_t
-   use quantities, only: h_central, h_min
    use result_start, only: usual_stride
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory, processors
-   use text, only: add_sentence, to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -79,15 +77,7 @@ contains
          writer%summary = summary
          writer%missing = missing
          call move_alloc(note, report%note)
-         associate (of => summary%of([h_min, h_central]), target => case%solver%target)
-            if (all([target > 0.0_wp, report%converged])) then
-               if (.not. all(of%error_estimate <= target*of%value)) call add_sentence(report%note, &
-                  'the target accuracy is not shown: relative errors of h_min and h_central of '// &
-                  to_text(of(1)%error_estimate/of(1)%value, 2)//' and '// &
-                  to_text(of(2)%error_estimate/of(2)%value, 2)//' are estimated, '// &
-                  to_text(target, 2)//' is the target')
-            end if
-         end associate
+         if (case%solver%target > 0.0_wp) call note_missed_error(case, listener, summary, report)
          associate (domain => case%point%domain)   ! may be chosen by the program
             call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
             call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])

@@ -86,7 +86,9 @@ contains
       associate (solution => self%by(scheme))
          solution%is_known = self%is_solved
          if (.not. self%is_solved) return
-         solution%summary = summary_with_doubt(self%level)
+         solution%summary = level_summary(self%level)
+         solution%summary%crests%corner_top = -1.0_wp   ! contacts on one grid: by their nodes
+         call doubt_spike(self%level%fluid, self%level%lambda, self%level%dx, solution%summary)
          solution%state = self%level%state
       end associate
    end subroutine solve_by
@@ -155,16 +157,6 @@ contains
       self%is_solved = self%newton%is_converged
       if (self%is_solved) call evaluate_coefficients(self%level)
    end subroutine solve_level_of
-
-   !> Quantities of a solution; the error of the largest pressure is what a spike may add to it.
-   pure function summary_with_doubt(level) result(summary)
-      type(line_level_t), intent(in) :: level
-      type(line_summary_t) :: summary
-
-      summary = level_summary(level)
-      summary%crests%corner_top = -1.0_wp   ! contacts on one grid: by their nodes
-      call doubt_spike(level%fluid, level%lambda, level%dx, summary)
-   end function summary_with_doubt
 
    !> The `contact` without the ingredient of `lean`, but for what is `kept` of it, as `solve_by`.
    subroutine solve_without(lean, contact, scheme, start, budget, listener, error)

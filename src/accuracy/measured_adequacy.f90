@@ -12,7 +12,7 @@
 !> step, and a first-order run one by the second-order scheme. Otherwise one more run on n/4
 !> intervals, with twice the step of that of the error bars, shows the effect of a larger step.
 module measured_adequacy
-   use ablation_runs, only: change_between, largest_change, measure_at_rest, set_change
+   use ablation_runs, only: change_between, largest_change, measure_at_rest, widths
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze
    use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use domain_choice, only: choose_domain
@@ -26,7 +26,7 @@ module measured_adequacy
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
+   use passage_pair, only: limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
    use quantities, only: quantity_count
    implicit none (type, external)
@@ -60,13 +60,6 @@ module measured_adequacy
       no_film_at_rest = 'the contact stops or reverses: no steady film there'
    !> Most intervals of the smooth steady contact.
    integer, parameter :: most_at_rest = 128
-   !> Error of a change on n and n/2 intervals: this many times its difference from the grid with
-   !> twice the spacing (at first order, the error itself); a share of the change; on n/2 and n/4
-   !> also a share of the largest change of a film, since a wave may miss the nodes of two coarse
-   !> grids alike; and the error of the iteration.
-   real(wp), parameter :: own_widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp], &
-      coarse_widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
-
    !> The error by the time step: this many times the change from twice the step on n/4, or from the
    !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
    !> single change may vanish by chance.
@@ -247,11 +240,12 @@ contains
       type(passage_pair_t) :: pair
 
       if (factor == 1) then
-         pair = new_pair(solved%experiment, [1, 2], own_widths)
+         pair = new_pair(solved%experiment, [1, 2])
+         pair%widths = widths
          pair%full = [solved%full, solved%bars%coarser(1)]
          if (solved%bars%is_first_order) pair%full(1) = solved%bars%second_order
       else
-         pair = new_pair(solved%experiment, [2, 4], coarse_widths)
+         pair = new_pair(solved%experiment, [2, 4])
          pair%full = solved%bars%coarser(:2)
       end if
       pair%is_known = solved%bars%grids >= factor

@@ -42,10 +42,6 @@ module model_choice
    real(wp), parameter :: cost_share = 0.2_wp, least_cost = 2.0e4_wp
    !> Typical Newton steps of a time step.
    real(wp), parameter :: newton_per_step = 2.5_wp
-   !> Error of a change (`set_change`): times its difference from the coarser grid; a share of the
-   !> largest change of a film, since a wave may miss the nodes of two coarse grids alike; and the
-   !> iteration errors of both.
-   real(wp), parameter :: widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
    !> The space scheme of a transient, which errs least on coarse grids, and the one to use if that
    !> finds no solution.
    character(len=*), parameter :: schemes(2) = [character(len=7) :: 'kappa', 'upwind2']
@@ -197,7 +193,7 @@ contains
       do k = 1, size(schemes)
          own%settings = solver_settings_t(method='newton_krylov', tolerance=coarse_tolerance, &
             max_cycles=max_cycles, explains_failure=.false., space_scheme=schemes(k))
-         pair = new_pair(own, [factor, 2*factor], widths)
+         pair = new_pair(own, [factor, 2*factor])
          pair%counts_spikes = .false.
          grids = pair%runs%contact%domain%intervals
          call run_pair(pair, listener, error)

@@ -36,8 +36,9 @@ module passage_pair
       !> Extremes with all ingredients.
       type(line_summary_t) :: full(2)
       logical :: is_known = .false.
-      !> Factors of the error of a change (`set_change`); whether that includes what spikes may add.
-      real(wp) :: widths(4) = 0.0_wp
+      !> Factors of the error of a change (`set_change`): a wave may miss the nodes of two coarse
+      !> grids alike; whether that includes what spikes may add.
+      real(wp) :: widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
       logical :: counts_spikes = .true.
       !> Nodes times Newton steps spent so far.
       real(wp) :: work = 0.0_wp
@@ -46,10 +47,9 @@ module passage_pair
 contains
 
    !> The transient of `experiment` on `factors` times fewer intervals, not run yet.
-   pure function new_pair(experiment, factors, widths) result(pair)
+   pure function new_pair(experiment, factors) result(pair)
       type(experiment_t), intent(in) :: experiment
       integer, intent(in) :: factors(2)
-      real(wp), intent(in) :: widths(4)
       type(passage_pair_t) :: pair
       type(passage_times_t) :: times
 
@@ -59,7 +59,6 @@ contains
       ! a leaner contact might count from another time
       times = new_passage_times(experiment%contact, experiment%time)
       pair%runs%time%statistics_from = times%counts_from
-      pair%widths = widths
    end function new_pair
 
    !> Runs the transient with all ingredients on both grids.

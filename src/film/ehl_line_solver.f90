@@ -4,7 +4,7 @@ module ehl_line_solver
    use domain_choice, only: choose_anew, choose_domain, cut_asperities, farthest, inlet_error, &
       inlet_pressure_error
    use ehl_line_steady, only: blame_grid, solve_steady
-   use ehl_line_transient, only: march
+   use ehl_line_transient, only: march_line
    use errors, only: error_t
    use film_breakdown, only: check_breakdown
    use graded_contact, only: find_tail, solve_graded_contact
@@ -105,7 +105,7 @@ contains
          seconds(phase_steady) = seconds(phase_steady) + wall_seconds() - start &
             - hierarchy%setup_seconds
          if (.not. is_resumed) then
-            call fill_state(contact, level, 0.0_wp, state)
+            call fill_state(contact, level, 0.0_wp, state, has_stresses=.false.)
             report%fit%outlet_pressure = level%state%pressure(level%n - 1)
             if (report%converged .and. report%fit%outlet_pressure > 0.0_wp &
                .and. contact%domain%may_lengthen .and. contact%domain%x_outlet < farthest) then
@@ -116,7 +116,7 @@ contains
          end if
          if (report%converged .and. time%is_transient) then
             begin = wall_seconds()
-            call march(hierarchy, contact, settings, whole_steps, listener, state, report)
+            call march_line(hierarchy, contact, settings, whole_steps, listener, state, report)
             seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
          else if (report%converged) then
             listener%coarser = coarser_summaries(hierarchy)

@@ -78,9 +78,8 @@ module line_hierarchy
 
    !> All grids, and the data of their solution.
    type :: line_hierarchy_t
-      !> Levels 1 (coarsest of the nested start) to `top`; a growing hierarchy has room for more.
+      !> The levels, the coarsest of the nested start first.
       type(line_level_t), allocatable :: levels(:)
-      integer :: top = 0
       !> Coarsest level of the cycles of the present method (the finest for a method on one level),
       !> the same for FAS, and the finest level in use.
       integer :: coarsest = 1, fas_coarsest = 1, finest = 1
@@ -160,7 +159,7 @@ contains
       integer, intent(in) :: levels
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
-      integer :: first, coarsest, n
+      integer :: coarsest, first, k, n
 
       n = contact%domain%intervals
       first = halved(n, coarsest_for_film(contact))
@@ -172,20 +171,15 @@ contains
       first = min(first, coarsest)
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
       allocate (hierarchy%levels(1 + doublings(first, n)))
-      hierarchy%top = 0
-      hierarchy%fas_coarsest = 1
-      do while (hierarchy%top < size(hierarchy%levels))
-         start = wall_seconds()
-         hierarchy%top = hierarchy%top + 1
-         hierarchy%finest = hierarchy%top
-         hierarchy%coarsest = hierarchy%top
-         call new_level_of(contact, first*2**(hierarchy%top - 1), hierarchy%levels(hierarchy%top), &
-            error)
-         if (allocated(error)) return
-         hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
-      end do
+      hierarchy%finest = size(hierarchy%levels)
       hierarchy%fas_coarsest = 1 + doublings(first, coarsest)
       hierarchy%coarsest = hierarchy%fas_coarsest
+      start = wall_seconds()
+      do k = 1, hierarchy%finest
+         call new_level_of(contact, first*2**(k - 1), hierarchy%levels(k), error)
+         if (allocated(error)) return
+      end do
+      hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
       hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
    end subroutine new_hierarchy
 
@@ -247,7 +241,7 @@ contains
       integer :: k
 
       if (.not. allocated(contact%duty)) return
-      do k = 1, hierarchy%top
+      do k = 1, size(hierarchy%levels)
          associate (level => hierarchy%levels(k))
             level%moment = contact%duty%at(time)
             associate (now => level%moment)
@@ -283,8 +277,12 @@ contains
       logical, intent(in) :: with_roughness
       integer :: k
 
-      do k = 1, hierarchy%top
-         call pose_level(hierarchy%levels(k), contact, with_roughness)
+      do k = 1, size(hierarchy%levels)
+         associate (level => hierarchy%levels(k))
+            call set_plain_problem(level, 0*level%x)
+            if (with_roughness) level%rhs_film = level%rhs_film - roughness_at(contact, level, &
+               0.0_wp)
+         end associate
       end do
    end subroutine pose_steady_problem
 
@@ -300,16 +298,6 @@ contains
       end do
    end subroutine pose_coarser_levels
 
-   !> Poses the steady problem on one level.
-   pure subroutine pose_level(level, contact, with_roughness)
-      type(line_level_t), intent(inout) :: level
-      type(line_contact_t), intent(in) :: contact
-      logical, intent(in) :: with_roughness
-
-      call set_plain_problem(level, 0*level%x)
-      if (with_roughness) level%rhs_film = level%rhs_film - roughness_at(contact, level, 0.0_wp)
-   end subroutine pose_level
-
    !> Whether the method is Newton's on the finest level, after which the film is that of pressure
    !> and H0.
    pure logical function is_newton(relaxation)
@@ -324,7 +312,7 @@ contains
       integer, intent(in) :: k, sweeps
 
       hierarchy%work_units = hierarchy%work_units &
-         + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(hierarchy%top)%n
+         + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(size(hierarchy%levels))%n
    end subroutine count_work
 
    !> Writes the cost so far into the report.

@@ -68,8 +68,6 @@ module listener
       !> table of quantities; NaN: not known.
       real(wp), allocatable :: grid_errors(:)
    contains
-      !> Whether the state of a time step needs shear stresses.
-      procedure, non_overridable :: wants_stresses
       !> Called after each time step, and once at T = 0 with step = 0.
       procedure :: on_step => ignore_step
       !> Called after each part of a time step that an error estimate has divided, but the last.
@@ -99,15 +97,6 @@ contains
       is_stopped = .false.
       if (present(listener)) is_stopped = listener%wants_stop()
    end function is_stopped
-
-   !> Whether `step` is 0 or a multiple of `stress_stride`.
-   pure logical function wants_stresses(self, step) result(answer)
-      class(listener_t), intent(in) :: self
-      integer, intent(in) :: step
-
-      answer = self%stress_stride > 0
-      if (answer) answer = mod(step, self%stress_stride) == 0
-   end function wants_stresses
 
    !> Ignores time step `step` of `steps` (0 = the start) and its `state`, from which later steps
    !> continue with `history`; `report` as far as known.

@@ -211,9 +211,9 @@ contains
          else
             call bump_start(hierarchy, contact, k)
          end if
-         if (k == hierarchy%top) return
+         if (k == size(hierarchy%levels)) return
          tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
-            .and. k >= hierarchy%top - 2)
+            .and. k >= size(hierarchy%levels) - 2)
          call solve_level(hierarchy, k, step_tolerance(hierarchy%levels(k), tolerance), is_sound, &
             listener)
          if (.not. is_sound) return

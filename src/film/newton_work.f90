@@ -20,9 +20,9 @@ module newton_work
    use line_level, only: has_close_exit, line_level_t
    use film_state, only: film_state_t
    use lubricant, only: thins
-   use mobility, only: fluid_face_mobility, fluid_mobility, mobility_slopes_t
-   use reynolds_line, only: apply_flow_factor, apply_reynolds, is_third_order, third_order_share, &
-      third_order_slope, wedge_weights
+   use mobility, only: fluid_mobility, mobility_slopes_t
+   use reynolds_line, only: apply_reynolds, evaluate_coefficients, is_third_order, &
+      third_order_share, third_order_slope, wedge_weights
    implicit none (type, external)
    private
 
@@ -183,7 +183,14 @@ contains
       integer :: i, n, o
 
       n = level%n
-      call evaluate_slopes(level, jacobian)
+      associate (slopes => jacobian%slopes)
+         if (level%is_kappa .and. .not. allocated(slopes%by_p_left)) allocate ( &
+            slopes%by_p_left(n), slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
+         call evaluate_coefficients(level, slopes)
+         ! in the kappa scheme Newton's method bends steps by the mobility of the nodes
+         if (level%is_kappa .and. .not. thins(level%fluid)) call fluid_mobility(level%fluid, &
+            level%dx, level%state, level%oil, slopes)
+      end associate
       call apply_reynolds(level)
       call differentiate_flux(level, jacobian, 1, right_p, right_h)
       associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => &
@@ -253,28 +260,6 @@ contains
          end do
       end associate
    end subroutine pass_on_oil
-
-   !> Computes mobility and density with their derivatives, and the coefficients of the level.
-   pure subroutine evaluate_slopes(level, jacobian)
-      type(line_level_t), intent(inout) :: level
-      type(reynolds_jacobian_t), intent(inout) :: jacobian
-
-      associate (slopes => jacobian%slopes, n => level%n)
-         if (level%is_kappa) then
-            if (.not. allocated(slopes%by_p_left)) allocate (slopes%by_p_left(n), &
-               slopes%by_p_right(n), slopes%by_h_left(n), slopes%by_h_right(n))
-            call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil, slopes)
-            if (allocated(level%rough)) call apply_flow_factor(level, slopes)
-         end if
-         ! in the kappa scheme Newton's method bends steps by the mobility of the nodes
-         if (level%is_kappa .and. thins(level%fluid)) return
-         call fluid_mobility(level%fluid, level%dx, level%state, level%oil, slopes)
-         if (allocated(level%rough) .and. .not. level%is_kappa) call apply_flow_factor(level, &
-            slopes)
-         if (.not. level%is_kappa) level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:n - 1) &
-            + level%oil%mobility(1:))
-      end associate
-   end subroutine evaluate_slopes
 
    !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with
    !> the kappa scheme's addition to the mass flux rH there, by P(i-2..i+1) and H(i-2..i).

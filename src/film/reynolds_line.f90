@@ -28,9 +28,8 @@ module reynolds_line
    implicit none (type, external)
    private
 
-   public :: apply_flow_factor, apply_reynolds, evaluate_coefficients, evaluate_reynolds, &
-      is_third_order, mass_flux, reynolds_diagonals, third_order_share, third_order_slope, &
-      wedge_weights
+   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, is_third_order, mass_flux, &
+      reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
 
    !> Curvature c that halves the third order in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
@@ -38,16 +37,17 @@ module reynolds_line
 contains
 
    !> Computes density rho and ln(mu/mu_0) of the nodes and mobility e(i-1/2) of the faces at the
-   !> present pressure and film; with upwind2 the mobility of the nodes too.
-   pure subroutine evaluate_coefficients(level)
+   !> present pressure and film; with upwind2 the mobility of the nodes too; of all their `slopes`.
+   pure subroutine evaluate_coefficients(level, slopes)
       type(line_level_t), intent(inout) :: level
+      type(mobility_slopes_t), intent(inout), optional :: slopes
 
       if (level%is_kappa) then
-         call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil)
-         if (allocated(level%rough)) call apply_flow_factor(level)
+         call fluid_face_mobility(level%fluid, [level%dx], level%state, level%oil, slopes)
+         if (allocated(level%rough)) call apply_flow_factor(level, slopes)
       else
-         call fluid_mobility(level%fluid, level%dx, level%state, level%oil)
-         if (allocated(level%rough)) call apply_flow_factor(level)
+         call fluid_mobility(level%fluid, level%dx, level%state, level%oil, slopes)
+         if (allocated(level%rough)) call apply_flow_factor(level, slopes)
          level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:level%n - 1) &
             + level%oil%mobility(1:))
       end if

@@ -34,7 +34,7 @@ contains
       type(line_level_t), intent(in) :: level
       real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
-      logical, intent(in), optional :: has_stresses
+      logical, intent(in) :: has_stresses
       real(wp) :: drive(size(level%x))
 
       state%x = level%x(:)
@@ -62,11 +62,9 @@ contains
          state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%x, &
             level%state%pressure, level%state%film)
          state%limits%stress_share = state%friction%stress_share
-         if (present(has_stresses)) then
-            if (has_stresses) then
-               state%shear_stress_1 = state%shear_stress_mean - 0.5_wp*drive
-               state%shear_stress_2 = state%shear_stress_mean + 0.5_wp*drive
-            end if
+         if (has_stresses) then
+            state%shear_stress_1 = state%shear_stress_mean - 0.5_wp*drive
+            state%shear_stress_2 = state%shear_stress_mean + 0.5_wp*drive
          end if
          if (.not. ieee_is_finite(level%slide_to_roll)) deallocate (state%shear_stress_mean)
       end if

@@ -13,14 +13,13 @@ module point_adequacy
    use line_contact, only: smoothen_both
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use point_contact, only: expect_film, first_intervals, point_contact_t
+   use point_contact, only: film_by_formulas, first_intervals, point_contact_t
    use point_cycle, only: new_hierarchy
-   use point_level, only: point_level_t, set_point_film, set_surfaces
+   use point_level, only: set_point_film, set_surfaces
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: summary_of_point
    use point_solver, only: interpolate, point_run_t
-   use pressure_errors, only: allow_for_spike, spike_law_t
-   use quantities, only: h_min, h_min_node, p_max, quantity_count, sliding_rows
+   use quantities, only: h_min, h_min_node, quantity_count
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -122,7 +121,6 @@ contains
             run%threads, error)
          if (allocated(error)) return
          pair%full(g) = run%grids(k + g - 1)
-         call doubt_pressure(contact, pair%newtons(g)%hierarchy%levels(1)%hx, pair%full(g))
          adequacy%at_rest(3 - g) = intervals(1)
       end do
       g = 2**(last - 2 - k)
@@ -155,11 +153,14 @@ contains
             if (pair%budget < usual_work*size(coarse%film)) return
             lean = contact
             call leave_out(lean, ingredient, rest)
-            call expect_film(lean)
+            lean%expected_film = film_by_formulas(lean, 1.0_wp)
             call set_surfaces(coarse, lean, 0.0_wp)
             coarse%pressure = pair%coarse
-            call place_film(coarse, pair%full(1)%of(h_min_node)%value*lean%expected_film &
-               /contact%expected_film)
+            ! the smallest film of the same pressure is that by the change of the expected one
+            coarse%rigid_displacement = 0.0_wp
+            call set_point_film(coarse)
+            coarse%rigid_displacement = pair%full(1)%of(h_min_node)%value*lean%expected_film &
+               /contact%expected_film - minval(coarse%film)
             is_known = first_intervals(lean, 2*coarse%nx) <= coarse%nx .or. rest > 0.0_wp
             if (is_known) call solve_lean(pair, 1, lean, summary, is_known, listener)
             if (is_known) exit
@@ -192,16 +193,6 @@ contains
       end associate
    end subroutine measure_one
 
-   !> Sets H0 so that the film of the present pressure has the minimum `smallest`.
-   subroutine place_film(level, smallest)
-      type(point_level_t), intent(inout) :: level
-      real(wp), intent(in) :: smallest
-
-      level%rigid_displacement = 0.0_wp
-      call set_point_film(level)
-      level%rigid_displacement = smallest - minval(level%film)
-   end subroutine place_film
-
    !> Solves grid `g` of the pair for a `lean` contact from its present pressure.
    subroutine solve_lean(pair, g, lean, summary, is_known, listener)
       type(grid_pair_t), intent(inout) :: pair
@@ -217,21 +208,8 @@ contains
          pair%budget = pair%budget - real(size(level%film), wp)*(newton%iterations &
             + work_of_step*newton%steps)
          is_known = report%converged
-         if (.not. is_known) return
-         summary = summary_of_point(level, lean)
-         call doubt_pressure(lean, level%hx, summary)
+         if (is_known) summary = summary_of_point(level, lean)
       end associate
    end subroutine solve_lean
-
-   !> Sets the error of the largest pressure to what a spike may add on finer grids.
-   pure subroutine doubt_pressure(contact, hx, summary)
-      type(point_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: hx
-      type(line_summary_t), intent(inout) :: summary
-
-      summary%of(p_max)%error_grid = 0.0_wp
-      summary%of(sliding_rows)%error_grid = abs(summary%of(sliding_rows)%error_grid)
-      call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), hx, summary)
-   end subroutine doubt_pressure
 
 end module point_adequacy

@@ -8,20 +8,18 @@
 !> With the flow of small pressure gradients on sliding along X, an Eyring oil has the viscosities
 !> mu/S along and across it: S_x = sqrt(1 + B^2), S_y = B/arsinh(B), B = mu |u2 - u1|/(tau_0 h).
 module point_contact
-   use contact_moment, only: least_speed, sample_count, set_sliding
+   use contact_moment, only: least_speed, sample_count, set_sliding, thinned_central_film
    use duty, only: moment_t
    use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &
       point_film_unit, point_lambda
-   use contact_moment, only: thinned_central_film
    use kinds, only: pi, wp
    use line_contact, only: rough_contact_t, smoothen_both
    use lubricant, only: faster_fluid, fluid_t
    implicit none (type, external)
    private
 
-   public :: dry_border, expect_film, far_load, far_pressure, film_by_formulas, fit_duty, &
-      first_intervals, hertz_pressure_at, intervals_for, new_point_contact, rows_for, &
-      set_point_moment, start_of
+   public :: dry_border, far_load, far_pressure, film_by_formulas, fit_duty, first_intervals, &
+      hertz_pressure_at, intervals_for, new_point_contact, rows_for, set_point_moment, start_of
 
    !> The contact.
    type, public, extends(rough_contact_t) :: point_contact_t
@@ -75,7 +73,7 @@ contains
          q = [c**2 + d*s**2, (d - 1)*c*s, s**2 + d*c**2]
          b = [hypot(c, kappa*s), hypot(s, kappa*c)]
          contact%half_length = b(1)
-         call expect_film(contact)
+         contact%expected_film = film_by_formulas(contact, 1.0_wp)
          ! (Q + 2 tr(Q) I) g = -lambda Q e_x
          trace = 2*(q(1) + q(3))
          contact%far = -contact%lambda*[(q(3) + trace)*q(1) - q(2)**2, (q(1) + trace)*q(2) &
@@ -87,13 +85,6 @@ contains
          contact%domain%y_half_width = b(2) + 2*sqrt(b(2))*width
       end associate
    end function new_point_contact
-
-   !> Sets the central film that formulas expect.
-   pure subroutine expect_film(contact)
-      type(point_contact_t), intent(inout) :: contact
-
-      contact%expected_film = film_by_formulas(contact, 1.0_wp)
-   end subroutine expect_film
 
    !> Central film of a contact with `factor` > 0 times its viscosity: M ~ mu_0^(-3/4), L ~
    !> mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.

@@ -90,8 +90,7 @@ contains
          call fill_faces(level, contact, j, along_y, nodes(:, :, old), nodes(:, :, new), &
             across(:, :, new))
          call fill_faces(level, contact, j, along_x, nodes(:, :, old), nodes(:, :, old), along)
-         call assemble_row(level, j, nodes(:, :, old), along, across(:, :, old), across(:, :, new))
-         if (has_bands) call assemble_bands(level, j, nodes(:, :, old), along, across(:, :, old), &
+         call assemble_row(level, j, has_bands, nodes(:, :, old), along, across(:, :, old), &
             across(:, :, new))
          largest = max(largest, maxval(nodes(:, of_e, old)*nodes(:, along_x + 2, old) &
             *nodes(:, of_p, old)))
@@ -245,19 +244,24 @@ contains
       end do
    end subroutine thin_drops
 
-   !> Residual and diagonal of row `j`; face i lies between nodes i and i + 1.
-   pure subroutine assemble_row(level, j, nodes, along, below, above)
+   !> Residual and diagonal of row `j`, and its bands, and where its flow is strong; face i lies
+   !> between nodes i and i + 1.
+   pure subroutine assemble_row(level, j, has_bands, nodes, along, below, above)
       type(point_level_t), intent(inout) :: level
       integer, intent(in) :: j
+      logical, intent(in) :: has_bands
       real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
          below(0:level%nx, face_columns), above(0:level%nx, face_columns)
       real(wp) :: ix, iy, own, w(-2:0)
       integer :: i, nx
 
       nx = level%nx
-      own = wedge_diagonal(level)
       ix = 1/level%hx**2
       iy = 1/level%hy**2
+      ! change of wedge and squeeze of a node with its own pressure, by the deflection; density 1
+      w = level%entrainment*wedge_weights(2)
+      own = dot_product(w(0:-2:-1), level%kernel(0:2, 0))/level%hx &
+         + level%inverse_time_step*level%kernel(0, 0)
       associate (r => level%residual, d => level%diagonal)
          w = level%entrainment*wedge_weights(2)/level%hx
          do i = 1, nx - 1
@@ -275,30 +279,7 @@ contains
          if (allocated(level%old_squeeze)) r(1:nx - 1, j) = r(1:nx - 1, j) &
             - (level%inverse_time_step*nodes(1:nx - 1, of_mass) + level%old_squeeze(1:nx - 1, j))
       end associate
-   end subroutine assemble_row
-
-   !> Change of wedge and squeeze of a node with its own pressure, by the deflection; density 1.
-   pure real(wp) function wedge_diagonal(level) result(diagonal)
-      type(point_level_t), intent(in) :: level
-      real(wp) :: weights(-2:0)
-
-      weights = level%entrainment*wedge_weights(2)
-      diagonal = dot_product(weights(0:-2:-1), level%kernel(0:2, 0))/level%hx &
-         + level%inverse_time_step*level%kernel(0, 0)
-   end function wedge_diagonal
-
-   !> Bands of row `j`, and where its flow is strong.
-   pure subroutine assemble_bands(level, j, nodes, along, below, above)
-      type(point_level_t), intent(inout) :: level
-      integer, intent(in) :: j
-      real(wp), intent(in) :: nodes(0:level%nx, node_columns), along(0:level%nx, face_columns), &
-         below(0:level%nx, face_columns), above(0:level%nx, face_columns)
-      real(wp) :: ix, iy, strong
-      integer :: i
-
-      ix = 1/level%hx**2
-      iy = 1/level%hy**2
-      strong = strong_flow*wedge_diagonal(level)
+      if (.not. has_bands) return
       level%rise(:, j) = nodes(:, along_x + 1)
       call set_bands(level%by_pressure(:, :, j), by_p1, by_p2, of_mass_by_p)
       call set_bands(level%by_film(:, :, j), by_h1, by_h2, of_rho)
@@ -306,7 +287,7 @@ contains
          j))
       do i = 1, level%nx - 1
          level%is_local(i, j) = merge(1.0_wp, 0.0_wp, min(ix*along(i, flow_1), &
-            ix*along(i - 1, flow_2)) > strong)
+            ix*along(i - 1, flow_2)) > strong_flow*own)
       end do
 
    contains
@@ -354,6 +335,6 @@ contains
          change(1, 2:3) = change(1, 2:3) + w(-1:0)*nodes(0:1, of_change)
       end subroutine set_bands
 
-   end subroutine assemble_bands
+   end subroutine assemble_row
 
 end module point_equations

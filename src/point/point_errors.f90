@@ -19,7 +19,7 @@ module point_errors
    use point_quantities, only: estimate_point_errors, summary_of_point
    use point_solver, only: point_run_t, tolerance_of
    use pressure_errors, only: largest_doubt, shear_of_spike, spike_law_t
-   use quantities, only: h_central, h_min, sliding_rows
+   use quantities, only: h_central, h_min, p_max, sliding_rows
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -75,7 +75,7 @@ contains
          summary = run%grids(size(run%grids))
       end if
       by_spike = summary%of(sliding_rows)%error_grid
-      summary%of(sliding_rows)%error_grid = not_known()
+      summary%of([p_max, sliding_rows])%error_grid = not_known()
       missing = 'no coarser grids are compared'
       if (.not. run%settings%wants_coarse_runs) return
       missing = 'no coarser grid holds the film'

@@ -70,7 +70,7 @@ contains
       integer, intent(in) :: nx, ny, threads
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: kernel(:, :)
-      integer :: i, j
+      integer :: i
 
       level%threads = threads
       level%nx = nx
@@ -79,24 +79,15 @@ contains
       associate (domain => contact%domain)
          level%hx = (domain%x_outlet - domain%x_inlet)/nx
          level%hy = 2*domain%y_half_width/ny
-         do i = 0, nx
-            level%x(i) = domain%x_inlet + i*level%hx
-         end do
-         do j = 0, ny
-            level%y(j) = (j - 0.5_wp*ny)*level%hy
-         end do
+         level%x(:) = [(domain%x_inlet + i*level%hx, i=0, nx)]
+         level%y(:) = [((i - 0.5_wp*ny)*level%hy, i=0, ny)]
       end associate
       call set_surfaces(level, contact, 0.0_wp)
-      allocate (level%pressure, level%film, level%flowing, level%is_local, mold=level%rigid)
-      allocate (level%residual, level%diagonal, level%flow, level%rise, mold=level%rigid)
-      level%residual = 0.0_wp
-      level%diagonal = 1.0_wp
-      level%flow = 0.0_wp
-      level%rise = 0.0_wp
-      level%is_local = 0.0_wp
-      allocate (level%by_pressure(0:nx, bands, 0:ny), level%by_film(0:nx, bands, 0:ny))
-      level%by_pressure = 0.0_wp
-      level%by_film = 0.0_wp
+      allocate (level%pressure, level%film, level%flowing, mold=level%rigid)
+      allocate (level%diagonal(0:nx, 0:ny), source=1.0_wp)
+      allocate (level%residual(0:nx, 0:ny), level%flow(0:nx, 0:ny), level%rise(0:nx, 0:ny), &
+         level%is_local(0:nx, 0:ny), level%by_pressure(0:nx, bands, 0:ny), &
+         level%by_film(0:nx, bands, 0:ny), source=0.0_wp)
       kernel = 2*pi*contact%ellipse%compliance*open_area_kernel(nx + 1, ny + 1, level%hx, level%hy)
       allocate (level%kernel(0:min(reach, nx), 0:min(reach, ny)))
       level%kernel = kernel(:size(level%kernel, 1), :size(level%kernel, 2))

@@ -22,7 +22,7 @@ module point_quantities
    implicit none (type, external)
    private
 
-   public :: estimate_point_errors, fill_heights, fill_point_state, summary_of_point
+   public :: estimate_point_errors, fill_point_state, summary_of_point
 
    !> Rows of films.
    integer, parameter :: films(*) = [h_min, h_min_node, h_central]
@@ -42,8 +42,8 @@ module point_quantities
 
 contains
 
-   !> Fields of the level at a `time`, friction and limits. Forces in p_h a^3/Rx, powers in that
-   !> times u_s; `load` such that coefficients are those of a line.
+   !> Fields of the level at a `time`, heights of rough surfaces, friction and limits. Forces in p_h
+   !> a^3/Rx, powers in that times u_s; `load` such that coefficients are those of a line.
    pure subroutine fill_point_state(level, contact, time, state)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
@@ -59,10 +59,8 @@ contains
       state%time = time
       state%moment = contact%moment
       state%moment%speeds = level%direction*contact%moment%speeds
-      if (allocated(state%friction)) deallocate (state%friction)
       if (allocated(state%shear_stress_mean)) deallocate (state%shear_stress_mean)
-      allocate (state%friction, source=friction_t(not_known(), not_known(), not_known(), &
-         not_known(), not_known()))
+      state%friction = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
       state%limits = unknown_limits()
       if (all(level%film > 0.0_wp)) then   ! else of an iterate
          call sum_forces(level, contact, [0, level%ny], state%friction, state%shear_stress_mean)
@@ -81,22 +79,15 @@ contains
       end if
       state%friction%load = 2/pi*contact%load*contact%moment%load
       if (level%direction < 0.0_wp) state = turned(state)
+      if (finest_wave(contact) >= huge(1.0_wp)) return
+      state%roughness_1 = [(surface_height(contact%surface_1, state%x, time, state%y(i)), i=1, &
+         size(state%y))]
+      state%roughness_2 = [(surface_height(contact%surface_2, state%x, time, state%y(i)), i=1, &
+         size(state%y))]
    end subroutine fill_point_state
 
-   !> Adds the heights of the surfaces at the time of a `state`, unless they are smooth.
-   pure subroutine fill_heights(contact, state)
-      type(point_contact_t), intent(in) :: contact
-      type(line_state_t), intent(inout) :: state
-      integer :: j
-
-      if (finest_wave(contact) >= huge(1.0_wp)) return
-      associate (x => state%x, y => state%y, time => state%time)
-         state%roughness_1 = [(surface_height(contact%surface_1, x, time, y(j)), j=1, size(y))]
-         state%roughness_2 = [(surface_height(contact%surface_2, x, time, y(j)), j=1, size(y))]
-      end associate
-   end subroutine fill_heights
-
-   !> Quantities of the level.
+   !> Quantities of the level; errors of the largest pressure and of sliding friction are what a
+   !> spike may add to them on finer grids; NaN: not known.
    pure function summary_of_point(level, contact) result(summary)
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
@@ -107,6 +98,8 @@ contains
       summary = summary_of(state)
       summary%of(sliding_rows)%error_grid = summary%of(sliding_rows)%value*shear_on_highest(level, &
          contact, summary)
+      summary%of(p_max)%error_grid = 0.0_wp
+      call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), level%hx, summary)
    end function summary_of_point
 
    !> Share of the friction on the row of the largest pressure that a spike there may add on finer
