@@ -7,9 +7,10 @@
 !>     s = (y(i) - y(i-1)) tau + (g - z_load) beta + quadrature
 !>
 !> of J_true - J. tau: error of its flux against better values of P, H and dP/dX in its middle, by
-!> second differences. beta = -h^3/12 P'': load that the straight line misses; g: what that does to
-!> J by the film. quadrature: what the sum for J itself misses. The bound of the error of J is
-!> 0.65 sum |s| + 2 |sum s|.
+!> second differences; where P of a Newtonian oil rises or falls over three elements, within the
+!> bounds of a monotone cubic, as they exceed it behind a spike. beta = -h^3/12 P'': load that the
+!> straight line misses; g: what that does to J by the film. quadrature: what the sum for J itself
+!> misses. The bound of the error of J is 0.65 sum |s| + 2 |sum s|.
 !>
 !> Fluxes in the flank of a spike that is not resolved tell nothing, and the height of its top hangs
 !> on where between two nodes it lies. In front of it P = P_0 - C sqrt(distance): the grid may miss
@@ -89,8 +90,9 @@ contains
       type(graded_line_t), intent(in) :: line
       real(wp), intent(out), dimension(line%n) :: flux_error, lost_load, power_error
       real(wp), dimension(0:line%n) :: bend_p, bend_h
-      real(wp), dimension(line%n) :: pressure, film, slope, e, rho
+      real(wp), dimension(line%n) :: pressure, film, rise, slope, e, rho
       real(wp) :: unused(line%n, 3)
+      logical :: is_monotone(line%n)
       integer :: last
 
       associate (p => line%state%pressure, h => line%state%film, n => line%n, d => line%spacing)
@@ -98,18 +100,25 @@ contains
          bend_p = second_differences(line, p)
          bend_h = second_differences(line, h)
          bend_p(last + 1:) = 0.0_wp
-         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) - d**2/16*(bend_p(1:) + bend_p(:n - 1)), &
-            0.0_wp)
+         rise = p(1:) - p(:n - 1)
+         is_monotone = [.false., min(rise(2:n - 1)*rise(:n - 2), rise(2:n - 1)*rise(3:)) > 0.0_wp &
+            .and. .not. thins(line%fluid), .false.]
+         pressure = -d**2/16*(bend_p(1:) + bend_p(:n - 1))
+         slope = -d**2/24*(bend_p(1:) - bend_p(:n - 1))
+         where (is_monotone)   ! the bounds of a monotone cubic
+            pressure = sign(min(abs(pressure), 0.375_wp*abs(rise)), pressure)
+            slope = rise*max(-1.0_wp, min(slope/rise, 0.5_wp))
+         end where
+         pressure = max(0.5_wp*(p(1:) + p(:n - 1)) + pressure, 0.0_wp)
          film = 0.5_wp*(h(1:) + h(:n - 1)) - d**2/16*(bend_h(1:) + bend_h(:n - 1))
          film = max(film, 0.5_wp*min(h(1:), h(:n - 1)))
-         slope = (p(1:) - p(:n - 1) - d**2/24*(bend_p(1:) - bend_p(:n - 1)))/d
+         slope = (rise + slope)/d
          call point_mobility(line%fluid, pressure, film, slope, e, unused)
          call fluid_density(line%fluid, pressure, rho)
          flux_error = rho*film - e*slope/line%lambda - line%flux
          lost_load = -d**3/24*(bend_p(1:) + bend_p(:n - 1))
-         power_error = 0.5_wp*d*e/rho*slope**2/line%lambda - (p(1:) - p(:n - 1))**2 &
-            *line%oil%face_mobility/(line%lambda*d*(line%oil%density(1:) + line%oil%density(:n &
-            - 1)))
+         power_error = 0.5_wp*d*e/rho*slope**2/line%lambda - rise**2*line%oil%face_mobility &
+            /(line%lambda*d*(line%oil%density(1:) + line%oil%density(:n - 1)))
          flux_error(last + 2:) = 0.0_wp
          power_error(last + 2:) = 0.0_wp
          lost_load(last + 2:) = 0.0_wp
