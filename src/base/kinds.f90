@@ -6,7 +6,7 @@ module kinds
    implicit none (type, external)
    private
 
-   public :: exceeds, larger, not_known, quotient
+   public :: are_finite, exceeds, larger, not_known, quotient
 
    !> Working precision: IEEE 754 double.
    integer, parameter, public :: wp = real64
@@ -31,6 +31,22 @@ contains
       if (ieee_is_finite(b)) value = b
       if (ieee_is_finite(a) .and. ieee_is_finite(b)) value = max(a, b)
    end function larger
+
+   !> Whether all `values` are finite: no exponent has all bits set. (Without a way out the loop
+   !> takes several at a time.)
+   pure logical function are_finite(values)
+      real(wp), contiguous, intent(in) :: values(:)
+      integer(int64), parameter :: full = 2047_int64
+      integer(int64) :: bits, largest
+      integer :: i
+
+      largest = 0_int64
+      do i = 1, size(values)
+         bits = transfer(values(i), bits)
+         largest = ior(largest, iand(shiftr(bits, 52), full) + 1_int64)
+      end do
+      are_finite = largest <= full
+   end function are_finite
 
    !> Whether `a` is known and larger than `b`, which is known.
    pure elemental logical function exceeds(a, b)

@@ -30,31 +30,25 @@ contains
       real(wp), intent(in) :: pressure(nx, ny), hardness
       integer, intent(out) :: edges(2)
       real(wp), intent(out) :: share
-      integer :: i, j
+      real(wp) :: around(4)
+      integer :: i, j, outside
 
       edges = 0
       share = 0.0_wp
       do j = 1, ny
-         do i = 1, nx
-            call compare(pressure(i, j), pressure(merge(1, i + 1, i == nx), j))
-            call compare(pressure(i, j), pressure(i, modulo(j, ny) + 1))
-         end do
+         nodes: do i = 1, nx
+            associate (here => pressure(i, j))
+               if (.not. here > 0.0_wp) cycle nodes
+               around = [pressure(modulo(i - 2, nx) + 1, j), pressure(modulo(i, nx) + 1, j), &
+                  pressure(i, modulo(j - 2, ny) + 1), pressure(i, modulo(j, ny) + 1)]
+               outside = count(.not. around > 0.0_wp)
+               edges(1) = edges(1) + outside
+               if (here >= hardness) edges(2) = edges(2) + count(around < hardness)
+               share = share + outside*here**2
+            end associate
+         end do nodes
       end do
       share = sqrt(share)/sum(pressure)
-
-   contains
-
-      !> Compares one pair.
-      subroutine compare(one, other)
-         real(wp), intent(in) :: one, other
-
-         if (.not. max(one, other) > 0.0_wp) return
-         if (one >= hardness .neqv. other >= hardness) edges(2) = edges(2) + 1
-         if (min(one, other) > 0.0_wp) return
-         edges(1) = edges(1) + 1
-         share = share + (one - other)**2
-      end subroutine compare
-
    end subroutine find_edges
 
    !> Number of nodes in contact beyond the edges, on a periodic line of this `pressure`.

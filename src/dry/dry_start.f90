@@ -99,8 +99,8 @@ contains
 
       do j = 0, fine%ny - 1
          row = coarse%nx*(j*coarse%ny/fine%ny)
-         do i = 0, fine%nx - 1
-            p(1 + i + fine%nx*j) = p_coarse(1 + i/2 + row)
+         do i = 1, coarse%nx
+            p(fine%nx*j + 2*i - 1:fine%nx*j + 2*i) = p_coarse(row + i)
          end do
       end do
    end subroutine refine

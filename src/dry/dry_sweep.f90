@@ -171,8 +171,9 @@ contains
       real(wp), contiguous, intent(in) :: z(:), plastic(:), yielded(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(inout) :: fields
-      real(wp) :: gap
-      integer :: i, n
+      !> Nodes of which all fields are filled while they are in the cache.
+      integer, parameter :: block = 2048
+      integer :: first, last, n
 
       n = size(z)
       if (.not. allocated(fields%pressure)) then
@@ -180,15 +181,17 @@ contains
          if (problem%is_capped()) allocate (fields%height_unloaded(n), &
             fields%plastic_deformation(n))
       end if
-      ! One pass, since these fields do not fit into the cache; the nodes are independent.
-      !$omp parallel do simd num_threads(problem%grid%threads) private(gap) schedule(static)
-      do i = 1, n
-         gap = scaling%height*max(solution%v(i) - solution%datum, 0.0_wp)
-         fields%gap(i) = merge(0.0_wp, gap, solution%pressure(i) > 0.0_wp)
-         fields%pressure(i) = scaling%pressure*solution%pressure(i)
-         fields%height_loaded(i) = z(i) - scaling%height*(solution%v(i) + problem%height(i))
+      !$omp parallel do num_threads(problem%grid%threads) private(last) schedule(static)
+      do first = 1, n, block
+         last = min(first + block - 1, n)
+         fields%pressure(first:last) = scaling%pressure*solution%pressure(first:last)
+         fields%gap(first:last) = scaling%height &
+            *max(solution%v(first:last) - solution%datum, 0.0_wp)
+         where (solution%pressure(first:last) > 0.0_wp) fields%gap(first:last) = 0.0_wp
+         fields%height_loaded(first:last) = z(first:last) &
+            - scaling%height*(solution%v(first:last) + problem%height(first:last))
       end do
-      !$omp end parallel do simd
+      !$omp end parallel do
       if (size(plastic) == 0) return
       fields%plastic_deformation = scaling%height*plastic
       if (size(yielded) > 0) fields%plastic_deformation = scaling%height*(plastic + yielded)

@@ -5,7 +5,6 @@
 !> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No
 !> object carries a time stamp: equal contents make equal files.
 module hdf5_file
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
    use disk_file, only: any_mark, early_place, early_words, place_fault
@@ -15,7 +14,7 @@ module hdf5_file
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
    use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
       start_hdf5
-   use kinds, only: wp
+   use kinds, only: are_finite, wp
    use summary_row, only: summary_row_t
    implicit none (type, external)
    private
@@ -143,19 +142,6 @@ contains
          if (any(flat < 0.0_wp)) self%nonsense = path//' holds values below zero'
       end if
    end subroutine check_values
-
-   !> Whether all `values` are finite. (Without a way out the loop takes several at a time.)
-   pure logical function are_finite(values)
-      real(wp), contiguous, intent(in) :: values(:)
-      integer(int64) :: others
-      integer :: i
-
-      others = 0_int64
-      do i = 1, size(values)
-         others = others + merge(0_int64, 1_int64, ieee_is_finite(values(i)))
-      end do
-      are_finite = others == 0_int64
-   end function are_finite
 
    !> Makes a group and those above it.
    subroutine create_group(self, path)

@@ -276,7 +276,7 @@ contains
    subroutine get(self, first, z, error)
       class(hdf5_heights_t), intent(in) :: self
       integer(int64), intent(in) :: first
-      real(wp), intent(out) :: z(:)
+      real(wp), contiguous, intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
       integer(int64) :: offset

@@ -7,8 +7,8 @@ module height_file
    use height_form, only: height_sums_t
    use profile, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
-   use measured_heights, only: height_fault, height_range_t, height_request_t, heights_t, &
-      is_height, range_fault
+   use measured_heights, only: are_heights, height_fault, height_range_t, height_request_t, &
+      heights_t, is_height, range_fault
    use kinds, only: int64, wp
    use signals, only: begin_activity
    use system_limits, only: memory_fault
@@ -78,7 +78,7 @@ contains
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
-            bad = findloc(is_height(piece), .false., 1)
+            if (.not. are_heights(piece)) bad = findloc(is_height(piece), .false., 1)
             if (bad > 0) fault = height_fault(piece(bad))
             if (bad > 0) bad = first + bad
             if (bad > 0) exit

@@ -223,7 +223,7 @@ contains
    subroutine get(self, first, z, error)
       class(height_table_t), intent(in) :: self
       integer(int64), intent(in) :: first
-      real(wp), intent(out) :: z(:)
+      real(wp), contiguous, intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       type(text_lines_t) :: lines
       real(wp) :: numbers(2)

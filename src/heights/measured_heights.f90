@@ -5,13 +5,13 @@
 module measured_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use height_form, only: height_sums_t
-   use kinds, only: int64, wp
+   use kinds, only: are_finite, int64, wp
    use text, only: counted, to_text
    implicit none (type, external)
    private
 
-   public :: height_fault, height_range_t, height_request_t, heights_t, is_height, is_position, &
-      position_fault, position_range_t, range_fault, scale_fault, spacing_fault
+   public :: are_heights, height_fault, height_range_t, height_request_t, heights_t, is_height, &
+      is_position, position_fault, position_range_t, range_fault, scale_fault, spacing_fault
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
@@ -82,6 +82,15 @@ contains
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
+
+   !> Whether all `z` [m] can be heights.
+   pure logical function are_heights(z)
+      real(wp), contiguous, intent(in) :: z(:)
+
+      are_heights = are_finite(z)
+      if (are_heights) are_heights = count((abs(z) >= tiny(z) .or. abs(z) <= 0.0_wp) &
+         .and. abs(z) <= largest_height) == size(z)
+   end function are_heights
 
    !> Whether `x` [m] can be a position.
    pure elemental logical function is_position(x)

@@ -25,14 +25,16 @@ contains
       type(dry_case_t), intent(inout) :: dry
       integer :: i, status
 
-      allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp, stat=status)
+      allocate (dry%height(dry%grid%nx*dry%grid%ny), stat=status)
       if (status /= 0) then
          call dry%values%refuse('domain', '', 'not enough memory for the heights of the grid')
          return
       end if
+      deallocate (dry%height)   ! there is room
       do i = 1, size(surfaces)
          call add_surface(dry, i)
       end do
+      if (.not. allocated(dry%height)) allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp)
    end subroutine make_heights
 
    !> The surface on `nodes` in x and y: formulas at the new nodes, synthetic and periodic heights
@@ -98,7 +100,11 @@ contains
       end select
       if (dry%values%findings%count > 0) return
       if (dry%values%is_given(surfaces(i), 'harmonics')) call truncate(dry, surfaces(i), z)
-      dry%height = dry%height + z
+      if (allocated(dry%height)) then
+         dry%height = dry%height + z
+      else
+         call move_alloc(z, dry%height)
+      end if
    end subroutine add_surface
 
    !> Positions of the nodes in x (1) or y (2); a line has y = 0 alone.

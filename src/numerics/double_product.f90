@@ -8,10 +8,10 @@ module double_product
    use fftw, only: alloc_complex => fftw_alloc_complex, alloc_real => fftw_alloc_real, &
       destroy_plan => fftw_destroy_plan, execute_dft => fftw_execute_dft, &
       execute_dft_c2r => fftw_execute_dft_c2r, execute_dft_r2c => fftw_execute_dft_r2c, &
-      fftw_backward, fftw_estimate, fftw_forward, free => fftw_free, &
+      fftw_estimate, fftw_forward, free => fftw_free, &
       plan_dft_1d => fftw_plan_dft_1d, plan_dft_c2r_1d => fftw_plan_dft_c2r_1d, &
       plan_dft_r2c_1d => fftw_plan_dft_r2c_1d
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use text, only: to_text
    use work_shares, only: share_end
    implicit none (type, external)

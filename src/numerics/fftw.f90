@@ -12,7 +12,7 @@ module fftw
    implicit none (type, external)
    private
 
-   public :: fftw_alloc_complex, fftw_alloc_real, fftw_backward, fftw_destroy_plan, &
+   public :: fftw_alloc_complex, fftw_alloc_real, fftw_destroy_plan, &
       fftw_estimate, fftw_execute_dft, fftw_execute_dft_c2r, fftw_execute_dft_r2c, fftw_forward, &
       fftw_free, fftw_plan_dft_1d, fftw_plan_dft_c2r, fftw_plan_dft_c2r_1d, fftw_plan_dft_r2c, &
       fftw_plan_dft_r2c_1d, fftwf_alloc_complex, fftwf_alloc_real, fftwf_destroy_plan, &

@@ -13,10 +13,10 @@ module single_product
    use fftw, only: alloc_complex => fftwf_alloc_complex, alloc_real => fftwf_alloc_real, &
       destroy_plan => fftwf_destroy_plan, execute_dft => fftwf_execute_dft, &
       execute_dft_c2r => fftwf_execute_dft_c2r, execute_dft_r2c => fftwf_execute_dft_r2c, &
-      fftw_backward, fftw_estimate, fftw_forward, free => fftwf_free, &
+      fftw_estimate, fftw_forward, free => fftwf_free, &
       plan_dft_1d => fftwf_plan_dft_1d, plan_dft_c2r_1d => fftwf_plan_dft_c2r_1d, &
       plan_dft_r2c_1d => fftwf_plan_dft_r2c_1d
-   use kinds, only: wp
+   use kinds, only: pi, wp
    use text, only: to_text
    use work_shares, only: share_end
    implicit none (type, external)

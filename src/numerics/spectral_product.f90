@@ -38,9 +38,9 @@ module spectral_product
 contains
 
    !> Plans a periodic product on a grid of `nx` x `ny` >= 1 nodes (ny = 1: a line) with the real
-   !> `symbol(0:nx/2, 0:ny-1)` in the order of the FFT: wavenumbers 0 ... nx/2, and 0 ... , -1 in y.
-   !> Work is shared by `threads`. With `is_single`, products in double precision are not planned
-   !> and must not be used. Fails (internal_error) if FFTW gives no memory or no plan.
+   !> `symbol(0:nx/2, 0:ny-1)`, even in y, in the order of the FFT: wavenumbers 0 ... nx/2, and in y
+   !> 0 ... -1. Work is shared by `threads`. With `is_single`, products in double precision are not
+   !> planned and must not be used. Fails (internal_error) if FFTW gives no memory or no plan.
    subroutine new_spectral_product(self, nx, ny, symbol, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nx, ny, threads
@@ -107,8 +107,8 @@ contains
       end if
    end subroutine plan_as_wanted
 
-   !> Length of the transform of an open line of `n` nodes: the smallest 2^a 3^b 5^c >= 2n - 2 (1
-   !> for a single node): the distances n - 1 and 1 - n, whose kernel is the same, share a place.
+   !> Length of the transform of an open line of `n` nodes: the smallest even 2^a 3^b 5^c >= 2n - 2
+   !> (1 for a single node): the distances n - 1 and 1 - n, whose kernel is the same, share a place.
    pure function padded_size(n) result(m)
       integer, intent(in) :: n
       integer :: m, rest
@@ -126,7 +126,7 @@ contains
             rest = rest/5
          end do
          if (rest == 1) return
-         m = m + 1
+         m = m + 2
       end do
    end function padded_size
 
@@ -145,14 +145,18 @@ contains
       class(spectral_product_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: x(:)
       real(wp), contiguous, intent(out) :: y(:)
-      real(wp), allocatable :: symbol(:, :)
-      real(wp) :: weight
+      real(wp), allocatable :: symbol(:, :, :), scale(:, :)
 
-      weight = self%double%weight()
       call move_alloc(self%double%symbol, symbol)
-      allocate (self%double%symbol, mold=symbol)
-      self%double%symbol = 0.0_wp
-      where (symbol > 0.0_wp) self%double%symbol = weight*weight/symbol
+      associate (a => symbol(:, :, 1), b => symbol(:, :, 2), c => symbol(:, :, 3))
+         scale = a*c - b**2
+         self%double%symbol = reshape([c, -b, a], shape(symbol))
+         ! Of the two waves behind these values at most one counts.
+         where (spread(scale, 3, 3) <= 0.0_wp) self%double%symbol = symbol
+         where (scale <= 0.0_wp) scale = max((a + c)**2, tiny(1.0_wp))
+      end associate
+      scale = self%double%weight()**2/scale
+      self%double%symbol = self%double%symbol*spread(scale, 3, 3)
       call self%apply(x, y)
       call move_alloc(symbol, self%double%symbol)
    end subroutine apply_inverse

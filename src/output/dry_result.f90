@@ -30,8 +30,8 @@ module dry_result
    character(len=15), parameter :: times(3) = [character(len=15) :: 'before loading', &
       'under load', 'after unloading']
 
-   !> Levels of the bearing curves, and steps of the height densities.
-   integer, parameter :: bearing_levels = 201, density_steps = 50
+   !> Levels of the bearing curves, and those in a step of the height densities.
+   integer, parameter :: bearing_levels = 201, density_levels = 4
 
    !> What is stored of the surface before, under and after loading.
    type :: surface_state_t
@@ -251,7 +251,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(surface_state_t) :: of(size(states))
       type(error_t), allocatable :: failure
-      real(wp) :: edges(density_steps + 1), highest, levels(bearing_levels), lowest
+      real(wp) :: highest, levels(bearing_levels), lowest
+      real(wp), allocatable :: edges(:)
       integer :: i, k
 
       associate (z => dry%height)
@@ -260,20 +261,21 @@ contains
       end associate
       levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, &
          bearing_levels - 1)]
-      edges = [(lowest + (highest - lowest)*real(i, wp)/density_steps, i=0, density_steps)]
       call write_field(file, '/surface/level', levels, new_label('height of the bearing curves', &
          'm'), '=')
+      edges = levels(::density_levels)
       call write_field(file, '/surface/density_edge', edges, &
          new_label('ends of the steps of the height densities', 'm'), '=')
-      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) + &
-         edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'), '=')
+      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) &
+         + edges(:size(edges) - 1)), new_label('middle of the steps of the height densities', &
+         'm'), '=')
       ! Two surfaces at a time: they share nothing.
       !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
       do k = 1, 2
          if (k == 1) then
-            call find_state(dry, dry%height, levels, edges, of(1), failure)
+            call find_state(dry, dry%height, levels, of(1), failure)
          else
-            call find_state(dry, fields%height_loaded, levels, edges, of(2), failure)
+            call find_state(dry, fields%height_loaded, levels, of(2), failure)
          end if
          !$omp critical (surface_failure)
          if (allocated(failure)) error = failure
@@ -283,7 +285,7 @@ contains
       if (allocated(error)) return
       of(3) = of(1)
       if (allocated(fields%height_unloaded)) call find_state(dry, fields%height_unloaded, levels, &
-         edges, of(3), error)
+         of(3), error)
       if (allocated(error)) return
       call write_state(file, 'undeformed', of(1))
       call write_state(file, 'unloaded', of(3))
@@ -291,17 +293,18 @@ contains
    end subroutine write_surface
 
    !> What is stored of the heights `z` (nx*ny) of a state. Error (internal_error): FFTW.
-   subroutine find_state(dry, z, levels, edges, state, error)
+   subroutine find_state(dry, z, levels, state, error)
       type(dry_case_t), intent(in) :: dry
       real(wp), contiguous, target, intent(in) :: z(:)
-      real(wp), intent(in) :: levels(:), edges(:)
+      real(wp), intent(in) :: levels(:)
       type(surface_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
       real(wp), contiguous, pointer :: area(:, :)
       real(wp) :: dx, dy
 
       state%bearing_ratio = bearing_ratio(z, levels)
-      state%height_density = height_density(z, edges)
+      state%height_density = height_density(z, levels(::density_levels), &
+         state%bearing_ratio(::density_levels))
       if (.not. dry%is_periodic) return
       dx = dry%lengths(1)/dry%grid%nx
       dy = dx

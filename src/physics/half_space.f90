@@ -177,7 +177,7 @@ contains
 
       do j = 0, ny/2
          do i = 0, nx/2
-            q(i, j) = 2.0_wp*pi*hypot(real(i, wp)/length_x, real(j, wp)/length_y)
+            q(i, j) = 2.0_wp*pi*sqrt((real(i, wp)/length_x)**2 + (real(j, wp)/length_y)**2)
          end do
          if (j > 0) q(:, ny - j) = q(:, j)
       end do

@@ -100,11 +100,13 @@ contains
       of_one = 0.0_wp
       of_s = 0.0_wp
       of_s2 = 0.0_wp
-      steps = 0.0_wp
+      steps = sum((z(2:) - z(:size(z) - 1))**2)
       squares = sums%squares
       lowest = sums%lowest
       highest = sums%highest
       t = coordinate(j, sums%grid(2))
+      !$omp simd reduction(+:of_one, of_s, of_s2, squares) reduction(min:lowest) &
+      !$omp reduction(max:highest)
       do k = 1, size(z)
          lowest = min(lowest, z(k))
          highest = max(highest, z(k))
@@ -113,7 +115,6 @@ contains
          of_s = of_s + s(k)*value
          of_s2 = of_s2 + s(k)**2*value
          squares = squares + value**2
-         if (k > 1) steps = steps + (z(k) - z(k - 1))**2
       end do
       sums%lowest = lowest
       sums%highest = highest

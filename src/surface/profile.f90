@@ -29,7 +29,7 @@ module profile
          import :: error_t, height_source_t, int64, wp
          class(height_source_t), intent(in) :: self
          integer(int64), intent(in) :: first
-         real(wp), intent(out) :: z(:)
+         real(wp), contiguous, intent(out) :: z(:)
          type(error_t), allocatable, intent(out) :: error
       end subroutine get_interface
 

@@ -115,31 +115,19 @@ contains
    end function bearing_ratio
 
    !> Share of the nodes between neighbouring `edges`, which rise and are evenly spaced, over their
-   !> distance.
-   pure function height_density(z, edges) result(density)
+   !> distance, from the share `above` of the nodes at or above each; the last step has its end too.
+   pure function height_density(z, edges, above) result(density)
       real(wp), contiguous, intent(in) :: z(:)
-      real(wp), intent(in) :: edges(:)
-      real(wp) :: density(size(edges) - 1), step(block), width
-      integer :: first, i, inside(0:size(edges)), n, steps
+      real(wp), intent(in) :: edges(:), above(:)
+      real(wp) :: density(size(edges) - 1), width
 
-      steps = size(edges) - 1
-      width = (edges(steps + 1) - edges(1))/steps
-      density = 0.0_wp
-      if (.not. width > 0.0_wp) return
-      ! inside(k): nodes in step k; 0 and steps + 1: below and above the edges.
-      inside = 0
-      do first = 0, size(z) - 1, block
-         n = min(block, size(z) - first)
-         do i = 1, n
-            step(i) = min((z(first + i) - edges(1))/width, steps - 1.0_wp)
-            if (z(first + i) < edges(1)) step(i) = -1.0_wp
-            if (z(first + i) > edges(steps + 1)) step(i) = steps
-         end do
-         do i = 1, n
-            inside(1 + int(step(i))) = inside(1 + int(step(i))) + 1
-         end do
-      end do
-      density = inside(1:steps)/(size(z)*width)
+      associate (steps => size(density))
+         width = (edges(steps + 1) - edges(1))/steps
+         density = 0.0_wp
+         if (.not. width > 0.0_wp) return
+         density = (above(:steps) - [above(2:steps), &
+            real(count(z > edges(steps + 1)), wp)/size(z)])/width
+      end associate
    end function height_density
 
    !> Root mean square slope of a periodic surface (nx, ny) from differences of neighbours; for an

@@ -319,7 +319,7 @@ contains
    subroutine get(self, first, z, error)
       class(synthetic_pieces_t), intent(in) :: self
       integer(int64), intent(in) :: first
-      real(wp), intent(out) :: z(:)
+      real(wp), contiguous, intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: fading(:), rising(:)
       integer(int64) :: from, k, node, to
