@@ -45,6 +45,7 @@ def test_energy_of_a_cycle_is_what_was_dissipated(asperity, tmp_path):
     close(found["dissipated_energy"], np.full(201, found["dissipated_energy"][0]), 1e-9)
 
 
+@pytest.mark.path
 def test_running_in_of_an_area(asperity, tmp_path):
     # The published case: 0.6 of the earlier maximum yields nothing new; back at the maximum all is as it was.
     loads = [1e9, 0.2e9, 0.6e9, 1e9, 1.2e9]
@@ -72,10 +73,6 @@ def test_hardness_above_the_elastic_peak_changes_nothing(asperity, tmp_path):
     assert list(capped["plastic_area_fraction"]) == [0.0, 0.0]
     assert np.array_equal(elastic["pressure"] > 0, capped["pressure"] > 0)
     np.testing.assert_allclose(capped["pressure"], elastic["pressure"], atol=1e-9 * peak)
-    # Out of its reach everything is.
-    capped = press(asperity, tmp_path, [2e8, 1e9], f", hardness = {100 * peak!r}")
-    for name in ("pressure", "gap", "height_loaded", "height_unloaded", "p_max", "datum", "elastic_energy"):
-        assert np.array_equal(elastic[name], capped[name])
 
 
 def test_elastic_areas_give_everything_back(asperity, tmp_path):
@@ -129,7 +126,6 @@ def test_element_kernel_of_an_area_in_full_contact(asperity, tmp_path):
 
 BAD_HDF5 = {
     "no_dataset": ({"z": np.zeros((4, 4))}, "/other", "other"),
-    "gap": ({"z": np.where(np.eye(4) > 0, np.nan, 1e-6)}, "z", "bad.h5: node 1: found a height that is no number (a gap)"),
     "infinite": ({"z": np.full((4, 4), np.inf)}, "z", "bad.h5: node 1: found a height of Infinity m"),
     "profile": ({"z": np.zeros(8)}, "z", "found a profile, expected an area"),
     "cube": ({"z": np.zeros((4, 4, 4))}, "z", "found 3 dimensions"),
