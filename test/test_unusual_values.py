@@ -16,11 +16,12 @@ MINIMAL = (ROOT / "input" / "minimal.nml").read_text()
 NUMBER = r"[-+]?[0-9.]+(?:e[-+]?[0-9]+)?"
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*SHIPPED, *(ROOT / "input" / "duty").glob("*.nml")], ids=lambda path: path.stem)
 def test_shipped_inputs_are_silent(asperity, path):
     assert asperity("--check", path).stdout == f"{path}: no findings\n"
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("problem", ["ehl_line", "ehl_point", "dry_line", "dry_area"])
 def test_templates_are_silent(asperity, tmp_path, problem):
     """Their comments too: every example of a key is a typical value of it."""
