@@ -299,7 +299,7 @@ OUTPUT_KEYS = (
     "fields = 'pressure', velocity_layers = 4",
     "fields = 'shear_stress_2', 'shear_stress_1', 'shear_stress_mean'",
     "fields = 'film_thickness', 'pressure', profile_stride = 7",
-    "checkpoint_interval = 0.0",
+    "checkpoint_interval = 0.0, adequacy = .false.",
     "checkpoint_interval = 0.0, profile_stride = 50, film_thresholds = 3e-7",
 )
 

@@ -1,4 +1,4 @@
-"""Long runs survive: interrupted or killed at any moment, they go on to the same bits. The long form is kill_and_resume.py."""
+"""Long runs survive: interrupted or killed at any moment, they go on to the same bits."""
 
 import os
 import random
@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from asperity import read_part
-from cases import HANGING, LONG, POINT, STEADY, TRANSIENT, ended, seal, text, write
+from cases import HANGING, LONG, POINT, STEADY, TRANSIENT, ended, members, seal, text, write
 from conftest import ROOT
 from kill_and_resume import (
     busy,
@@ -59,7 +59,7 @@ def interrupted(program, tmp_path):
 
 
 def test_killed_at_random_moments(program, tmp_path):
-    kill_often(program, tmp_path, busy, random.Random(3), kills=12, resumed=8)
+    kill_often(program, tmp_path, busy, random.Random(3), members(12, 200), resumed=8)
 
 
 @pytest.mark.path

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cases import STEADY, ended, text, write
 from kill_and_resume import different, killed_at_last, undisturbed, wait_for
-from long_run import peak_memory
+from test_long_run import peak_memory
 
 PASSAGE = "&time transient = .true., end_time = {end}, time_step = 0.02 /\n&accuracy error_bars = .false. /\n"
 SPACING = 1e-6
