@@ -1,20 +1,13 @@
-#!/usr/bin/env python3
-"""Kill runs at random moments, go on with --resume, and compare the result with that of a run that nobody disturbed.
+"""Kills runs at random moments, goes on with --resume, and compares the result with that of a run that nobody disturbed.
 
-    kill_and_resume.py [--kills 200] [--seed 1] [PROGRAM]
-
-After every kill NAME.h5.part must be readable, and hold what the undisturbed run has at the same times. The quick form of
-this is in test_resume.py.
+After every kill NAME.h5.part must be readable, and hold what the undisturbed run has at the same times.
 """
 
-import argparse
 import contextlib
 import pathlib
-import random
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
 import h5py
@@ -158,26 +151,3 @@ def kill_often(program, folder, text, source, kills, resumed, check=None):
             check(reference)
         assert sorted(path.name for path in folder.iterdir()) == ["case.h5", "case.nml", "reference.h5"]
         (folder / "case.h5").unlink()
-        print(f"{kills} kills to go, a result identical", flush=True)
-
-
-def new_parser(description):
-    """The command line of a check that is run by hand; its description is the first line."""
-    parser = argparse.ArgumentParser(description=description.split("\n", maxsplit=1)[0])
-    root = pathlib.Path(__file__).resolve().parent.parent
-    parser.add_argument("program", nargs="?", default=root / "build" / "bin" / "asperity", type=pathlib.Path)
-    return parser
-
-
-def main():
-    parser = new_parser(__doc__)
-    parser.add_argument("--kills", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        kill_often(arguments.program.resolve(), pathlib.Path(name), busy, random.Random(arguments.seed), arguments.kills, 0)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -41,6 +41,7 @@ KINDS = {
         + "&output profile_stride = 3, adequacy = .false. /",
         {"/momentum/transient": {"time": 7, "profile_time": 3, **X}, "/transient": {"time": 7, "profile_time": 3, **X}},
     ),
+    "auto": (AUTO, {"/solution": {"x": 129}, "/adequacy/decision/roughness": {}}),
     "line": (LINE, {"/solution": {"x": 128}, "/si/solution": {"x": 128}, "/sweep": {"step": 3}}),
     "area": (AREA, {"/solution": {"x": 32, "y": 24}, "/sweep": {"step": 3}}),
 }
@@ -99,17 +100,6 @@ def test_netcdf_readers_see_the_same_axes(results, kind):
                         np.testing.assert_array_equal(variable[...], same[name])
 
 
-def test_auto_has_axes_too(asperity, tmp_path):
-    xarray = pytest.importorskip("xarray")
-    cases.write(tmp_path, "auto.nml", AUTO)
-    assert asperity("auto.nml", "--quiet", cwd=tmp_path).returncode == 0
-    groups = groups_of(tmp_path / "auto.h5")
-    assert any(group.startswith("/adequacy/decision/") for group in groups)
-    for group in groups:
-        with xarray.open_dataset(tmp_path / "auto.h5", group=group, engine="h5netcdf") as data:
-            assert all(variable.attrs["long_name"] for variable in data.variables.values())
-
-
 @pytest.mark.parametrize("kind", ["steady", "transient", "line", "area"])
 def test_a_pressure_in_si_means_one_thing(results, kind):
     """/si holds the stored numbers times their scale, with the unit that is said beside them."""
@@ -146,15 +136,3 @@ def test_units_and_axes_by_the_library_of_hdf5(results):
         assert {"/momentum/u", "/solution/pressure"} <= users
         axes = {int(axis) for user, axis in file["momentum/zeta"].attrs["REFERENCE_LIST"]}
         assert axes == {1}
-
-
-def test_without_si_copies_the_rest_is_the_same(results, asperity, tmp_path):
-    text, _ = KINDS["transient"]
-    cases.write(tmp_path, "a.nml", text.replace("&output", "&output si_copies = .false.,"))
-    assert asperity("a.nml", "--quiet", cwd=tmp_path).returncode == 0
-    lean, full = cases.contents(tmp_path / "a.h5"), cases.contents(results / "transient.h5")
-    assert not any(name.startswith("si/") for name in lean)
-    assert any(name.startswith("si/") for name in full)
-    assert sorted(name for name in full if not name.startswith("si/")) == sorted(lean)
-    np.testing.assert_array_equal(lean["transient/pressure"], full["transient/pressure"])
-    assert (tmp_path / "a.h5").stat().st_size < (results / "transient.h5").stat().st_size

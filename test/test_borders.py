@@ -10,7 +10,6 @@ import stability_cells
 from cases import ended, write
 
 KRYLOV = {"method": "newton_krylov"}
-BLOCK_JACOBI = {"method": "fas_block_jacobi", "smoother": "block_jacobi", "pre_sweeps": 5, "post_sweeps": 5, "levels": 3}
 CYCLE = {"method": "fas_block_jacobi", "smoother": "block_jacobi"}
 LINE = {"method": "fas_block_jacobi", "smoother": "line"}
 PLAIN = {"method": "block_jacobi"}
@@ -77,14 +76,11 @@ INSIDE = {
     "gauss_seidel_in_small_steps_newtonian": rolling(512, 16, GAUSS_SEIDEL, NEWTONIAN),
     "gauss_seidel_in_time_newtonian": rolling(512, 2, GAUSS_SEIDEL, NEWTONIAN),
     "auto_in_time_without_sliding": rolling(1024, 4, {}, NEWTONIAN),
-    "block_jacobi_relaxation": namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 0.8}),
     "block_jacobi_in_time_without_sliding": rolling(256, 2, CYCLE | {"relaxation": 0.4}),
     "line_in_time_without_sliding": rolling(128, 0.5, LINE),
     "plain_block_jacobi_relaxation": namelists.case_1(64, PLAIN | {"relaxation": 0.8}),
     "dense_when_thinning": thinning(100, 40, 512, DENSE),
     "dense_in_time": rolling(64, 2, DENSE),
-    "line_on_long_waves": wavy(1.0, 0.3, LINE),
-    "gauss_seidel_on_waves": wavy(0.5, 0.3, GAUSS_SEIDEL),
     "auto_on_short_high_waves": wavy(0.25, 1.0, {}),
     "auto_heavy_isoviscous": namelists.moes(980, 0, 2048),
     "auto_heavy_isoviscous_window": namelists.moes(980, 0, 2048, domain=namelists.WINDOW),
@@ -105,15 +101,12 @@ INSIDE = {
 OUTSIDE = {
     "gauss_seidel_in_time_without_sliding": (rolling(256, 2, GAUSS_SEIDEL | {"relaxation": 0.8}), "time step 1 of 10"),
     "gauss_seidel_in_small_steps_newtonian": (rolling(512, 16, GAUSS_SEIDEL | {"relaxation": 0.4}, NEWTONIAN), "time step 1 of 10"),
-    "block_jacobi_relaxation": (namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 1.0}), "fas block_jacobi V(5,5): "),
     "block_jacobi_in_time_without_sliding": (rolling(256, 2, CYCLE | {"relaxation": 0.8}), "stagnation"),
     "line_in_time_without_sliding": (rolling(256, 2, LINE | {"relaxation": 0.6}), "time step 1 of 10"),
     "plain_block_jacobi_relaxation": (namelists.case_1(64, PLAIN | {"relaxation": 0.9}), "block_jacobi: stagnation"),
     "plain_block_jacobi_heavier": (heavy(5, 64, PLAIN), "block_jacobi: "),
     "plain_block_jacobi_in_time": (rolling(64, 2, PLAIN), "block_jacobi: "),
     "dense_when_thinning": (thinning(500, 40, 256, DENSE), "grid too coarse for the film, needs 1024 intervals (has 256)"),
-    "line_on_short_waves": (wavy(0.25, 0.3, LINE), "stagnation"),
-    "gauss_seidel_on_short_high_waves": (wavy(0.25, 1.0, GAUSS_SEIDEL), "stagnation"),
     "cycle_on_a_coarse_level": (
         heavy(100, 512, GAUSS_SEIDEL | {"levels": 7}),
         "the exact solution of the coarse start grid failed",
@@ -129,8 +122,6 @@ OUTSIDE = {
         thinning(1000, 20, 2048, {}, 4).replace("&domain\n", "&domain\n   x_inlet = -1.610753503704516\n"),
         "Newton steps at round-off leave the residual at",
     ),
-    "too_coarse": (heavy(1000, 512, {}), "grid too coarse for the film, needs 1024 intervals (has 512)"),
-    "too_coarse_when_thinning": (thinning(980, 30, 256, {}), "grid too coarse for the film, needs 1024 intervals (has 256)"),
 }
 
 

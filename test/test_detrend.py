@@ -138,14 +138,6 @@ def test_cut_offs_of_a_profile(asperity, tmp_path):
     assert (surface["cutoff_long"], surface["cutoff_short"]) == (0.8e-3, 60e-6)
 
 
-@pytest.mark.parametrize(("key", "left"), [("cutoff_short", 0.5), ("cutoff_long", 0.5)])
-def test_half_of_a_wave_at_the_cut_off(asperity, tmp_path, key, left):
-    wave = 1e-7 * np.sin(2 * np.pi * 5 * np.arange(500) / 500)
-    write_heights(tmp_path, wave, 1e-6)
-    with solve(asperity, tmp_path, f"{HEIGHTS}, {key} = 100e-6", [1e5], "") as file:
-        np.testing.assert_allclose(file["solution/height_undeformed"][()], left * wave, rtol=0, atol=1e-20)
-
-
 @pytest.mark.parametrize("nodes", [3000, 100000])
 def test_cut_offs_in_oil(solved_case, tmp_path, nodes):
     """The same as of heights that were filtered before."""

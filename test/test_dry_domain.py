@@ -1,7 +1,6 @@
 """Dry contacts and their domain: open or periodic, long enough for the contact, fine enough for the waves."""
 
 import h5py
-import numpy as np
 import pytest
 from cases import ended, text, write
 from dry_cases import solve
@@ -97,15 +96,3 @@ def test_few_nodes_a_wave_are_told(asperity, tmp_path, wave, nodes):
             return
         note = file["report/note"][()].decode()
     assert note == f"the finest waves of the surface have {nodes} nodes, of 8 that are needed for its contact area"
-
-
-def test_nothing_else_has_changed(asperity, tmp_path):
-    """An open sphere that is said to be open: the pressure is that of Hertz."""
-    sizes = "length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = 64, intervals_y = 64"
-    options = {"problem": "dry_area", "key": "hertz_pressure", "modulus": 230e9}
-    fields = []
-    for periodic in ("", ", periodic = .false."):
-        domain = f"&domain {sizes}{periodic} /"
-        with solve(asperity, tmp_path, "shape = 'parabola'", [1e9], ", reduced_radius = 0.005", domain, **options) as file:
-            fields.append(file["solution/pressure"][()])
-    assert np.array_equal(*fields)

@@ -80,6 +80,7 @@ def test_westergaard_is_within_the_bars(asperity, tmp_path, nodes, share):
             assert abs(data[()] - exact) <= data.attrs["error_estimate"] < 0.3 * exact, name
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [48, 144])  # finer and coarser grids
 def test_a_given_separation_has_a_load_with_an_error(asperity, tmp_path, nodes):
     sizes = f"length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = {nodes}, intervals_y = {nodes}"
@@ -90,6 +91,8 @@ def test_a_given_separation_has_a_load_with_an_error(asperity, tmp_path, nodes):
         load = file["sweep/load"]
         exact = 2 / 3 * MODULUS * half_width**3 / radius
         assert abs(load[0] - exact) <= load.attrs["error_estimate"][0] < 0.05 * exact
+        assert load[0] == pytest.approx(exact, rel=0.3 / nodes)
+        assert file["sweep/separation"][0] == pytest.approx(half_width**2 / radius, rel=1e-10, abs=0)
 
 
 def test_bars_of_many_nodes_are_sharp(asperity, tmp_path):

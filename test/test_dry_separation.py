@@ -47,35 +47,6 @@ def test_datum_between_two_nodes(asperity, tmp_path):
     assert sweep["kkt"].max() <= 1e-12
 
 
-@pytest.mark.parametrize("m", [0.01, 0.3, 0.9])
-def test_westergaard_separation(asperity, tmp_path, m):
-    # H. M. Westergaard, J. Appl. Mech. 6, 1939, A49: mean gap D (1 - m (1 - ln m)) under the share m of the full load.
-    height, length, modulus = 1e-6, 1e-3, 230e9
-    surface = f"shape = 'sinusoid', amplitude = {height}, wavelength = {length}"
-    gap = height * (1 - m * (1 - float(np.log(m))))
-    domain = f"&domain length = {length}, intervals = 2048 /"
-    with separated(asperity, tmp_path, surface, [gap], modulus=modulus, more=domain) as file:
-        sweep = {key: value[0] for key, value in file["sweep"].items()}
-    assert sweep["separation"] == pytest.approx(gap, abs=1e-12 * height)
-    assert sweep["mean_pressure"] == pytest.approx(m * np.pi * modulus / 2 * height / length, rel=1e-3)
-
-
-@pytest.mark.path
-@pytest.mark.parametrize("nodes", [64, 101])
-def test_hertz_approach(asperity, tmp_path, nodes):
-    radius, modulus, half_width = 0.005, 230e9, 70e-6
-    domain = f"&domain length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = {nodes}, intervals_y = {nodes}, periodic = .false. /"
-    approach = half_width**2 / radius
-    bodies = f", reduced_radius = {radius}"
-    with separated(
-        asperity, tmp_path, "shape = 'parabola'", [approach], bodies=bodies, modulus=modulus, more=domain, problem="dry_area"
-    ) as file:
-        sweep = {key: value[0] for key, value in file["sweep"].items()}
-    # w = 4 E* a^3/(3 R), E* = E'/2.
-    assert sweep["load"] == pytest.approx(2 / 3 * modulus * half_width**3 / radius, rel=2e-3)
-    assert sweep["separation"] == pytest.approx(approach, rel=1e-10, abs=0)
-
-
 @pytest.mark.path
 def test_history_of_separations(run_case, asperity, tmp_path):
     # Back at the first separation the deformed surface is where it was; further out it has lost contact sooner.

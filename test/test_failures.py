@@ -127,18 +127,6 @@ def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
         assert reason.startswith("the surfaces rise to 2.5 times the estimated film of the smooth contact; ")
 
 
-def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):
-    # the residual cannot fall to this tolerance: its round-off floor is 1e5 times higher
-    solver = {"method": "newton_krylov", "tolerance": 1e-14}
-    write(tmp_path, "case.nml", namelists.case_1(2**20, solver, accuracy={"error_bars": False}))
-    done = asperity("case.nml", "--quiet", seconds=PATIENCE)
-    assert done.returncode in {0, 2}, done.stderr
-    look_at(tmp_path / "case.h5", done.returncode)
-    with h5py.File(tmp_path / "case.h5") as file:
-        # H_min of 2048 intervals, whose discretisation error is 3e-5
-        assert math.isclose(file["summary/h_min"].attrs["dimensionless"], 0.3854792, rel_tol=1e-4)
-
-
 @pytest.mark.parametrize(
     ("intervals", "solver", "bound"),
     [

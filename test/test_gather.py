@@ -173,11 +173,6 @@ def test_the_reason_of_a_failure_is_that_of_its_run(folder, program):
     assert row["h_min [m]"] == ""
 
 
-def test_nothing_has_run_yet(tmp_path, program):
-    folder = swept(tmp_path, program)
-    assert gather(folder, program) == "small/gathered.h5: 4 not run\n"
-
-
 def test_pandas_and_xarray_open_it_without_a_word(folder, program):
     pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
     (folder / "cases" / "case_0004.h5").unlink()

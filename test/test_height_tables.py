@@ -44,7 +44,7 @@ def read_back(asperity, folder, name, keys="", refused=None):
 
 
 def number(value, decimal, source):
-    text = source.choice([repr(float(value)), f"{value:.17e}", f"{value:.17E}"])
+    text = source.choice([repr(float(value)), f"{value:.17e}", f"{value:.17E}", f"{value:.17E}".replace("E", "D")])
     return text.replace(".", decimal)
 
 
@@ -187,6 +187,22 @@ def test_every_other_table_is_refused_with_the_command(asperity, tmp_path, name)
         assert "z.csv:" in message
         assert message.endswith("; to convert it: asperity-heights z.csv z.h5\n")
         assert message.count("\n") == 1
+
+
+ODD = "#N/A|0.1 um|1e-7/3|3*1e-7|1e-7 2e-7|1;5|/|inf|-Infinity|1e300|1e400|1_000|0x1p3|'1e-7'|1e|e5|.|+|--1|1.2.3|(1,2)|T|1e-7!"
+ODD += "|1e-7\t2|&|2*|1e+-5|\u221e|=1|-|1e5000000000|1e-7\x00|" + "9" * 70
+
+
+@pytest.mark.parametrize("position", [True, False])
+def test_no_odd_number_is_taken(asperity, tmp_path, position):
+    """In a position `#` begins a comment."""
+    for field in ODD.split("|")[position:]:
+        rows = [f"x,z\n0,1e-7\n1,{field}\n2,0\n", f"x,z\n0,1e-7\n1,0\n{field},0\n"]
+        (tmp_path / "z.csv").write_text(rows[position], encoding="utf-8")
+        message = read_back(asperity, tmp_path, "z.csv", refused=True)
+        assert isinstance(message, str), field
+        assert "case.nml:4: &surface_1 file: z.csv:" in message
+        assert message.endswith("; to convert it: asperity-heights z.csv z.h5\n")
 
 
 @pytest.mark.path

@@ -2,14 +2,13 @@
 
 import random
 import re
-import signal
 
 import cases
 import h5py
 import numpy as np
 import pytest
 from cases import STOKES, members
-from kill_and_resume import different, kill_often, start, undisturbed, wait_for
+from kill_and_resume import kill_often
 
 
 @pytest.mark.path
@@ -252,26 +251,6 @@ def test_a_killed_passage_goes_on_to_the_same_bits(program, tmp_path):
         assert counters(reference) == counters(tmp_path / "case.h5")
 
     kill_often(program, tmp_path, with_checkpoints, random.Random(5), 5, 3, check)
-
-
-def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):
-    """SIGTERM during a passage by both equations: status 4 and a checkpoint, from which it goes on to the same bits."""
-    reference, _ = undisturbed(program, tmp_path, with_checkpoints(1000.0))
-    cases.write(tmp_path, "case.nml", with_checkpoints(0.0))
-    with start(program, tmp_path) as running:
-        wait_for(tmp_path / "case.h5.ckpt", running)
-        running.send_signal(signal.SIGTERM)
-        printed = running.stderr.read()
-    assert running.returncode == 4
-    assert "--resume continues after step " in printed
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5.ckpt", "case.h5.part", "case.nml", "reference.h5"]
-    # not with other layers
-    cases.write(tmp_path, "case.nml", with_checkpoints(0.0).replace("layers = 4", "layers = 5"))
-    assert "is of another case" in cases.ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
-    cases.write(tmp_path, "case.nml", with_checkpoints(0.0))
-    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
-    assert different(reference, tmp_path / "case.h5") == []
-    assert counters(reference) == counters(tmp_path / "case.h5")
 
 
 def test_si_copies_are_the_fields_in_si(told_case, tmp_path):

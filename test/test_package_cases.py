@@ -3,6 +3,7 @@
 import datetime
 import os
 import sys
+from collections import deque
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
@@ -45,7 +46,7 @@ def test_values_of_many_types_are_the_same_case():
     loads = [
         (1e7, 2e7),
         np.array([1e7, 2e7]),
-        [Decimal("1e7"), Fraction(20000000)],
+        deque([Decimal("1e7"), Fraction(20000000)]),
         pd.Series([1e7, 2e7]),
         xr.DataArray([1e7, 2e7]),
     ]
@@ -89,7 +90,7 @@ def test_titles_are_kept_and_never_edited(tmp_path):
     (tmp_path / "x").write_text(HEIGHTS, encoding="utf-8")
     titles = [
         *("file = 'x'", "it's", "a \"b' c", "back\\slash\\", "\\'", "a\\\\b"),
-        *("R&D / 50 % ! no", "\u00a0\u200b ö \U0001f600", "a = 1, b"),
+        *("x#;$(,-y.nml", "R&D / 50 % ! no", "\u00a0\u200b ö \U0001f600", "a = 1, b"),
     ]
     for title in titles:
         quoted = title.replace("'", "''")
@@ -104,7 +105,21 @@ def test_titles_are_kept_and_never_edited(tmp_path):
         assert asperity.run(f90nml.Namelist(case)).title == title
 
 
-FOLDERS = ["R&D", "O'Neil", 'in "quotes"', "&case x", "a b", "100% ! = #", "Öl", "back\\slash", "-x", "a.b", "$HOME", "*"]
+FOLDERS = [
+    "R&D",
+    "O'Neil",
+    'in "quotes"',
+    "&case x",
+    "a b",
+    "100% ! = #",
+    "Öl",
+    "back\\slash",
+    "-x",
+    "a.b",
+    "$HOME",
+    "*",
+    "a;b,(c#",
+]
 
 
 def test_folders_of_any_name(tmp_path, monkeypatch):

@@ -114,10 +114,3 @@ def test_terminal_shows_one_updating_line(program, tmp_path):
     assert "cycle 1" in lines[0]
     assert lines[0].split("\r")[-1].startswith("a.nml: converged")
     assert all("\r" not in line for line in lines[1:])
-
-
-def test_closed_standard_error_does_not_stop_a_run(program, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
-    done = subprocess.run(["sh", "-c", f"exec '{program}' a.nml 2>&-"], cwd=tmp_path, check=False)
-    assert done.returncode == 0
-    assert (tmp_path / "a.h5").is_file()

@@ -5,9 +5,9 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, STEADY, ended, text, write
+from cases import STEADY, ended, text, write
 from kill_and_resume import different, killed_at_last, undisturbed, wait_for
-from long_run import peak_memory
+from test_long_run import peak_memory
 
 PASSAGE = "&time transient = .true., end_time = {end}, time_step = 0.02 /\n&accuracy error_bars = .false. /\n"
 SPACING = 1e-6
@@ -41,16 +41,6 @@ def run(asperity, tmp_path, text, name="case"):
     write(tmp_path, f"{name}.nml", text)
     done = ended(asperity(f"{name}.nml", "--verbose"))
     return tmp_path / f"{name}.h5", done.stderr + done.stdout
-
-
-@pytest.mark.path
-def test_csv_and_hdf5_give_the_same(asperity, tmp_path):
-    write_csv(tmp_path / "p.csv", wave())
-    write_hdf5(tmp_path / "p.h5in.h5", wave())
-    surface = "&surface_2 shape = 'file', file = '{}', dataset = '{}' /\n"
-    first, _ = run(asperity, tmp_path, passage(surface.format("p.csv", "z")), "first")
-    second, _ = run(asperity, tmp_path, passage(surface.format("p.h5in.h5", "scan/z")), "second")
-    assert different(first, second) == []
 
 
 # Several windows of the program pass through the contact.
@@ -222,12 +212,6 @@ def test_synthetic_surface_has_its_rms_height(asperity, tmp_path):
         assert file["input/effective/surface_1"].attrs["entry_length"] == 1.0
         # The program has placed them in front of the inlet, where they enter.
         assert all(file[f"input/effective/surface_{i}"].attrs["position"] < file["solution/x"][0] for i in (1, 2))
-    surface = "&surface_2 shape = 'synthetic', rms_height = 30e-9, wavelength_short = 8e-5, seed = {} /\n"
-    first, _ = run(asperity, tmp_path, passage(surface.format(1)), "first")
-    again, _ = run(asperity, tmp_path, passage(surface.format(1)), "again")
-    other, _ = run(asperity, tmp_path, passage(surface.format(2)), "other")
-    assert different(first, again) == []
-    assert different(first, other)
 
 
 def test_too_few_nodes_are_told(asperity, tmp_path):
@@ -248,42 +232,3 @@ def test_too_few_nodes_are_told(asperity, tmp_path):
     with h5py.File(path) as file:
         assert "note" not in file["report"]
         assert file["report/nodes_per_wave"][()] == pytest.approx(3e-4 / dx)
-
-
-@pytest.mark.path
-def test_steady_with_a_rough_surface_at_rest(asperity, tmp_path):
-    write_csv(tmp_path / "p.csv", wave(nodes=1000, waves=10))
-    surface = "&surface_1 shape = 'file', file = 'p.csv', dataset = 'z' /\n"
-    path, _ = run(asperity, tmp_path, AT_REST + surface)
-    with h5py.File(path) as file:
-        scale = file["solution/roughness_1"].attrs["si_scale"]
-        assert np.abs(file["solution/roughness_1"][()]).max() * scale == pytest.approx(40e-9, rel=5e-3)
-
-
-def test_checkpoint_knows_the_heights(program, asperity, tmp_path):
-    write_csv(tmp_path / "p.csv", wave())
-    text = passage("&surface_2 shape = 'file', file = 'p.csv', dataset = 'z' /\n", 3.0, "&output checkpoint_interval = 0.0 /\n")
-    reference, _ = undisturbed(program, tmp_path, text)
-    with h5py.File(reference) as file:
-        assert len(file["input/effective/surface_2"].attrs["heights_checksum"]) == 16
-    write_csv(tmp_path / "p.csv", wave(amplitude=41e-9))
-    other, _ = run(asperity, tmp_path, text, "other")
-    with h5py.File(reference) as one, h5py.File(other) as two:
-        sums = [file["input/effective/surface_2"].attrs["heights_checksum"] for file in (one, two)]
-        assert sums[0] != sums[1]
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        ("x,z\n0,0\n1e-6,one\n", "p.csv:3:6: found 'one', expected a number"),
-        ("x,z\n0,0\n1e-6,1\n5e-6,1\n", "p.csv:3:1: found uneven positions"),
-        ("x,y\n0,0\n1e-6,1\n", "found 0 columns z in the names 'x,y'"),
-        ("x,z\n0,0\n1e-6,nan\n", "p.csv:3:6: found 'nan', expected a number"),
-    ],
-)
-def test_bad_file(run_case, tmp_path, content, message):
-    (tmp_path / "p.csv").write_text(content, encoding="utf-8")
-    done = run_case(passage("&surface_2 shape = 'file', file = 'p.csv', dataset = 'z' /\n"), status=1)
-    assert "&surface_2 file: " in done.stderr
-    assert message in done.stderr

@@ -10,7 +10,7 @@ import h5py
 import pytest
 from cases import HANGING, LONG, STEADY, called, ended, write
 from kill_and_resume import wait_for
-from test_resume import names
+from test_resume import SIGNALS, names
 
 # Seconds of solving, without a look at the outside.
 DRY = """&case problem = 'dry_area' /
@@ -19,7 +19,6 @@ DRY = """&case problem = 'dry_area' /
 &surface_1 shape = 'synthetic', seed = 3, hurst = 0.8, rms_height = 1e-6, wavelength_long = 1e-3, wavelength_short = 4e-6 /
 &domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
 """
-SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]
 
 
 def begin(program, folder, *arguments):
@@ -68,29 +67,6 @@ def test_a_reader_that_no_longer_reads_does_not_hold_up_the_end(program, tmp_pat
             os.close(reader)
             os.close(writer)
     assert names(tmp_path) == ["dry.nml"]
-
-
-@pytest.mark.path
-@pytest.mark.parametrize("number", SIGNALS[2:])
-def test_batch_systems_get_a_checkpoint(program, tmp_path, number):
-    write(tmp_path, "case.nml", LONG)
-    with begin(program, tmp_path, "case.nml") as running:
-        wait_for(tmp_path / "case.h5.part", running, times=20)
-        status, message, _ = end(running, number)
-    assert status == 4
-    assert message.startswith("asperity: interrupted; --resume continues after step ")
-    assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
-
-
-def test_complete_results_are_kept(program, tmp_path):
-    write(tmp_path, "first.nml", STEADY)
-    write(tmp_path, "dry.nml", DRY)
-    with begin(program, tmp_path, "first.nml", "dry.nml") as running:
-        wait_for(tmp_path / "dry.h5.part", running)
-        assert end(running, signal.SIGTERM)[0] == 4
-    assert names(tmp_path) == ["dry.nml", "first.h5", "first.nml"]
-    with h5py.File(tmp_path / "first.h5") as file:
-        assert file.attrs["converged"] == 1
 
 
 def test_an_ignored_signal_stays_ignored(program, tmp_path):

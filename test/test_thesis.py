@@ -12,7 +12,7 @@ import waviness
 from cases import rows
 from conftest import ROOT
 from linear_response import Advection
-from study import Claims, Runner, exchanged
+from study import Claims, Runner
 from study_runs import run_quick
 
 
@@ -56,18 +56,6 @@ def test_film_thinning_quick_form(program, tmp_path):
     }
     widths = [found[True, 1e5, m2] for m2 in range(1, 8)]
     assert widths == pytest.approx([0.4032, 0.4496, 0.4431, 0.4248, 0.4023, 0.3903, 0.4149], abs=0.0005)
-
-
-def test_film_thinning_does_not_depend_on_the_side(runner):
-    # Both bodies change places with their speeds, surfaces and radii.
-    situation = overtaking.Situation(1, l2=-6)
-    cases = {item.name: item.case(overtaking.FORMS["a"]) for item in (situation, situation.reference)}
-    cases |= {f"{name}_exchanged": exchanged(case) for name, case in cases.items()}
-    films = runner.run(cases, lambda _, path: overtaking.read_film(path))
-    first = overtaking.thinning(films[situation.name], films[situation.reference.name])
-    second = overtaking.thinning(films[f"{situation.name}_exchanged"], films[f"{situation.reference.name}_exchanged"])
-    assert second.xi == pytest.approx(first.xi, abs=1e-12)
-    assert (second.x, second.time) == (first.x, first.time)
 
 
 def test_more_load_thins_more_at_the_loads_used_not_at_those_printed(runner):

@@ -6,7 +6,7 @@ import random
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, TRANSIENT, contents, ended, same_bits, text, write
+from cases import STEADY, TRANSIENT, ended, text, write
 
 WAVE = "&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 1e-4, position = 0.2 /\n"
 RIDGE = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4{} /\n"
@@ -197,15 +197,6 @@ def test_statistics_begin_when_the_ridge_arrives(asperity, tmp_path, ridge, othe
         assert shares.sum() == pytest.approx(1.0)
         expected = np.histogram(values[counted], edges)[0] / counted.sum()
         assert shares == pytest.approx(expected, abs=2.5 / counted.sum())
-
-
-def test_output_keys_do_not_change_a_periodic_passage(asperity, tmp_path):
-    found = []
-    for keys in ("", "&output profile_stride = 50, checkpoint_interval = 0.0 /\n"):
-        with run(asperity, tmp_path, WAVE, 6.0, "", keys):
-            found.append({path: value for path, value in contents(tmp_path / "a.h5").items() if path.startswith("summary")})
-    assert found[0].keys() == found[1].keys()
-    assert all(same_bits(found[0][path], found[1][path]) for path in found[0])
 
 
 FAST = "&accuracy error_bars = .false. /\n"

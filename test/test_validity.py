@@ -379,23 +379,3 @@ def test_every_summary_says_how_far_reynolds_holds(solved_case, kind):
             assert item.attrs["dimensionless"] * file["scaling"].attrs["half_width"] / file["scaling"].attrs[
                 "reduced_radius"
             ] == pytest.approx(item[()], rel=1e-12)
-
-
-def test_limits_in_words_and_columns(solved_case, asperity):
-    # By Moes' numbers the slope is known in units of b/R, T_max where the speeds are.
-    with solved_case(MOES) as file:
-        assert "stokes_number" not in file["summary"]
-        film, pressure = file["solution/film_thickness"][()], file["solution/pressure"][()]
-        slopes = np.abs(np.diff(film) / np.diff(file["solution/x"][()]))
-        loaded = np.minimum(pressure[1:], pressure[:-1]) > 0.01 * pressure.max()
-        assert file["summary/surface_slope"][()] == pytest.approx(slopes[loaded].max(), rel=1e-9)
-    # `asperity table` has both as CSV and JSON.
-    with solved_case(STEADY, name="a") as file:
-        expected = [float(file["summary"][name][()]) for name in ("stokes_number", "surface_slope")]
-    done = asperity("table", "a.h5", "--format", "csv")
-    head, row = (line.split(",") for line in done.stdout.splitlines()[:2])
-    assert [float(row[head.index(f"{name} [1]")]) for name in ("stokes_number", "surface_slope")] == pytest.approx(
-        expected, rel=1e-9, abs=0
-    )
-    row = json.loads(asperity("table", "a.h5", "--format", "json").stdout)
-    assert [row[name]["value"] for name in ("stokes_number", "surface_slope")] == pytest.approx(expected, rel=1e-9, abs=0)

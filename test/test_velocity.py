@@ -32,15 +32,3 @@ def test_velocity_in_the_result(told_case, text):
     empty = np.flatnonzero(p == 0)[1:]
     assert empty.size > 0
     assert np.allclose(u[empty], (0.1 + zeta) / 1.2, rtol=1e-12)
-
-
-def test_no_velocity_unless_asked(told_case, run_case):
-    # Without the key there is no group, and the numbers are the same to the bit.
-    plain = told_case(cases.STEADY, "--quiet")[0]
-    asked = told_case(cases.STEADY + LAYERS, "--quiet")[0]
-    assert not any(name.startswith("velocity/") for name in plain)
-    for name in ("solution/pressure", "solution/film_thickness", "summary/friction_coefficient"):
-        assert cases.same_bits(plain[name], asked[name])
-    # By Moes' numbers speeds are not known; the full momentum equations have velocities of their own.
-    for text in (cases.MOES, cases.STOKES):
-        assert "&output velocity_layers" in run_case(text + LAYERS, "--check", status=1).stderr

@@ -1,5 +1,4 @@
-!> Run-time of the stand-in for pFUnit: failures, test-case types, the runner and the kernels of the
-!> assertions.
+!> Run-time of the stand-in for pFUnit: failures, the runner and the kernels of the assertions.
 !>
 !> The specific procedures of the assertions are generated (tools/funit_overloads.py) and call the
 !> kernels below with rank-1 copies. Nothing here trips over NaN, Inf or floating-point traps.
@@ -19,37 +18,10 @@ module funit_lite
       integer :: line = 0
    end type SourceLocation
 
-   !> Parent of the type that a parameterized test varies.
-   type, abstract :: AbstractTestParameter
-   contains
-      procedure(to_string), deferred :: toString
-   end type AbstractTestParameter
-
-   abstract interface
-      !> The parameter as text for the name of the test.
-      function to_string(this) result(string)
-         import :: AbstractTestParameter
-         implicit none (type, external)
-         class(AbstractTestParameter), intent(in) :: this
-         character(:), allocatable :: string
-      end function to_string
-   end interface
-
-   !> Parent of a fixture type.
-   type :: TestCase
-   contains
-      procedure :: setUp => nothing_to_set_up
-      procedure :: tearDown => nothing_to_tear_down
-   end type TestCase
-
-   !> Parent of a fixture type that is made from a parameter.
-   type, extends(TestCase) :: ParameterizedTestCase
-   end type ParameterizedTestCase
-
    !> Runs tests, counts them and prints what failed.
    type :: pf_runner_t
       private
-      integer :: passed = 0, failed = 0, disabled = 0
+      integer :: passed = 0, failed = 0
       logical :: is_verbose = .false.
       character(len=200) :: filter = '', current = ''
       character(:), allocatable :: failures
@@ -57,8 +29,6 @@ module funit_lite
       procedure :: begin => runner_begin
       procedure :: starts => runner_starts
       procedure :: ends => runner_ends
-      procedure :: disable => runner_disable
-      procedure :: expects => runner_expects
       procedure :: finish => runner_finish
    end type pf_runner_t
 
@@ -68,34 +38,20 @@ module funit_lite
    !> True for a scalar or rank-1 condition.
    interface assertTrue
       module procedure :: assert_true_scalar
-      module procedure :: assertAll
+      module procedure :: assert_all
    end interface assertTrue
-   private :: assert_true_scalar
+   private :: assert_true_scalar, assert_all
 
    !> False for a scalar or rank-1 condition.
    interface assertFalse
       module procedure :: assert_false_scalar
-      module procedure :: assertNone
+      module procedure :: assert_none
    end interface assertFalse
-   private :: assert_false_scalar
+   private :: assert_false_scalar, assert_none
 
-   private :: nothing_to_set_up, nothing_to_tear_down
-   private :: runner_begin, runner_starts, runner_ends, runner_disable, runner_expects, &
-      runner_finish
+   private :: runner_begin, runner_starts, runner_ends, runner_finish
 
 contains
-
-   subroutine nothing_to_set_up(this)
-      class(TestCase), intent(inout) :: this
-
-      if (.not. same_type_as(this, this)) return
-   end subroutine nothing_to_set_up
-
-   subroutine nothing_to_tear_down(this)
-      class(TestCase), intent(inout) :: this
-
-      if (.not. same_type_as(this, this)) return
-   end subroutine nothing_to_tear_down
 
    !> True while the running test has a failure.
    function anyExceptions() result(is_failing)
@@ -245,20 +201,6 @@ contains
       end do
    end subroutine check_real_relative
 
-   !> The two numbers differ by more than the tolerance; fails with NaN.
-   subroutine check_real_differ(expected, actual, tolerance, message, location)
-      real(real64), intent(in) :: expected, actual, tolerance
-      character(*), intent(in), optional :: message
-      type(SourceLocation), intent(in), optional :: location
-
-      if (ieee_is_nan(expected) .or. ieee_is_nan(actual)) then
-         call report('one is not a number', message, location)
-      else if (are_close(expected, actual, tolerance)) then
-         call report('found ' // real_text(actual) // ', which is ' // real_text(expected), &
-            message, location)
-      end if
-   end subroutine check_real_differ
-
    !> lhs < rhs + tolerance (or <=, >, >=) in every element; false with NaN.
    subroutine check_real_order(operator, lhs, left, rhs, right, tolerance, message, location)
       character(*), intent(in) :: operator
@@ -312,15 +254,6 @@ contains
          return
       end do
    end subroutine check_integer_equal
-
-   !> Two different integers.
-   subroutine check_integer_differ(expected, actual, message, location)
-      integer(int64), intent(in) :: expected, actual
-      character(*), intent(in), optional :: message
-      type(SourceLocation), intent(in), optional :: location
-
-      if (expected == actual) call report('both are ' // integer_text(actual), message, location)
-   end subroutine check_integer_differ
 
    !> lhs < rhs (or <=, >, >=) in every element.
    subroutine check_integer_order(operator, lhs, left, rhs, right, message, location)
@@ -400,7 +333,7 @@ contains
    end subroutine assert_false_scalar
 
    !> Every condition is true.
-   subroutine assertAll(conditions, message, location)
+   subroutine assert_all(conditions, message, location)
       logical, intent(in) :: conditions(:)
       character(*), intent(in), optional :: message
       type(SourceLocation), intent(in), optional :: location
@@ -408,19 +341,10 @@ contains
       if (.not. all(conditions)) call report('not all are true' // index_text(findloc(conditions, &
          .false., 1), &
                                              shape(conditions)), message, location)
-   end subroutine assertAll
-
-   !> At least one condition is true.
-   subroutine assertAny(conditions, message, location)
-      logical, intent(in) :: conditions(:)
-      character(*), intent(in), optional :: message
-      type(SourceLocation), intent(in), optional :: location
-
-      if (.not. any(conditions)) call report('none is true', message, location)
-   end subroutine assertAny
+   end subroutine assert_all
 
    !> No condition is true.
-   subroutine assertNone(conditions, message, location)
+   subroutine assert_none(conditions, message, location)
       logical, intent(in) :: conditions(:)
       character(*), intent(in), optional :: message
       type(SourceLocation), intent(in), optional :: location
@@ -428,16 +352,7 @@ contains
       if (any(conditions)) call report('one is true' // index_text(findloc(conditions, .true., &
          1), shape(conditions)), &
                                        message, location)
-   end subroutine assertNone
-
-   !> At least one condition is false.
-   subroutine assertNotAll(conditions, message, location)
-      logical, intent(in) :: conditions(:)
-      character(*), intent(in), optional :: message
-      type(SourceLocation), intent(in), optional :: location
-
-      if (all(conditions)) call report('all are true', message, location)
-   end subroutine assertNotAll
+   end subroutine assert_none
 
    !> The number is NaN.
    subroutine assertIsNaN(x, message, location)
@@ -456,18 +371,6 @@ contains
 
       if (.not. ieee_is_finite(x)) call report('not finite: ' // real_text(x), message, location)
    end subroutine assertIsFinite
-
-   !> The two shapes are the same.
-   subroutine assertSameShape(shapeA, shapeB, message, location)
-      integer, intent(in) :: shapeA(:), shapeB(:)
-      character(*), intent(in), optional :: message
-      type(SourceLocation), intent(in), optional :: location
-      logical :: are_same
-
-      are_same = size(shapeA) == size(shapeB)
-      if (are_same) are_same = all(shapeA == shapeB)
-      if (.not. are_same) call report('shapes differ', message, location)
-   end subroutine assertSameShape
 
    !> Fails.
    subroutine assertFail(message, location)
@@ -532,36 +435,12 @@ contains
       if (self%is_verbose .and. mark == 'F') write (output_unit, '(a)') '   FAILED'
    end subroutine runner_ends
 
-   !> Notes a test that is switched off.
-   subroutine runner_disable(self, name)
-      class(pf_runner_t), intent(inout) :: self
-      character(*), intent(in) :: name
-
-      if (index(name, trim(self%filter)) == 0) return
-      self%disabled = self%disabled + 1
-      if (self%is_verbose) write (output_unit, '(a)') name // ' (disabled)'
-      if (.not. self%is_verbose) write (output_unit, '(a)', advance='no') 'I'
-   end subroutine runner_disable
-
-   !> A parameterized test without any parameter would pass by not running: it fails.
-   subroutine runner_expects(self, name, cases)
-      class(pf_runner_t), intent(inout) :: self
-      character(*), intent(in) :: name
-      integer, intent(in) :: cases
-
-      if (cases > 0) return
-      if (.not. self%starts(name)) return
-      call report('has no parameters, so nothing was tested')
-      call self%ends()
-   end subroutine runner_expects
-
    !> Prints the failures and the count; exit status 0 all passed, 1 some failed, 2 nothing ran.
    subroutine runner_finish(self)
       class(pf_runner_t), intent(inout) :: self
 
       if (.not. self%is_verbose) write (output_unit, '(a)') ''
       write (output_unit, '(a)', advance='no') self%failures
-      if (self%disabled > 0) write (output_unit, '(i0,a)') self%disabled, ' disabled'
       write (output_unit, '(i0,a,i0,a)') self%passed, ' passed, ', self%failed, ' failed'
       flush (output_unit)
       if (self%passed + self%failed == 0) stop 2, quiet=.true.

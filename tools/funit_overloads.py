@@ -77,21 +77,6 @@ def equal_others(procedures):
     return [*names, "equal_string"]
 
 
-def not_equal(procedures):
-    """assertNotEqual for scalars."""
-    plain = [("expected", ("real(real64)", "")), ("actual", ("real(real64)", ""))]
-    with_bound = [*plain, ("tolerance", ("real(real64)", ""))]
-    procedures += specific("differ_r", plain, "check_real_differ(expected, actual, 0.0_real64")
-    procedures += specific("differ_rt", with_bound, "check_real_differ(expected, actual, tolerance")
-    names = ["differ_r", "differ_rt"]
-    for tag, kind in INTEGERS.items():
-        declarations = [("expected", (kind, "")), ("actual", (kind, ""))]
-        values = "int(expected, int64), int(actual, int64)"
-        procedures += specific(f"differ_{tag}", declarations, f"check_integer_differ({values}")
-        names.append(f"differ_{tag}")
-    return names
-
-
 def comparisons(procedures, assertion, operator):
     """One of the four comparisons."""
     names = []
@@ -128,7 +113,6 @@ def funit_module():
     """The lines of the whole module."""
     procedures = []
     generics = {"assertEqual": equal_reals(procedures) + equal_others(procedures)}
-    generics["assertNotEqual"] = not_equal(procedures)
     for assertion, operator in COMPARISONS.items():
         generics[assertion] = comparisons(procedures, assertion, operator)
     generics["assertRelativelyEqual"] = relatively_equal(procedures)

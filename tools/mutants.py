@@ -129,7 +129,7 @@ class Tree:
         for file in [path for pattern in ("src/*/*.f90", "app/*.f90", "test/**/*.f90") for path in place.glob(pattern)]:
             text, name = file.read_text(encoding="utf-8"), file.relative_to(place).as_posix()
             self.uses[name] = set(re.findall(r"(?mi)^ *use (\w+)", text))
-            self.of_module |= dict.fromkeys(re.findall(r"(?mi)^module (\w+)", text), name)
+            self.of_module |= dict.fromkeys(re.findall(r"(?mi)^module (?!procedure)(\w+)", text), name)
         for path in set(self.objects.glob("*.o")) - {self.object_of(file) for file in self.uses}:
             path.unlink()
         if not self.catch_up({file for file in self.uses if self.is_late(file)}, {}):

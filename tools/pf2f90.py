@@ -22,7 +22,6 @@ MAX_LINE = 120
 # Assertions of the subset: name -> (least, most) number of arguments, message included.
 ASSERTIONS = {
     "assertequal": (2, 4),
-    "assertnotequal": (2, 4),
     "assertlessthan": (2, 4),
     "assertlessthanorequal": (2, 4),
     "assertgreaterthan": (2, 4),
@@ -30,13 +29,8 @@ ASSERTIONS = {
     "assertrelativelyequal": (3, 4),
     "asserttrue": (1, 2),
     "assertfalse": (1, 2),
-    "assertall": (1, 2),
-    "assertany": (1, 2),
-    "assertnone": (1, 2),
-    "assertnotall": (1, 2),
     "assertisnan": (1, 2),
     "assertisfinite": (1, 2),
-    "assertsameshape": (2, 3),
     "assertfail": (1, 1),
 }
 KEYWORDS = {"expected", "actual", "found", "lhs", "rhs", "condition", "conditions", "x", "tolerance", "message"}
@@ -47,30 +41,12 @@ class Refused(Exception):
 
 
 @dataclass
-class Test:
-    """One @test: its procedure, line, argument if any, and what is asked of it."""
-
-    name: str
-    line: int
-    argument: str
-    disabled: bool = False
-    cases: str = ""
-
-
-@dataclass
 class Suite:
-    """What one .pf file declares."""
+    """What one .pf file declares: names of its tests, and of what runs before each."""
 
     name: str
     tests: list = field(default_factory=list)
     before: str = ""
-    after: str = ""
-    case_type: str = ""
-    case_is_parameterized: bool = False
-    case_options: dict = field(default_factory=dict)
-    parameter_type: str = ""
-    parameter_options: dict = field(default_factory=dict)
-    has_private: bool = False
 
 
 def code_only(line):
@@ -116,18 +92,6 @@ def split_arguments(text):
     return [] if arguments == [""] else arguments
 
 
-def options_of(arguments, allowed, annotation):
-    """The keyword arguments of an annotation as a dictionary, names in lower case."""
-    options = {}
-    for argument in arguments:
-        match = re.fullmatch(r"(\w+)\s*=\s*(.+)", argument)
-        if not match or match[1].lower() not in allowed:
-            known = ", ".join(sorted(allowed)) or "none"
-            raise Refused(f"@{annotation} does not take '{argument}' here (known: {known})")
-        options[match[1].lower()] = match[2].strip()
-    return options
-
-
 def fold(line):
     """The statement broken into lines that a compiler accepts (an ampersand on both sides may split anything)."""
     pieces = []
@@ -161,8 +125,6 @@ class Translator:
         self.suite = Suite(path.stem)
         self.output = []
         self.pending = ""
-        self.pending_options = {}
-        self.is_disabled = False
         self.has_module = False
 
     def translate(self):
@@ -190,10 +152,8 @@ class Translator:
         if "@" in code:
             raise Refused("an annotation must be alone on its line, nothing before it")
         if self.pending:
-            self.belongs(line, number)
+            self.add_procedure(line)
         self.check_module(code)
-        if re.fullmatch(r"\s*private\s*", code, re.I):
-            self.suite.has_private = True
         self.output.append(line)
 
     def check_module(self, code):
@@ -210,76 +170,34 @@ class Translator:
         """Handle `@name text`; returns the lines that replace it."""
         if "&" in code_only(text) or ";" in code_only(text) or len(code_only(text)) != len(text):
             raise Refused("an annotation must be alone on one line: no '&', ';' or trailing comment")
-        lower = name.lower()
-        if self.pending and not (self.pending == "test" and lower == "disable"):
+        if self.pending:
             raise Refused(f"@{self.pending} must be followed by the statement it belongs to, found @{name}")
-        if lower in ASSERTIONS:
+        if name.lower() in ASSERTIONS:
             return expand_assertion(name, text, self.path.name, number)
-        allowed = {
-            "test": {"cases"},
-            "before": set(),
-            "after": set(),
-            "testcase": {"constructor", "testparameters"},
-            "testparameter": {"constructor"},
-        }
-        if lower == "disable":
-            if self.pending != "test" or text:
-                raise Refused("@disable stands alone between @test and its subroutine")
-            self.is_disabled = True
-        elif lower in allowed:
-            self.pending_options = options_of(split_arguments(text), allowed[lower], name)
-            self.pending = lower
-        else:
+        if name.lower() not in {"test", "before"}:
             raise Refused(f"@{name} is not in the subset of pFUnit that this project uses")
+        if text:
+            raise Refused(f"@{name} does not take '{text}' here")
+        self.pending = name.lower()
         return []
 
-    def belongs(self, line, number):
-        """The statement right after an annotation."""
-        if self.pending in {"test", "before", "after"}:
-            match = re.fullmatch(r"\s*subroutine\s+(\w+)\s*(?:\(\s*(\w*)\s*\))?\s*", line, re.I)
-            if not match:
-                raise Refused(f"the line after @{self.pending} must be `subroutine name(...)` without prefix, bind or comment")
-            self.add_procedure(match[1], match[2] or "", number)
-        else:
-            match = re.fullmatch(r"\s*type\s*,\s*extends\s*\(\s*(\w+)\s*\)\s*::\s*(\w+)\s*", line, re.I)
-            if not match:
-                raise Refused(f"the line after @{self.pending} must be `type, extends(...) :: name` without comment")
-            self.add_type(match[1].lower(), match[2])
-        self.pending = ""
-        self.is_disabled = False
-
-    def add_procedure(self, name, argument, number):
-        """A test or a fixture procedure."""
+    def add_procedure(self, line):
+        """A test, or what runs before each, in the statement right after its annotation."""
+        match = re.fullmatch(r"\s*subroutine\s+(\w+)\s*(?:\(\s*\))?\s*", line, re.I)
+        if not match:
+            raise Refused(f"the line after @{self.pending} must be `subroutine name()` without prefix, argument, bind or comment")
+        name, suite = match[1], self.suite
         if len(name) > MAX_NAME:
             raise Refused(f"the name {name} has {len(name)} characters, at most {MAX_NAME} are possible")
-        suite = self.suite
-        if self.pending == "test":
-            if name.lower() in {test.name.lower() for test in suite.tests}:
-                raise Refused(f"two tests are called {name}")
-            suite.tests.append(Test(name, number, argument, self.is_disabled, self.pending_options.get("cases", "")))
-            return
-        if getattr(suite, self.pending):
-            raise Refused(f"two procedures are marked @{self.pending}")
-        if argument:
-            raise Refused(f"a procedure marked @{self.pending} takes no argument")
-        setattr(suite, self.pending, name)
-
-    def add_type(self, parent, name):
-        """A test-case or test-parameter type."""
-        suite = self.suite
-        if self.pending == "testcase":
-            if suite.case_type:
-                raise Refused("one @testCase type per file")
-            if parent not in {"testcase", "parameterizedtestcase"}:
-                raise Refused("a @testCase type extends TestCase or ParameterizedTestCase")
-            suite.case_type, suite.case_options = name, self.pending_options
-            suite.case_is_parameterized = parent == "parameterizedtestcase"
+        if self.pending == "before" and suite.before:
+            raise Refused("two procedures are marked @before")
+        if self.pending == "before":
+            suite.before = name
+        elif name.lower() in map(str.lower, suite.tests):
+            raise Refused(f"two tests are called {name}")
         else:
-            if suite.parameter_type:
-                raise Refused("one @testParameter type per file")
-            if parent != "abstracttestparameter":
-                raise Refused("a @testParameter type extends AbstractTestParameter")
-            suite.parameter_type, suite.parameter_options = name, self.pending_options
+            suite.tests.append(name)
+        self.pending = ""
 
     def check_suite(self):
         """What can only be judged at the end of the file."""
@@ -288,93 +206,21 @@ class Translator:
             raise Refused(f"no module {suite.name} in this file")
         if not suite.tests:
             raise Refused("no @test in this file")
-        if suite.case_type and (suite.before or suite.after):
-            raise Refused("@before and @after do nothing beside @testCase: bind setUp and tearDown instead")
-        for test in suite.tests:
-            if bool(test.argument) != bool(suite.case_type):
-                wanted = "one argument of the @testCase type" if suite.case_type else "no argument (there is no @testCase)"
-                raise Refused(f"test {test.name} (line {test.line}) must take {wanted}")
-            if test.cases and "testparameters" in suite.case_options:
-                raise Refused(f"test {test.name} (line {test.line}): cases= does nothing beside testParameters=")
-            if test.cases and not suite.case_is_parameterized:
-                raise Refused(f"test {test.name} (line {test.line}): cases= needs a ParameterizedTestCase")
-            if suite.case_is_parameterized and not (test.cases or "testparameters" in suite.case_options):
-                raise Refused(f"test {test.name} (line {test.line}) has no parameters: neither testParameters= nor cases=")
-        if suite.case_is_parameterized:
-            if not suite.parameter_type:
-                raise Refused("a ParameterizedTestCase needs a @testParameter type")
-            if "constructor" not in suite.case_options:
-                raise Refused("a ParameterizedTestCase needs @testCase(constructor=...)")
-        elif "testparameters" in suite.case_options:
-            raise Refused("testParameters= needs a type that extends ParameterizedTestCase")
 
 
-def plain_test(suite, test):
-    """Lines that run one test without parameters."""
-    full_name = f"{suite.name}_suite.{test.name}"
-    if test.disabled:
-        return [f"call pf_runner%disable('{full_name}')"]
-    lines = [f"if (pf_runner%starts('{full_name}')) then"]
-    if suite.case_type:
-        lines += ["block", f"type({suite.case_type}) :: pf_case"]
-        if "constructor" in suite.case_options:
-            lines.append(f"pf_case = {suite.case_options['constructor']}()")
-        lines += [*case_calls(test), "end block"]
-    else:
-        lines += [f"call {suite.before}()"] if suite.before else []
-        lines += ["if (.not. anyExceptions()) then", f"call {test.name}()"]
-        lines += [f"call {suite.after}()"] if suite.after else []
-        lines.append("end if")
-    return [*lines, "call pf_runner%ends()", "end if"]
-
-
-def case_calls(test):
-    """Set up, run, tear down one test case."""
+def run_test(suite, test):
+    """Lines that run one test."""
     return [
-        "call pf_case%setUp()",
-        "if (.not. anyExceptions()) then",
-        f"call {test.name}(pf_case)",
-        "call pf_case%tearDown()",
-        "end if",
-    ]
-
-
-def parameterized_test(suite, test):
-    """Lines that run one test for each of its parameters."""
-    full_name = f"{suite.name}_suite.{test.name}"
-    if test.disabled:
-        return [f"call pf_runner%disable('{full_name}')"]
-    if test.cases:
-        maker = suite.parameter_options.get("constructor", suite.parameter_type)
-        fill = ["block", "integer :: pf_j", "integer, allocatable :: pf_numbers(:)", f"pf_numbers = {test.cases}"]
-        fill += ["allocate (pf_parameters(size(pf_numbers)))", "do pf_j = 1, size(pf_numbers)"]
-        fill += [f"pf_parameters(pf_j) = {maker}(pf_numbers(pf_j))", "end do", "end block"]
-    else:
-        values = re.sub(r"^\{(.*)\}$", r"\1", suite.case_options["testparameters"])
-        fill = [f"allocate (pf_parameters, source={values})"]
-    return [
-        "block",
-        f"type({suite.parameter_type}), allocatable :: pf_parameters(:)",
-        "integer :: pf_i",
-        *fill,
-        f"call pf_runner%expects('{full_name}', size(pf_parameters))",
-        "do pf_i = 1, size(pf_parameters)",
-        f"if (pf_runner%starts('{full_name}[' // pf_parameters(pf_i)%toString() // ']')) then",
-        "block",
-        f"type({suite.case_type}) :: pf_case",
-        f"pf_case = {suite.case_options['constructor']}(pf_parameters(pf_i))",
-        *case_calls(test),
-        "end block",
+        f"if (pf_runner%starts('{suite.name}_suite.{test}')) then",
+        *([f"call {suite.before}()"] if suite.before else []),
+        f"if (.not. anyExceptions()) call {test}()",
         "call pf_runner%ends()",
         "end if",
-        "end do",
-        "end block",
     ]
 
 
 def suite_module(suite):
     """The module that runs the tests of one file, one procedure per test."""
-    make = parameterized_test if suite.case_is_parameterized else plain_test
     lines = [f"module {suite.name}_suite", "use funit, only: anyExceptions, pf_runner_t", f"use {suite.name}"]
     lines += ["implicit none (type, external)", "private", f"public :: run_{suite.name}", "contains"]
     lines += [f"subroutine run_{suite.name}(pf_runner)", "type(pf_runner_t), intent(inout) :: pf_runner"]
@@ -382,7 +228,7 @@ def suite_module(suite):
     lines += [f"end subroutine run_{suite.name}"]
     for i, test in enumerate(suite.tests, 1):
         lines += [f"subroutine pf_{i}(pf_runner)", "type(pf_runner_t), intent(inout) :: pf_runner"]
-        lines += [*make(suite, test), f"end subroutine pf_{i}"]
+        lines += [*run_test(suite, test), f"end subroutine pf_{i}"]
     lines.append(f"end module {suite.name}_suite")
     return [piece for line in lines for piece in fold(line)]
 

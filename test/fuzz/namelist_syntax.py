@@ -9,6 +9,7 @@ from run import call
 
 TITLE = "valid namelists in unusual syntax: the values that they state, or a finding"
 CASES = 400
+QUICK = 20
 
 GROUPS = {
     "case": {"problem": "ehl_line", "title": 'it\'s a / title, with = & "!" in it'},

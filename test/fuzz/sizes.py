@@ -1,7 +1,6 @@
-"""Grids of every size, spacings and numbers of threads at the ends of what numbers hold, and limits of memory."""
+"""Grids of every size, spacings and numbers of threads at the ends of what numbers hold."""
 
 import random
-import resource
 from pathlib import Path
 
 import h5py
@@ -9,7 +8,7 @@ import numpy as np
 from run import call
 from surfaces import judged, solved
 
-TITLE = "sizes: nodes, intervals, spacings, threads, limits of memory"
+TITLE = "sizes: nodes, intervals, spacings, threads"
 CASES = 120
 
 SIDES = [2, 3, 1000, 4096, 32768, 46341, 65536, 65537, 2147483647, 2147483648, 4294967296, -1, 0]
@@ -27,12 +26,10 @@ OIL = """&case problem = 'ehl_line' /
 &solver method = '{method}' /
 &accuracy error_bars = .false. /
 """
-MEGABYTE = 2**20
-FIELDS = 6 * 8  # bytes a node of the fields of the result alone
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    kind = source.choice(["area", "oil", "spacing", "threads", "memory"])
+    kind = source.choice(["area", "oil", "spacing", "threads"])
     if kind == "spacing":
         spacing = source.choice([1e-320, 1e-300, 1e-200, 1e200, 1e308, np.inf, 1e-16, 1e7])
         with h5py.File(folder / "z.h5", "w") as file:
@@ -41,7 +38,7 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
         return judged(
             solved(program, folder, source.choice(["line", "oil"]), "z.h5", ", dataset = 'z'"), folder, "z.h5", is_good=False
         )
-    limits, arguments = {}, ["--check"]
+    arguments = ["--check"]
     if kind == "oil":
         method = source.choice(["auto", "newton_dense", "block_jacobi", "newton_krylov"])
         intervals = source.choice(["", f"intervals = {source.choice(INTERVALS)}"])
@@ -50,20 +47,13 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     else:
         x, y = (source.choice(SIDES) for _ in range(2))
         is_too_large = not (2 <= x <= 65536 and 2 <= y <= 65536 and x * y < 2**29)
-        if kind in ("threads", "memory"):
+        if kind == "threads":
             x = y = source.choice([64, 256, 1024])
             is_too_large = False
-            arguments = ["--quiet"]
-        if kind == "threads":
-            arguments += ["--threads", str(source.choice([1, 2, 3, 64, 500, 2000, 9999]))]
-        if kind == "memory":
-            limits = {resource.RLIMIT_AS: source.choice([400, 500, 700, 1000]) * MEGABYTE}
-            x, y = (source.choice([1024, 4096, 8192, 16384]) for _ in range(2))
-            arguments = ["--check"]
-            is_too_large = x * y * FIELDS > limits[resource.RLIMIT_AS]
+            arguments = ["--quiet", "--threads", str(source.choice([1, 2, 3, 64, 500, 2000, 9999]))]
         text = AREA.format(x=x, y=y, periodic=source.choice([".true.", ".false."]) if kind == "area" else ".true.")
     (folder / "case.nml").write_text(text, encoding="utf-8")
-    run = call(program, folder, "case.nml", *arguments, limits=limits)
+    run = call(program, folder, "case.nml", *arguments)
     if is_too_large and run.trouble() is None and (run.status != 1 or "case.nml:" not in run.err):
         return f"too large and taken: {run.status} {run.err.strip()[-200:]}"
     return run.trouble(0, 1)
