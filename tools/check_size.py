@@ -15,7 +15,7 @@ reversal without drained films: 11, 8, 2 words; random cases of points, historie
 all limits of points, their mixed outcome, the lock before trial runs, bench of their adequacy: 127, 149, how sure 12, bench 17;
 spikes of points: 58, 32, how sure 15;
 a further case in fewer instructions: 83, 1, 12 words, how sure 1; adequacy in half of them: 75, 23, how sure 82;
-areas in fewer: 18, 1; lines of points in fewer: 37; bars of points from few grids: 53, 41, how sure 3, 56 words)."""
+areas in fewer: 82, 9; lines of points in fewer: 37; bars of points from few grids: 53, 41, how sure 3, 56 words)."""
 
 import pathlib
 import re
