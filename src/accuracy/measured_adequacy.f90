@@ -156,19 +156,27 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: fine, coarse
       type(influence_t) :: rough
-      logical :: is_open(size(list))
+      logical :: is_known, is_open(size(list))
       integer :: i
 
       call measure_smooth(solved%experiment, list, budget, adequacy, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
+      if (any([allocated(error), listener%is_stopping])) return
       if (adequacy%is_full) budget = huge(budget)
       fine = pair_of(solved, 1)
       coarse = pair_of(solved, 2)
-      call measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
+      is_open = .true.   ! which ingredients remain unknown
+      is_known = .false.
       rough = new_influence('', '')
       i = findloc(list%kind, roughness, 1)
-      if (i > 0) rough = adequacy%rows(i)
+      if (i > 0) then
+         if (all([fine%is_known, budget >= steps_to_start*sum(fine%runs%contact%domain &
+            %intervals)])) call measure_change(fine, list(i), adequacy%rows(i), is_known, &
+            listener, error)
+         if (any([allocated(error), listener%is_stopping])) return
+         budget = budget - fine%work
+         is_open(i) = .not. is_known
+         rough = adequacy%rows(i)
+      end if
       do i = 1, size(list)
          if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
             adequacy%accuracy, is_open(i))
@@ -186,29 +194,6 @@ contains
       call measure_open([fine, coarse], pack(list, is_open), budget, adequacy, listener, &
          error)   ! error: the caller looks
    end subroutine measure_passage
-
-   !> Measures the roughness, if the transient is known on the `fine` grids; `is_open`: which
-   !> ingredients remain unknown.
-   subroutine measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
-      type(passage_pair_t), intent(inout) :: fine
-      type(ingredient_t), intent(in) :: list(:)
-      real(wp), intent(inout) :: budget
-      type(adequacy_t), intent(inout) :: adequacy
-      logical, intent(out) :: is_open(:)
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      logical :: is_known
-      integer :: i
-
-      is_open = .true.
-      i = findloc(list%kind, roughness, 1)
-      if (i == 0 .or. .not. fine%is_known) return
-      if (budget < steps_to_start*sum(fine%runs%contact%domain%intervals)) return
-      call measure_change(fine, list(i), adequacy%rows(i), is_known, listener, error)
-      if (allocated(error)) return
-      budget = budget - fine%work
-      is_open(i) = .not. is_known
-   end subroutine measure_roughness
 
    !> Measures the `open` ingredients: the squeeze term on the coarse pair within `budget` (on the
    !> fine pair if there is no other, or for a full measurement), then all others on the coarse
