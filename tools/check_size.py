@@ -31,11 +31,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 48_883,
-    "how sure": 5_795,
-    "tests": 37_386,
+    "sources": 48_907,
+    "how sure": 5_786,
+    "tests": 37_375,
     "bench": 5_683,
-    "words of pages": 44_963,
+    "words of pages": 44_960,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,
