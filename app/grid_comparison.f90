@@ -5,8 +5,8 @@ module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_notes, only: add_note
    use case_record, only: case_t
-   use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
-      copy_side_runs, run_farther, run_longer, run_other_scheme
+   use coarse_runs, only: make_side_runs, new_side_runs, run_farther, run_longer, &
+      run_other_scheme, side_runs_t
    use domain_choice, only: choose_domain, cut_asperities
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
@@ -21,11 +21,10 @@ module grid_comparison
    use signals, only: begin_activity, is_interrupted
    use system_limits, only: lubricated_memory, memory_fault, of_blas, processors, thread_memory
    use text, only: to_text
-   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: check_ends, compare_grids, solve_with_coarse_runs
+   public :: check_ends, solve_with_coarse_runs
 
    !> Relative change of the quantities by the outlet above which a note is given.
    real(wp), parameter :: largest_change = 1.0e-3_wp
@@ -39,33 +38,6 @@ module grid_comparison
    end type side_relay_t
 
 contains
-
-   !> Coarse runs, unless the `side_runs` of a transient have been made already, and the `seconds`
-   !> that they took. Error: memory or a library failed.
-   subroutine compare_grids(case, listener, side_runs, seconds, error)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-      type(side_runs_t), allocatable, intent(inout) :: side_runs
-      real(wp), intent(out) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      type(error_bars_t) :: bars
-      real(wp) :: start
-
-      start = wall_seconds()
-      if (case%time%is_transient) then
-         if (.not. allocated(side_runs)) then
-            side_runs = new_side_runs(new_experiment(case%contact, case%solver, case%time))
-            call make_side_runs(side_runs, listener)
-         end if
-         call copy_side_runs(side_runs, bars, error)   ! error: the caller looks
-      else
-         call make_coarse_runs(bars, new_experiment(case%contact, case%solver, case%time), &
-            listener, error)   ! error: the caller looks
-      end if
-      bars%left_out = listener%writer%bars%left_out
-      listener%writer%bars = bars
-      seconds = wall_seconds() - start
-   end subroutine compare_grids
 
    !> Both ends of the domain of the solved contact, for its error bars. A note where one cuts off
    !> asperities, or the outlet the film, unless that is known to change the quantities a little.
@@ -147,12 +119,11 @@ contains
          layers=case%layers), of_blas + thread_memory(2)) == ''
    end function has_second_thread
 
-   !> Solves the case as `solve_ehl_line` does, with two threads at the same time as its
-   !> `side_runs`. They are allocated afterwards if they were made and the solution converged on
-   !> their domain.
+   !> Solves the case as `solve_ehl_line` does, unless a trial run was that, with two threads at the
+   !> same time as its `side_runs`, which are new ones if there are none, or on another domain.
    subroutine solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       type(case_t), intent(inout) :: case
-      type(side_runs_t), allocatable, target, intent(out) :: side_runs
+      type(side_runs_t), allocatable, target, intent(inout) :: side_runs
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
@@ -160,30 +131,36 @@ contains
       real(wp) :: x_outlet
       logical :: is_off
 
-      if (.not. has_second_thread(case, listener)) then
+      if (.not. allocated(side_runs)) side_runs = new_side_runs(new_experiment(case%contact, &
+         case%solver, case%time))
+      x_outlet = case%contact%domain%x_outlet
+      if (allocated(side_runs%whole)) then
+         case%contact = side_runs%whole%contact
+         state = side_runs%whole%state
+         report = side_runs%whole%report
+      else if (has_second_thread(case, listener)) then
+         !$omp parallel num_threads(2) private(is_off)
+         ! the first thread alone writes and takes signals
+         !$omp master
+         call solve_ehl_line(case%contact, case%solver, case%time, listener, state, report, error)
+         is_off = allocated(error) .or. .not. report%converged
+         if (.not. is_off) is_off = abs(case%contact%domain%x_outlet - x_outlet) > 0.0_wp
+         call begin_activity('coarse runs')
+         if (is_off) then
+            !$omp atomic write
+            side_runs%are_off = .true.
+         end if
+         !$omp end master
+         call help(side_runs)
+         !$omp end parallel
+         listener%is_stopping = listener%is_stopping .or. is_interrupted()
+      else
          call solve_ehl_line(case%contact, case%solver, case%time, listener, state, report, &
             error)   ! error: the caller looks
-         return
       end if
-      allocate (side_runs)
-      side_runs = new_side_runs(new_experiment(case%contact, case%solver, case%time))
-      x_outlet = case%contact%domain%x_outlet
-      !$omp parallel num_threads(2) private(is_off)
-      ! the first thread alone writes and takes signals
-      !$omp master
-      call solve_ehl_line(case%contact, case%solver, case%time, listener, state, report, error)
-      is_off = allocated(error) .or. .not. report%converged
-      if (.not. is_off) is_off = abs(case%contact%domain%x_outlet - x_outlet) > 0.0_wp
-      call begin_activity('coarse runs')
-      if (is_off) then
-         !$omp atomic write
-         side_runs%are_off = .true.
-      end if
-      !$omp end master
-      call help(side_runs)
-      !$omp end parallel
-      if (side_runs%are_off) deallocate (side_runs)
-      listener%is_stopping = listener%is_stopping .or. is_interrupted()
+      is_off = abs(case%contact%domain%x_outlet - x_outlet) > 0.0_wp
+      if (is_off .or. .not. case%time%is_transient) side_runs = new_side_runs(new_experiment( &
+         case%contact, case%solver, case%time))
    end subroutine solve_with_coarse_runs
 
    !> The part of one thread in the coarse runs.

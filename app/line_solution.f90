@@ -4,11 +4,11 @@ module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_error, note_unusual, &
       time_text
    use case_record, only: case_t, list_passage, set_effective
-   use coarse_runs, only: side_runs_t
-   use error_bars, only: copy_coarser, new_error_bars
+   use coarse_runs, only: copy_side_runs, make_side_runs, side_runs_t
+   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
    use film_heating, only: friction_doubt
-   use grid_comparison, only: check_ends, compare_grids, solve_with_coarse_runs
+   use grid_comparison, only: check_ends, solve_with_coarse_runs
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
@@ -36,6 +36,7 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
+      type(error_bars_t) :: bars
       type(side_runs_t), allocatable :: side_runs
       real(wp) :: seconds, start
 
@@ -46,9 +47,16 @@ contains
          call restore_resolution(case, listener)
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
          start = wall_seconds()
-         call choose_resolution(case%contact, case%solver, case%time, listener, error)
+         listener%is_trial = .true.
+         call choose_resolution(case%contact, case%solver, case%time, side_runs, listener, error)
          if (allocated(error) .or. listener%is_stopping) return
+         listener%is_trial = .false.
          seconds = wall_seconds() - start
+         if (allocated(side_runs%whole)) then
+            seconds = seconds - side_runs%whole%report%cost%wall_seconds
+         else
+            call listener%writer%forget_steps()
+         end if
       end if
       listener%writer%bars%spike_law%fluid = case%contact%fluid
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
@@ -75,8 +83,13 @@ contains
       call look_at_solution(listener, state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
-         call compare_grids(case, listener, side_runs, seconds, error)
+         start = wall_seconds()
+         call make_side_runs(side_runs, listener)
+         call copy_side_runs(side_runs, bars, error)
          if (allocated(error)) return
+         bars%left_out = listener%writer%bars%left_out
+         listener%writer%bars = bars
+         seconds = seconds + wall_seconds() - start
          report%converged = .not. listener%is_stopping
       end if
       call check_ends(case, listener, report, error)

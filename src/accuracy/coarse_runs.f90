@@ -1,10 +1,10 @@
 !> Runs of the same case on coarser grids, with larger time steps or on longer domains, for its
-!> error bars.
+!> error bars; none is made twice.
 module coarse_runs
    use domain_choice, only: choose_domain, farthest, inlet_error
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
-   use experiment, only: coarser, experiment_t, outcome_t, run_experiment
+   use experiment, only: coarser, experiment_t, outcome_t, run_experiment, solution_t
    use inlet_errors, only: inlet_change_t
    use kinds, only: wp
    use listener, only: listener_t
@@ -13,23 +13,21 @@ module coarse_runs
    implicit none (type, external)
    private
 
-   public :: copy_side_runs, make_coarse_runs, make_side_runs, new_side_runs, &
-      run_farther, run_longer, run_other_scheme, side_runs_t
+   public :: copy_side_runs, make_side_runs, new_side_runs, run_farther, run_longer, &
+      run_other_scheme, side_runs_t
 
    !> Up to this loss of film the inlet rule gives the error; beyond, the change is measured.
    real(wp), parameter :: small_loss = 0.05_wp
 
-   !> A coarse run of a transient on `factor` times fewer intervals with larger time steps. It does
-   !> not depend on the actual run: another thread may make it at the same time.
+   !> A coarse run on `factor` times fewer intervals, in time with larger steps. It does not depend
+   !> on the actual run: another thread may make it at the same time, or a trial run was that.
    type :: side_run_t
       integer :: factor
-      !> Without its solution the others are useless.
-      logical :: is_needed
       type(outcome_t) :: outcome
       type(error_t), allocatable :: error
    end type side_run_t
 
-   !> All coarse runs, in the order in which they begin.
+   !> All coarse runs in their order: behind one without a solution all others are useless.
    type :: side_runs_t
       type(experiment_t) :: experiment
       type(side_run_t), allocatable :: runs(:)
@@ -37,44 +35,27 @@ module coarse_runs
       integer :: begun = 0
       !> Whether they have become useless.
       logical :: are_off = .false.
+      !> The run itself, where a trial run was that; not allocated: it is not known.
+      type(solution_t), allocatable :: whole
    end type side_runs_t
 
 contains
 
-   !> Runs a steady case on n/2 and n/4 intervals (transients: `make_side_runs`). A run without a
-   !> solution, or stopped by `listener`, leaves its quantities unknown.
-   subroutine make_coarse_runs(bars, experiment, listener, error)
-      type(error_bars_t), intent(out) :: bars
-      type(experiment_t), intent(in) :: experiment
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(outcome_t) :: half, quarter
-
-      bars = new_error_bars(experiment%contact, experiment%time, experiment%settings%space_scheme)
-      call run_experiment(coarser(experiment, 2), listener, half, error)
-      if (allocated(error) .or. .not. half%is_known) return
-      call copy_coarser(bars, [half%summary, half%coarser(:min(1, size(half%coarser)))])
-      if (bars%grids > 1) return
-      call run_experiment(coarser(experiment, 4), listener, quarter, error)
-      if (allocated(error) .or. .not. quarter%is_known) return
-      call copy_coarser(bars, [half%summary, quarter%summary])
-   end subroutine make_coarse_runs
-
-   !> Prepares runs of a transient on n/2 and n/4 intervals, of a first-order scheme with the
-   !> second-order one and also on n, first.
+   !> Prepares runs on n/2 and n/4 intervals, in time by a first-order scheme with the second-order
+   !> one and also on n, first.
    pure function new_side_runs(experiment) result(side_runs)
       type(experiment_t), intent(in) :: experiment
       type(side_runs_t) :: side_runs
 
       side_runs%experiment = experiment
-      side_runs%runs = [side_run_t(2, is_needed=.false.), side_run_t(4, is_needed=.false.)]
-      if (experiment%time%scheme == 'backward_euler') side_runs%runs = &
-         [side_run_t(1, is_needed=.true.), side_runs%runs]
+      side_runs%runs = [side_run_t(2), side_run_t(4)]
+      if (experiment%time%scheme == 'backward_euler') side_runs%runs = [side_run_t(1), &
+         side_runs%runs]
    end function new_side_runs
 
-   !> Makes the remaining runs one after the other while they are useful. Any number of threads may
-   !> call this; `listener` belongs to the thread and may stop a run, whose quantities are then
-   !> unknown.
+   !> Makes the runs that are not known one after the other while they are useful. Any number of
+   !> threads may call this; `listener` belongs to the thread and may stop a run, whose quantities
+   !> are then unknown.
    subroutine make_side_runs(side_runs, listener)
       type(side_runs_t), intent(inout) :: side_runs
       class(listener_t), intent(inout), target :: listener
@@ -92,9 +73,15 @@ contains
          !$omp atomic read
          are_off = side_runs%are_off
          if (are_off .or. i > size(side_runs%runs)) return
-         associate (run => side_runs%runs(i))
+         associate (run => side_runs%runs(i), runs => side_runs%runs)
+            if (run%outcome%is_known) cycle
             call run_experiment(coarser(accurate, run%factor), listener, run%outcome, run%error)
-            if (run%outcome%is_known .or. .not. (run%is_needed .or. allocated(run%error))) cycle
+            if (i < size(runs) .and. allocated(run%outcome%coarser)) then
+               ! a steady one has passed the next on its way
+               if (size(run%outcome%coarser) > 0) runs(i + 1)%outcome = outcome_t(.true., &
+                  run%outcome%coarser(1))
+            end if
+            if (run%outcome%is_known) cycle
          end associate
          !$omp atomic write
          side_runs%are_off = .true.

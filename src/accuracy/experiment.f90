@@ -15,7 +15,8 @@ module experiment
    implicit none (type, external)
    private
 
-   public :: coarser, collector_t, experiment_t, new_experiment, outcome_t, run_experiment
+   public :: coarser, collector_t, experiment_t, new_experiment, outcome_t, run_experiment, &
+      solution_t
 
    !> Runs for comparison have at least this many intervals.
    integer, parameter, public :: min_intervals = 32
@@ -39,9 +40,18 @@ module experiment
       real(wp) :: work = 0.0_wp
    end type outcome_t
 
+   !> A solution whole, with its contact as the solver leaves it.
+   type :: solution_t
+      type(line_contact_t) :: contact
+      type(line_state_t) :: state
+      type(report_t) :: report
+   end type solution_t
+
    !> Collects the extremes over the time steps that count.
    type, extends(relay_t) :: collector_t
       type(passage_extremes_t) :: passage
+      !> The time steps go to the parent, too.
+      logical :: passes_on = .false.
    contains
       procedure :: on_step => collect_step
       procedure :: on_part => collect_part
@@ -87,14 +97,14 @@ contains
       end associate
    end function coarser
 
-   !> Runs the experiment unless it has no intervals; `state` is the last state. Error: memory or a
-   !> library failed.
-   subroutine run_experiment(self, listener, outcome, error, state)
+   !> Runs the experiment unless it has no intervals; with `solution` the listener receives its time
+   !> steps, too. Error: memory or a library failed.
+   subroutine run_experiment(self, listener, outcome, error, solution)
       type(experiment_t), intent(in) :: self
       class(listener_t), intent(inout), target :: listener
       type(outcome_t), intent(out) :: outcome
       type(error_t), allocatable, intent(out) :: error
-      type(line_state_t), intent(out), optional :: state
+      type(solution_t), intent(out), optional :: solution
       type(collector_t) :: collector
       type(line_contact_t) :: contact
       type(line_state_t) :: last
@@ -104,6 +114,8 @@ contains
       contact = self%contact
       contact%domain%may_lengthen = .false.
       collector%parent => listener
+      collector%passes_on = present(solution)
+      if (present(solution)) collector%stress_stride = listener%stress_stride
       collector%passage = passage_extremes_t(new_passage_times(contact, self%time))
       call solve_ehl_line(contact, self%settings, self%time, collector, last, report, error)
       if (allocated(error)) return
@@ -112,7 +124,7 @@ contains
       if (.not. outcome%is_known) return
       outcome%summary = collector%passage%extremes(summary_of(last))
       call move_alloc(collector%coarser, outcome%coarser)
-      if (present(state)) state = last
+      if (present(solution)) solution = solution_t(contact, last, report)
    end subroutine run_experiment
 
    !> Forwards a stage, marked as one of a coarse run.
@@ -134,9 +146,8 @@ contains
       type(march_state_t), intent(in) :: history
       type(report_t), intent(in) :: report
 
-      associate (unused_history => history, unused_report => report)
-      end associate
       call self%passage%add(summary_of(state), state%time, step == steps)
+      if (self%passes_on) call self%parent%on_step(step, steps, state, history, report)
    end subroutine collect_step
 
    !> Adds the quantities inside a time step.

@@ -18,16 +18,17 @@ module measured_adequacy
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t
    use errors, only: error_t
-   use experiment, only: experiment_t, outcome_t, run_experiment
+   use experiment, only: experiment_t, outcome_t, run_experiment, solution_t
    use graded_contact, only: even_state
    use kinds, only: wp
-   use line_contact, only: domain_t, line_contact_t, without_surfaces
+   use line_contact, only: domain_t, line_contact_t, solver_settings_t, time_settings_t, &
+      without_surfaces
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use passage_pair, only: limit_places, measure_change, new_pair, &
-      passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
+   use passage_pair, only: limit_places, max_cycles, measure_change, new_pair, passage_pair_t, &
+      run_pair, sees_all, steps_to_start
    use quantities, only: quantity_count
    implicit none (type, external)
    private
@@ -149,19 +150,27 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: fine, coarse
       type(influence_t) :: rough
-      logical :: is_open(size(list))
+      logical :: is_known, is_open(size(list))
       integer :: i
 
       call measure_smooth(solved%experiment, list, budget, adequacy, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
+      if (any([allocated(error), listener%is_stopping])) return
       if (adequacy%is_full) budget = huge(budget)
       fine = pair_of(solved, 1)
       coarse = pair_of(solved, 2)
-      call measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
+      is_open = .true.   ! which ingredients remain unknown
+      is_known = .false.
       rough = new_influence('', '')
       i = findloc(list%kind, roughness, 1)
-      if (i > 0) rough = adequacy%rows(i)
+      if (i > 0) then
+         if (all([fine%is_known, budget >= steps_to_start*sum(fine%runs%contact%domain &
+            %intervals)])) call measure_change(fine, list(i), adequacy%rows(i), is_known, &
+            listener, error)
+         if (any([allocated(error), listener%is_stopping])) return
+         budget = budget - fine%work
+         is_open(i) = .not. is_known
+         rough = adequacy%rows(i)
+      end if
       do i = 1, size(list)
          if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
             adequacy%accuracy, is_open(i))
@@ -179,29 +188,6 @@ contains
       call measure_open([fine, coarse], pack(list, is_open), budget, adequacy, listener, &
          error)   ! error: the caller looks
    end subroutine measure_passage
-
-   !> Measures the roughness, if the transient is known on the `fine` grids; `is_open`: which
-   !> ingredients remain unknown.
-   subroutine measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
-      type(passage_pair_t), intent(inout) :: fine
-      type(ingredient_t), intent(in) :: list(:)
-      real(wp), intent(inout) :: budget
-      type(adequacy_t), intent(inout) :: adequacy
-      logical, intent(out) :: is_open(:)
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      logical :: is_known
-      integer :: i
-
-      is_open = .true.
-      i = findloc(list%kind, roughness, 1)
-      if (i == 0 .or. .not. fine%is_known) return
-      if (budget < steps_to_start*sum(fine%runs%contact%domain%intervals)) return
-      call measure_change(fine, list(i), adequacy%rows(i), is_known, listener, error)
-      if (allocated(error)) return
-      budget = budget - fine%work
-      is_open(i) = .not. is_known
-   end subroutine measure_roughness
 
    !> Measures the `open` ingredients: the squeeze term on the coarse pair within `budget` (on the
    !> fine pair if there is no other, or for a full measurement), then all others on the coarse
@@ -296,27 +282,29 @@ contains
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(experiment_t) :: smooth
       type(adequacy_t) :: own
       type(outcome_t) :: outcome
-      type(line_state_t) :: state
+      type(solution_t) :: solution
+      type(line_contact_t) :: contact
       integer :: i, k
 
       adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       adequacy%rows%unknown = merge(no_grids, only_full, adequacy%is_full)
-      smooth = experiment
-      associate (n => smooth%contact%domain%intervals)
+      contact = without_surfaces(experiment%contact)
+      associate (n => contact%domain%intervals)
          do while (modulo(n, 2) == 0 .and. n > most_at_rest &
             .and. n/2 >= 2*coarsest_for_film(experiment%contact))
             n = n/2
          end do
-         call solve_smooth(smooth, listener, outcome, state, error)
+         call run_experiment(experiment_t(contact, solver_settings_t(method='newton_krylov', &
+            max_cycles=max_cycles, explains_failure=.false.), time_settings_t()), listener, &
+            outcome, error, solution)
          if (allocated(error) .or. .not. outcome%is_known) return
          budget = budget - steps_to_start*n
       end associate
       own%accuracy = adequacy%accuracy
       own%ends_early = .true.
-      call measure_at_rest(without_surfaces(smooth%contact), state, pack(list, &
+      call measure_at_rest(contact, solution%state, pack(list, &
          .not. is_of_surfaces(list)), budget, own, listener, error)
       if (allocated(error)) return
       adequacy%at_rest = own%at_rest

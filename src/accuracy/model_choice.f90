@@ -9,9 +9,10 @@
 !> change, without which each moment is a steady contact.
 module model_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
+   use ablations, only: has_roughness, ingredient_t, ingredients_of, is_of_surfaces, roughness, &
+      squeeze
    use adequacy, only: at_rest, changes_little, cheap_in_motion, cheap_passage, cheap_steady, &
-      compared, goes_along, influence_t, may_matter, model_choice_t, never_steady, new_influence, &
+      compared, goes_along, may_matter, model_choice_t, never_steady, new_influence, &
       not_measured, start_counts, too_high, wanted
    use entry_zone, only: is_moving
    use errors, only: error_t
@@ -59,7 +60,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: whole
       type(ingredient_t), allocatable :: list(:)
-      integer :: i
+      integer :: i, kind
 
       list = ingredients_of(experiment%contact, experiment%time%is_transient)
       ! of smooth surfaces the squeeze term is decided on without a measurement
@@ -77,23 +78,48 @@ contains
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return
       call listener%on_stage('measuring what the model needs')
-      if (allocated(experiment%contact%duty)) then
-         call measure_squeeze(whole, list, target, choice, listener, &
-            error)   ! error: the caller looks
-      else if (moves(experiment%contact%surface_1) .or. moves(experiment%contact%surface_2)) then
-         where (list%kind == squeeze) choice%why = cheap_in_motion
-         call measure_roughness(whole, list, target, choice, listener, &
-            error)   ! error: the caller looks
-      else if (counts_late(whole)) then
-         where (list%kind >= roughness) choice%why = cheap_steady
-         choice%is_steady = .true.
-         choice%is_left_out = list%kind == squeeze
-         choice%is_smooth = .not. any(list%kind == roughness)
-         where (choice%is_left_out) choice%why = at_rest
-      else
-         choice%why = start_counts
-      end if
+      call give_reasons(whole, list, target, choice, kind)
+      i = findloc(list%kind, kind, 1)
+      if (i == 0) return
+      call measure(whole, list(i), target, choice, i, listener, error)
+      if (allocated(error) .or. choice%why(i) /= changes_little) return
+      choice%is_quasi_steady = kind == squeeze
+      choice%is_steady = kind == roughness
+      choice%is_smooth = choice%is_steady
+      choice%is_left_out = list%kind == kind .or. (choice%is_smooth .and. is_of_surfaces(list))
+      where (choice%is_left_out) choice%why = goes_along
+      choice%why(i) = changes_little
    end subroutine choose_model
+
+   !> Gives the reasons that need no measurement; `kind`: what is to be measured, 0: nothing.
+   pure subroutine give_reasons(experiment, list, target, choice, kind)
+      type(experiment_t), intent(in) :: experiment
+      type(ingredient_t), intent(in) :: list(:)
+      real(wp), intent(in) :: target
+      type(model_choice_t), intent(inout) :: choice
+      integer, intent(out) :: kind
+
+      kind = 0
+      associate (contact => experiment%contact)
+         if (allocated(contact%duty)) then
+            where (list%kind == squeeze) choice%why = never_steady
+            if (contact%duty%always_moves(0.0_wp)) kind = squeeze
+         else if (moves(contact%surface_1) .or. moves(contact%surface_2)) then
+            where (list%kind == squeeze) choice%why = cheap_in_motion
+            where (list%kind == roughness) choice%why = too_high
+            if (height_on(contact%surface_1) + height_on(contact%surface_2) &
+               <= highest*target*film_estimate(contact)) kind = roughness
+         else if (counts_late(experiment)) then
+            where (list%kind >= roughness) choice%why = cheap_steady
+            choice%is_steady = .true.
+            choice%is_left_out = list%kind == squeeze
+            choice%is_smooth = .not. any(list%kind == roughness)
+            where (choice%is_left_out) choice%why = at_rest
+         else
+            choice%why = start_counts
+         end if
+      end associate
+   end subroutine give_reasons
 
    !> Whether the quantities of a transient count only once its start is forgotten.
    pure logical function counts_late(experiment)
@@ -105,62 +131,40 @@ contains
       end associate
    end function counts_late
 
-   !> Leaves out the squeeze term of a contact with a duty, if that always moves and surely changes
-   !> little without.
-   subroutine measure_squeeze(experiment, list, target, choice, listener, error)
+   !> Measures the changes of all quantities without an ingredient, row `i`, on the two finest grids
+   !> within the budget, by the first scheme that finds all solutions; the reason becomes
+   !> `changes_little` if so. What a spike may add to both pressures alike is not counted.
+   subroutine measure(experiment, ingredient, target, choice, i, listener, error)
       type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: list(:)
+      type(ingredient_t), intent(in) :: ingredient
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
+      integer, intent(in) :: i
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
+      type(passage_pair_t) :: pair
+      type(experiment_t) :: own
+      logical :: is_known
+      integer :: factor, k
 
-      where (list%kind == squeeze) choice%why = never_steady
-      if (.not. experiment%contact%duty%always_moves(0.0_wp)) return
-      call measure_kind(squeeze, experiment, list, target, choice, listener, error)
-      if (allocated(error)) return
-      choice%is_quasi_steady = any(list%kind == squeeze .and. choice%why == changes_little)
-      choice%is_left_out = list%kind == squeeze .and. choice%is_quasi_steady
-   end subroutine measure_squeeze
-
-   !> Leaves out roughness and its motion if it is low and surely changes little.
-   subroutine measure_roughness(experiment, list, target, choice, listener, error)
-      type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: list(:)
-      real(wp), intent(in) :: target
-      type(model_choice_t), intent(inout) :: choice
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      integer :: i
-
-      i = findloc(list%kind, roughness, 1)
-      choice%why(i) = too_high
-      if (height_on(experiment%contact%surface_1) + height_on(experiment%contact%surface_2) &
-         > highest*target*film_estimate(experiment%contact)) return
-      call measure_kind(roughness, experiment, list, target, choice, listener, error)
-      if (allocated(error) .or. choice%why(i) /= changes_little) return
-      choice%is_steady = .true.
-      choice%is_smooth = .true.
-      choice%is_left_out = list%kind >= squeeze
-      where (choice%is_left_out) choice%why = goes_along
-      choice%why(i) = changes_little
-   end subroutine measure_roughness
-
-   !> Measures the ingredient of a kind; the reason is `changes_little` if that surely is so.
-   subroutine measure_kind(kind, experiment, list, target, choice, listener, error)
-      integer, intent(in) :: kind
-      type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: list(:)
-      real(wp), intent(in) :: target
-      type(model_choice_t), intent(inout) :: choice
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      integer :: i
-
-      i = findloc(list%kind, kind, 1)
-      call measure(experiment, list(i), choice%rows(i), choice%grids, listener, error)
-      if (allocated(error)) return
       choice%why(i) = not_measured
+      factor = coarsening(experiment)
+      if (factor == 0) return
+      own = experiment
+      is_known = .false.
+      do k = 1, size(schemes)
+         own%settings = solver_settings_t(method='newton_krylov', tolerance=coarse_tolerance, &
+            max_cycles=max_cycles, explains_failure=.false., space_scheme=schemes(k))
+         pair = new_pair(own, [factor, 2*factor])
+         pair%counts_spikes = .false.
+         choice%grids = pair%runs%contact%domain%intervals
+         call run_pair(pair, listener, error)
+         if (allocated(error) .or. listener%is_stopping) return
+         if (pair%is_known) call measure_change(pair, ingredient, choice%rows(i), is_known, &
+            listener, error)
+         if (allocated(error)) return
+         if (is_known) exit
+      end do
       associate (row => choice%rows(i))
          if (.not. all(ieee_is_finite(row%change([h_min, h_central])))) return
          choice%why(i) = may_matter
@@ -169,39 +173,6 @@ contains
          choice%influence = abs(row%change) + row%error
       end associate
       choice%why(i) = changes_little
-   end subroutine measure_kind
-
-   !> Changes of all quantities without roughness, on the two finest grids within the budget, by the
-   !> first scheme that finds all solutions. What a spike may add to both pressures alike is not
-   !> counted.
-   subroutine measure(experiment, ingredient, row, grids, listener, error)
-      type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: ingredient
-      type(influence_t), intent(inout) :: row
-      integer, intent(out) :: grids(2)
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(passage_pair_t) :: pair
-      type(experiment_t) :: own
-      logical :: is_known
-      integer :: factor, k
-
-      grids = 0
-      factor = coarsening(experiment)
-      if (factor == 0) return
-      own = experiment
-      do k = 1, size(schemes)
-         own%settings = solver_settings_t(method='newton_krylov', tolerance=coarse_tolerance, &
-            max_cycles=max_cycles, explains_failure=.false., space_scheme=schemes(k))
-         pair = new_pair(own, [factor, 2*factor])
-         pair%counts_spikes = .false.
-         grids = pair%runs%contact%domain%intervals
-         call run_pair(pair, listener, error)
-         if (allocated(error) .or. listener%is_stopping) return
-         if (.not. pair%is_known) cycle
-         call measure_change(pair, ingredient, row, is_known, listener, error)
-         if (allocated(error) .or. is_known) return
-      end do
    end subroutine measure
 
    !> How many times fewer intervals the finer of two grids within the budget has: 2, 4 ...; 0: none

@@ -6,9 +6,8 @@ module passage_pair
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
    use kinds, only: wp
-   use line_contact, only: intervals_for_waves, solver_settings_t, time_settings_t, without_surfaces
+   use line_contact, only: intervals_for_waves
    use line_hierarchy, only: coarsest_for_film
-   use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
    use passage_times, only: new_passage_times, passage_times_t
@@ -18,8 +17,7 @@ module passage_pair
    implicit none (type, external)
    private
 
-   public :: limit_places, measure_change, new_pair, passage_pair_t, run_pair, sees_all, &
-      solve_smooth
+   public :: limit_places, measure_change, new_pair, passage_pair_t, run_pair, sees_all
 
    !> Most cycles of a steady solution, and the Newton steps that lead to it, with coarser grids.
    integer, parameter, public :: max_cycles = 40
@@ -149,20 +147,6 @@ contains
       is_known = outcome%is_known
       summary = outcome%summary
    end subroutine run_without
-
-   !> Solves the smooth steady contact of an experiment; `state` is its solution.
-   subroutine solve_smooth(experiment, listener, outcome, state, error)
-      type(experiment_t), intent(in) :: experiment
-      class(listener_t), intent(inout), target :: listener
-      type(outcome_t), intent(out) :: outcome
-      type(line_state_t), intent(out) :: state
-      type(error_t), allocatable, intent(out) :: error
-
-      call run_experiment(experiment_t(without_surfaces(experiment%contact), &
-         solver_settings_t(method='newton_krylov', max_cycles=max_cycles, &
-         explains_failure=.false.), time_settings_t()), listener, outcome, error, &
-         state)   ! error: the caller looks
-   end subroutine solve_smooth
 
    !> Limits the number of positions at which the waves of a pair are solved, equal on both grids,
    !> to `budget` (nodes times Newton steps) and to the number of time steps. `is_enough`: at least

@@ -4,15 +4,17 @@
 !> coarsest grid that carries the film and sees every wave, with dT <= dX. As soon as a resolution
 !> up to twice as fine as the last one is predicted to meet the target, the coarsest such one is
 !> chosen: the last two changes give the error (module grid_errors) and the order by which it falls.
-!> Where a wanted accuracy is beyond the largest trial run, twice its resolution is taken. The error
-!> bars of the result come from coarser runs of its own, as without a target.
+!> Where a wanted accuracy is beyond the largest trial run, twice its resolution is taken. No run is
+!> made twice: trial runs may be the result and its coarse runs.
 !>
 !> `bench/targets.py` measures how often the target is met and at what cost.
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use coarse_runs, only: new_side_runs, side_runs_t
    use domain_choice, only: inlet_error
    use errors, only: error_t, fail, input_error
-   use experiment, only: experiment_t, new_experiment, outcome_t, run_experiment
+   use experiment, only: experiment_t, min_intervals, new_experiment, outcome_t, run_experiment, &
+      solution_t
    use grid_errors, only: error_in_time, observed_order
    use inlet_errors, only: domain_error
    use kinds, only: not_known, wp
@@ -31,9 +33,7 @@ module resolution_choice
 
    !> Bounds on the tolerance of time steps, and its share of the target.
    real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, tolerance_fraction = 0.1_wp
-   !> Fewest intervals of the first trial run, and largest nodes times steps of a trial run over
-   !> those of the first.
-   integer, parameter :: min_intervals = 16
+   !> Largest nodes times steps of a trial run over those of the first.
    real(wp), parameter :: max_work = 2.0_wp**14
    !> Resolutions between two trial runs, over the coarser one, and bounds of the order by which an
    !> error falls from one to the next.
@@ -52,16 +52,19 @@ contains
 
    !> Sets `contact%domain%intervals`, the time step and the tolerance of a transient to the
    !> coarsest choice predicted to keep the relative error of h_min below `settings%target`, else to
-   !> twice the finest trial run. Error (input_error): the coarsest trial run needs more intervals
-   !> than allowed.
-   subroutine choose_resolution(contact, settings, time, listener, error)
+   !> twice the finest trial run. `side_runs`: its coarse runs and the run itself, known if trial
+   !> runs were that; the listener receives the steps of those that may be the run. Error
+   !> (input_error): the coarsest trial run needs more intervals than allowed.
+   subroutine choose_resolution(contact, settings, time, side_runs, listener, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(inout) :: settings
       type(time_settings_t), intent(inout) :: time
+      type(side_runs_t), allocatable, intent(out) :: side_runs
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: next
-      type(outcome_t) :: outcome
+      type(outcome_t) :: tried(3)   ! the last one first
+      type(solution_t), allocatable :: solution
       real(wp) :: films(3), ratio, target, work_limit
       integer :: most
 
@@ -79,11 +82,14 @@ contains
       end if
       work_limit = max_work*work_of(next)
       films = not_known()
+      if (.not. (allocated(contact%duty) .or. allocated(listener%follower) &
+         .or. settings%film_floor > 0.0_wp .or. settings%levels > 0)) allocate (solution)
       do
-         call run_experiment(next, listener, outcome, error)
+         tried(2:) = tried(:2)
+         call run_experiment(next, listener, tried(1), error, solution)
          if (allocated(error) .or. listener%is_stopping) return
          films = [not_known(), films(:2)]
-         if (outcome%is_known) films(1) = value_between(outcome%summary, h_min)
+         if (tried(1)%is_known) films(1) = value_between(tried(1)%summary, h_min)
          ratio = refinement_for(films, target)
          associate (n => next%contact%domain%intervals)
             if (ratio <= finer(size(finer)) .or. 2*n > most .or. 4*work_of(next) > work_limit) exit
@@ -98,11 +104,34 @@ contains
       ! with a duty an error estimate divides the usual steps
       if (allocated(contact%duty)) next%time%time_step = min(time%time_step, next%time%time_step)
       time%time_step = next%time%time_step
+      side_runs = new_side_runs(new_experiment(contact, settings, time))
+      call take_trials(side_runs, ratio, tried, solution)
    end subroutine choose_resolution
 
-   !> The first trial run: the fewest intervals that carry the film and have four nodes in the
-   !> finest wave, and dT <= dX; with a duty an eighth of the usual intervals and steps, or as few
-   !> as carry the film of its mean.
+   !> Takes over those of the last three trial runs that are coarse runs of a run `ratio` times as
+   !> fine as the last, and the last, with its `solution`, if it is that run.
+   subroutine take_trials(side_runs, ratio, tried, solution)
+      type(side_runs_t), intent(inout) :: side_runs
+      real(wp), intent(in) :: ratio
+      type(outcome_t), intent(in) :: tried(3)
+      type(solution_t), allocatable, intent(inout) :: solution
+
+      ! with a duty trial runs have other tolerances
+      if (modulo(ratio, 1.0_wp) > 0.0_wp .or. allocated(side_runs%experiment%contact%duty)) return
+      associate (domain => side_runs%experiment%contact%domain, k => nint(ratio))
+         if (side_runs%experiment%time%scheme /= 'backward_euler') side_runs%runs%outcome = &
+            tried(3 - k:4 - k)
+         if (k > 1 .or. .not. (allocated(solution) .and. tried(1)%is_known)) return
+         solution%contact%domain = domain
+         ! an outlet that cuts the film off moves out
+         if (solution%report%fit%outlet_pressure > 0.0_wp .and. domain%may_lengthen) return
+      end associate
+      call move_alloc(solution, side_runs%whole)
+   end subroutine take_trials
+
+   !> The first trial run: the fewest intervals that carry the film and have two nodes in the finest
+   !> wave, and dT <= dX; with a duty an eighth of the usual intervals and steps, or as few as carry
+   !> the film of its mean.
    pure function first_trial(usual) result(first)
       type(experiment_t), intent(in) :: usual
       type(experiment_t) :: first
@@ -112,8 +141,8 @@ contains
       first = usual
       associate (contact => usual%contact, domain => usual%contact%domain)
          length = domain%x_outlet - domain%x_inlet
-         n = max(coarsest_for_film(contact, min_intervals), min_intervals)
-         do while (4*n < intervals_for_waves(contact))
+         n = coarsest_for_film(contact, min_intervals)
+         do while (8*n < intervals_for_waves(contact))
             n = 2*n
          end do
          if (allocated(contact%duty)) then

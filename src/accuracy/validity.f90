@@ -20,7 +20,6 @@ module validity
    use model_limits, only: film_reynolds_number, inlet_heating_loss, shortest_length, side_flow_loss
    use quantities, only: h_central, h_min, p_max
    use scaling, only: new_heating, scaling_t
-   use film_shear, only: film_stresses
    use text, only: number_text, prefixed_text
    implicit none (type, external)
    private
@@ -152,7 +151,7 @@ module validity
 
 contains
 
-   !> The limits in the order of the table, for the solution `state`.
+   !> The limits in the order of the table, for the solution `state` with its mean shear stress.
    pure function limits_of(of, state) result(limits)
       type(circumstances_t), intent(in) :: of
       type(line_state_t), intent(in) :: state
@@ -227,7 +226,7 @@ contains
             call compare_strength(i, of, limit)
          case (limiting_stress)
             limit%value = scaling%slope*larger(summary%limits%stress_share, &
-               maxval(abs(mean_stresses(of, state))/state%pressure, &
+               maxval(abs(state%shear_stress_mean)/state%pressure, &
                state%pressure > stressed_share*maxval(state%pressure)))
          case (shear_heating)
             if (allocated(of%contact%heating)) then
@@ -236,8 +235,7 @@ contains
                limit%value = summary%limits%film_heating
                if (.not. allocated(of%contact%duty)) limit%value = larger(limit%value, &
                   largest_rise(new_heating(scaling, of%bodies, given%effusivity, &
-                  given%conductivity), state%x, mean_stresses(of, state), &
-                  state%film_thickness))
+                  given%conductivity), state%x, state%shear_stress_mean, state%film_thickness))
                limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
                call set_losses(of, limit)
             else
@@ -353,23 +351,5 @@ contains
       end function mean_square
 
    end function composite_rms
-
-   !> Mean shear stress across the film at every node [p_h b/R]; warm films and points have it.
-   pure function mean_stresses(of, state) result(stresses)
-      type(circumstances_t), intent(in) :: of
-      type(line_state_t), intent(in) :: state
-      real(wp) :: stresses(size(state%pressure))
-      real(wp), allocatable :: all_stresses(:, :)
-
-      if (allocated(state%temperature_rise) .or. allocated(of%scaling%ellipse)) then
-         stresses = state%shear_stress_mean
-         return
-      end if
-      associate (contact => of%contact)
-         all_stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, &
-            state%x, state%pressure, state%film_thickness)
-         stresses = all_stresses(:, 2)
-      end associate
-   end function mean_stresses
 
 end module validity

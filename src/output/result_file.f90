@@ -112,8 +112,11 @@ contains
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
 
-      if (.not. (self%is_transient .or. allocated(self%file%row))) call begin_store(self%store, &
-         self%fields, size(state%pressure), self%profile_stride)
+      if (.not. (self%is_transient .or. allocated(self%file%row))) then
+         call self%store%file%close()
+         call create_store(self%store, self%name%path//'.part')
+         call begin_store(self%store, self%fields, size(state%pressure), self%profile_stride)
+      end if
       self%is_transient = .true.
       if (allocated(self%file%row)) return
       call self%store%append(state, summary, report)

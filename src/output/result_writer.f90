@@ -8,7 +8,7 @@ module result_writer
    use errors, only: error_t
    use film_fields, only: film_fields_t
    use film_heating, only: heating_t, largest_rise
-   use film_statistics, only: add_start, add_time
+   use film_statistics, only: add_start, add_time, new_statistics
    use formulas_section, only: formula_contact_t, write_formulas
    use hdf5_axes, only: make_counter, write_field
    use hdf5_dataset, only: new_label, write_attribute
@@ -58,7 +58,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      procedure :: store_step, quantities_of, quantities_at_end, finish
+      procedure :: store_step, forget_steps, quantities_of, quantities_at_end, finish
    end type result_writer_t
 
 contains
@@ -80,6 +80,17 @@ contains
       call self%run%passage%add(summary, state%time, step == steps)
       call self%append_step(state, summary, report)
    end subroutine store_step
+
+   !> Forgets the time steps of a trial run of a line contact.
+   subroutine forget_steps(self)
+      class(result_writer_t), intent(inout) :: self
+
+      self%is_transient = .false.
+      self%run%passage%has_counted = .false.
+      self%run%passage%has_earlier = .false.
+      if (allocated(self%run%statistics%thresholds)) self%run%statistics = &
+         new_statistics(self%run%statistics%thresholds)
+   end subroutine forget_steps
 
    !> Quantities of one time.
    pure function quantities_of(self, state) result(summary)

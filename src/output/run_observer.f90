@@ -34,8 +34,8 @@ module run_observer
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Threads that the run may have.
       integer :: threads = 1
-      !> Coarse runs are still wanted.
-      logical :: has_coarse_runs = .false.
+      !> Coarse runs are still wanted; the present run is one of those that choose its resolution.
+      logical :: has_coarse_runs = .false., is_trial = .false.
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
       !> Seconds of the clock at the start and at the last checkpoint.
@@ -60,7 +60,13 @@ contains
       logical :: is_due, is_asked
 
       begin = wall_seconds()
+      if (step == 0) self%output_seconds = 0.0_wp   ! without those of trial runs
+      if (self%is_trial .and. step == 0) call self%writer%forget_steps()
       call self%writer%store_step(step, steps, state, report)
+      if (self%is_trial) then   ! no checkpoint: another may be the result
+         self%output_seconds = self%output_seconds + wall_seconds() - begin
+         return
+      end if
       if (allocated(self%follower)) then
          associate (writer => self%writer)
             if (step == 0) writer%run%film_passage = new_passage(steps, writer%profile_stride, &
