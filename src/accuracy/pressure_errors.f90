@@ -107,13 +107,13 @@ contains
          if (ieee_is_finite(crests%other)) crest = crests%other
          ceiling = height
          if (height < endless) ceiling = crests%spike + pressure_safety*(height - crests%spike)
-         ceiling = min(ceiling, crests%limit)
          if (ceiling <= crest) then
             ceiling = 0.0_wp
-         else if (crests%limit >= endless .and. any([height > max_claimed*crests%spike, &
-            crests%spike + sure_share*(height - crests%spike) <= crest])) then
+         else if (any([height > max_claimed*crests%spike, crests%spike + sure_share &
+            *(height - crests%spike) <= crest])) then
             ceiling = not_known()
          end if
+         if (exceeds(ceiling, crests%limit)) ceiling = crests%limit
       end if
       if (.not. ieee_is_finite(crests%spike) .or. crests%limit < endless) then
          start = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
