@@ -270,8 +270,7 @@ def point_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     bodies = groups["bodies"]
     if i % 3 == 0:
         bodies |= {"speed_1": 0.0, "speed_2": bodies["speed_1"] + bodies["speed_2"]}
-        width = (1.5 * groups["load"]["load"] * bodies["reduced_radius_x"] / bodies["reduced_modulus"]) ** (1 / 3)
-        wave, height = width * source.uniform(0.5, 1.5), -(10 ** source.uniform(-9.5, -7.5))
+        wave, height = family_steady.half_axis(groups) * source.uniform(0.5, 1.5), -(10 ** source.uniform(-9.5, -7.5))
         groups["surface_1"] = {"shape": "feature", "amplitude": height, "position": 0.0, "wavelength": wave, "wavelength_y": wave}
     return f"point {i:03d}", groups
 

@@ -98,6 +98,8 @@ FAMILIES = [
     Family("kappa", "stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, steady.stiff, 48),
     Family("mixed", "mixed", "Asperities, starved, warm, given grids", MIXED, steady.mixed, 144, NUMERICAL),
     Family("point", "point", "Circles and ellipses, given grids", FIGURES + FRICTION[:1], steady.point, 60, GRID),
+    Family("point", "point_passing", "Points, waves pass", FIGURES + FRICTION[:1], in_time.point_passing, 24, GRID, **ALL),
+    Family("point", "point_reversing", "Points that reverse", FIGURES + FRICTION[:1], in_time.point_reversing, 24, GRID),
     Family("pressure", "pressure_grids", "Largest pressure, grids of 64 to 4096 intervals", P_MAX, steady.pressure_on_a_grid, 60),
     Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling, 60),
     Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, in_time.pressure_in_time, 40, GRID),

@@ -17,6 +17,7 @@ from samples import contacts, fresh_contacts
 
 NEWTONIAN = (LAWS[0], LAWS[3], {"viscosity_law": "constant", "density_law": "constant"})
 OILS = (LAWS[0], LAWS[3], LAWS[1], LAWS[2])
+POINT = {"case": {"problem": "ehl_point"}}
 # Wanted accuracy of stiff contacts; None: the program's grid.
 TARGETS = (None, 0.01, 0.003)
 Draw = Callable[[random.Random, int], Member]
@@ -208,11 +209,23 @@ def point(source: random.Random, i: int) -> Member:
     else:
         m, l, stress = log_uniform(source, 1, 5000), max(l, 2.0), log_uniform(source, 2e6, 20e6)  # noqa: E741
         groups = steel(m, l, source.uniform(0.05, 1.5), stress if i % 4 == 1 else None, law)
-        unit = groups["load"]["load_per_length"] / m  # sqrt(U) E' R
-        angle = source.uniform(0, 90) if source.random() < 0.5 else 0.0
-        axes = {"reduced_radius_x": namelists.RADIUS, "reduced_radius_y": namelists.RADIUS / ratio, "entrainment_angle": angle}
-        groups["bodies"] |= axes | {"reduced_radius": None}
-        # w = M U^(3/4) E' R^2
-        groups["load"] = {"load": m * unit**1.5 * math.sqrt(namelists.RADIUS / namelists.STEEL_MODULUS)}
-    groups |= {"case": {"problem": "ehl_point"}}
+        groups = point_in_si(source, groups, m, ratio)
+    groups |= POINT
     return beside(groups, {"intervals_x": n}, {"intervals_x": 4 * n})
+
+
+def point_in_si(source: random.Random, groups: Groups, m: float, ratio: float) -> Groups:
+    """A line of this M in SI as the point of that M; half of the ellipses turned."""
+    unit = groups["load"]["load_per_length"] / m  # sqrt(U) E' R
+    angle = source.uniform(0, 90) if source.random() < 0.5 else 0.0
+    axes = {"reduced_radius_x": namelists.RADIUS, "reduced_radius_y": namelists.RADIUS / ratio, "entrainment_angle": angle}
+    groups["bodies"] |= axes | {"reduced_radius": None}
+    # w = M U^(3/4) E' R^2
+    groups["load"] = {"load": m * unit**1.5 * math.sqrt(namelists.RADIUS / namelists.STEEL_MODULUS)}
+    return groups | POINT
+
+
+def half_axis(groups: Groups) -> float:
+    """a of a circle with the radius, the modulus and the load of a point [m]."""
+    bodies = groups["bodies"]
+    return (1.5 * groups["load"]["load"] * bodies["reduced_radius_x"] / bodies["reduced_modulus"]) ** (1 / 3)

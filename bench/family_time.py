@@ -11,8 +11,11 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import namelists
+from family_steady import OILS as LAWS
+from family_steady import half_axis, log_uniform, point_in_si
 from judge import Member, Resolution, finer_passage
 from namelists import NO_BARS, Groups, merged
 from samples import KINDS, OILS, Passage, passages
@@ -326,3 +329,41 @@ def sample(seeds: tuple[int, int], intervals: int, scheme: str) -> Callable[[ran
         return Member(case.on_grid(intervals, 1, time={"scheme": scheme}), truth, name=f"{i:03d}_{case.kind}")
 
     return draw
+
+
+def point_at_random(source: random.Random, i: int, heaviest: float) -> tuple[Groups, float, float]:
+    """A circle or an ellipse in SI on 64 intervals, one of two Eyring's; its slide-to-roll ratio and a rough film [m]."""
+    m, l = log_uniform(source, 3, heaviest), source.uniform(2, 12)  # noqa: E741
+    slide, stress = source.uniform(-1.5, 1.5), log_uniform(source, 2e6, 20e6) if i % 2 else None
+    groups, ratio = namelists.steel(m, l, slide, stress, source.choice(LAWS)), source.choice((1.0, log_uniform(source, 0.1, 3)))
+    film = namelists.RADIUS * (l / (namelists.OIL_ALPHA * STEEL_MODULUS)) ** 2 * max(2.0, 1.3 * l**0.75) * m ** (-1 / 12)
+    return point_in_si(source, groups, m, ratio) | {"domain": {"intervals_x": 64}}, slide, film
+
+
+def finer_point(groups: Groups, found: Resolution) -> Groups:
+    """The truth of a passage of a point: twice the intervals, and half the step, on the same domain."""
+    time = groups["time"] | {"time_step": found.step / 2}
+    return groups | {"domain": {"intervals_x": 2 * found.intervals}, "time": time, "accuracy": NO_BARS}
+
+
+def point_passing(source: random.Random, i: int) -> Member:
+    """A ridge, a dent, a bump or waves pass, of 0.9 to 2 half-axes and 0.1 to 0.4 films."""
+    groups, slide, film = point_at_random(source, i, 300)
+    wave = half_axis(groups) * source.uniform(0.9, 2.0)
+    surface = {"amplitude": film * source.choice((1, -1)) * source.uniform(0.1, 0.4), "wavelength": wave}
+    surface |= source.choice(({}, {"wavelength_y": wave}, {"wavelength_y": 2 * wave}))
+    surface |= {"shape": "feature"} if source.random() < 0.7 else {"shape": "sinusoid", "amplitude": abs(surface["amplitude"]) / 2}
+    groups |= {"surface_2": surface, "time": {"transient": True, "end_time": source.uniform(3.5, 4.5) / (1 + slide / 2)}}
+    return Member(groups, partial(finer_point, groups))
+
+
+def point_reversing(source: random.Random, i: int) -> Member:
+    """The speeds turn around by a cosine, to 0.3 to 1 of what they were, on a way of 3 to 8 half-axes at the first speed."""
+    groups = point_at_random(source, i, 100)[0]
+    speeds = [groups["bodies"].pop(f"speed_{k}") for k in (1, 2)]
+    way, end = source.uniform(3, 8), -source.uniform(0.3, 1.0)
+    span = 2 * half_axis(groups) / sum(speeds) * way
+    turns = [1 + (end - 1) * 0.5 * (1 - math.cos(math.pi * k / 8)) for k in range(9)]
+    rows = "".join(f"{span * k / 8:.8e},{speeds[0] * turn:.8e},{speeds[1] * turn:.8e}\n" for k, turn in enumerate(turns))
+    groups |= {"history": {"file": "turn.csv", "interpolation": "cubic"}, "time": {"transient": True, "time_step": way / 60}}
+    return Member(groups, partial(finer_point, groups), files={"turn.csv": "time [s],speed_1 [m/s],speed_2 [m/s]\n" + rows})

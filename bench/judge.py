@@ -199,8 +199,8 @@ def read(family: Family, file: h5py.File) -> Result:
         bar = sum(data.attrs.get(part, math.nan) for part in family.estimate.split("+"))
         values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], bar))
     domain, resolution = file["input/effective/domain"].attrs, None
-    if "x_inlet" in domain and "intervals" in domain:
-        (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain["intervals"])
+    if "x_inlet" in domain and (key := "intervals_x" if "intervals_x" in domain else "intervals") in domain:
+        (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain[key])
         step = float(file["input/effective/time"].attrs.get("time_step", math.nan))
         resolution = Resolution((end - start) / n, step, start, end, n)
     return Result("" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"]), "; ".join(note), values, resolution)

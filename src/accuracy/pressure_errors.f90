@@ -88,8 +88,8 @@ module pressure_errors
 contains
 
    !> The largest pressure that a spike may reach on grids finer than `dx`; 0 if it stays below the
-   !> other crests, or if the grid shows none and would resolve it; NaN: not known. `film`: H at X =
-   !> 0.
+   !> other crests, or if the grid shows none but a smooth crest, and would resolve it; NaN: not
+   !> known. `film`: H at X = 0.
    pure function ceiling_of_spike(law, crests, film, dx) result(ceiling)
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests
@@ -109,20 +109,20 @@ contains
          if (height < endless) ceiling = crests%spike + pressure_safety*(height - crests%spike)
          if (ceiling <= crest) then
             ceiling = 0.0_wp
-         else if (height > max_claimed*crests%spike) then
-            ceiling = not_known()
-         else if (crests%spike < crest .and. crests%spike &
-            + sure_share*(height - crests%spike) <= crest) then
+         else if (any([height > max_claimed*crests%spike, crests%spike + sure_share &
+            *(height - crests%spike) <= crest])) then
             ceiling = not_known()
          end if
-      else
+         if (exceeds(ceiling, crests%limit)) ceiling = crests%limit
+      end if
+      if (.not. ieee_is_finite(crests%spike) .or. crests%limit < endless) then
          start = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
          if (flow_length(min(start, crests%highest), film) < dx) then
             height = final_height(law, start, film, dx, is_corner)
             if (height > crests%highest) ceiling = not_known()
          end if
       end if
-      if (.not. (ieee_is_finite(ceiling) .and. is_corner)) return
+      if (.not. all([ieee_is_finite(ceiling), is_corner, crests%limit >= endless])) return
       if (crests%corner_top <= max(ceiling, crests%highest)) return
       ceiling = crests%corner_top
       height = crests%corner + sure_share*(ceiling - crests%corner)

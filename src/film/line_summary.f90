@@ -51,6 +51,9 @@ module line_summary
       real(wp) :: corner = 0.0_wp, corner_top = 0.0_wp
       !> Part of the spike that grows on finer grids, A of B + A/sqrt(distance); 0: all of it.
       real(wp) :: growing = 0.0_wp
+      !> Share by which P falls behind the spike within two spacings, and the most that it reaches
+      !> if it is a smooth crest.
+      real(wp) :: fall = 0.0_wp, limit = huge(1.0_wp)
    end type crests_t
 
    !> (Of 90 contacts on 64 to 32768 intervals unresolved spikes fell by 0.3 and more, other maxima
@@ -199,6 +202,7 @@ contains
       summary%crests%spike = other%crests%spike
       summary%crests%spike_film = other%crests%spike_film
       summary%crests%growing = other%crests%growing
+      summary%crests%fall = other%crests%fall
    end subroutine keep_extremes
 
    !> Maxima of a pressure p with the film h on rising nodes x (nx). A plateau counts once.
@@ -207,7 +211,7 @@ contains
       real(wp), intent(in) :: x(:), p(:), h(:)
       logical, intent(in) :: has_base
       type(crests_t) :: crests
-      real(wp) :: top
+      real(wp) :: fall, top
       integer :: i
       logical :: is_last
 
@@ -217,7 +221,9 @@ contains
          if (.not. (p(i) > p(i - 1) .and. p(i) >= p(i + 1))) cycle
          if (is_last) call find_corner(x, p, i, crests)
          top = parabola_extreme(x(i - 1:i + 1), p(i - 1:i + 1))
-         if (is_last .and. p(min(i + 2, size(p))) < (1.0_wp - spike_drop)*p(i)) then
+         fall = 1.0_wp - p(min(i + 2, size(p)))/p(i)
+         if (is_last .and. fall > spike_drop) then
+            crests%fall = fall
             crests%spike = p(i)
             crests%spike_film = h(i)
             if (has_base .and. i > 4) crests%growing = growing_part(p(i - 4:i))

@@ -18,8 +18,11 @@ module point_contact
    implicit none (type, external)
    private
 
-   public :: dry_border, far_load, far_pressure, film_by_formulas, fit_duty, first_intervals, &
+   public :: dry_border, far_pressure, film_by_formulas, fit_duty, first_intervals, &
       hertz_pressure_at, intervals_for, new_point_contact, rows_for, set_point_moment, start_of
+
+   !> Directions of the far field.
+   integer, parameter :: directions = 360
 
    !> The contact.
    type, public, extends(rough_contact_t) :: point_contact_t
@@ -35,17 +38,16 @@ module point_contact
       logical :: rests = .false.
       !> q0, q1, q2, and half-widths of the turned ellipse along X and Y [-].
       real(wp) :: curvature(3) = 0.0_wp, half_widths(2) = 1.0_wp
-      !> The pressure around the domain is that of rigid bodies, not 0; its g of P = g.r/H^2.
+      !> The pressure around the domain is that of rigid bodies, not 0; its P r^3 in directions from
+      !> that of the fastest growing gap on.
       logical :: has_far_field = .true.
-      real(wp) :: far(2) = 0.0_wp
+      real(wp) :: far(0:directions) = 0.0_wp
    end type point_contact_t
 
    !> Cells are at most so many times as long in y as in x: longer ones cost iterations.
    real(wp), parameter :: longest_cell = 1.5_wp
    !> Fewest intervals in x of a grid that is solved.
    integer, parameter :: fewest = 32
-   !> Directions in which the load outside the domain is summed.
-   integer, parameter :: directions = 4000
 
 contains
 
@@ -55,7 +57,7 @@ contains
       real(wp), intent(in) :: radius_ratio, moes_m, moes_l, angle
       type(fluid_t), intent(in) :: fluid
       type(point_contact_t) :: contact
-      real(wp) :: trace, width
+      real(wp) :: width
 
       allocate (contact%surface_1%features(0), contact%surface_2%features(0))
       contact%surface_1%speed = 1.0_wp
@@ -74,10 +76,7 @@ contains
          b = [hypot(c, kappa*s), hypot(s, kappa*c)]
          contact%half_length = b(1)
          contact%expected_film = film_by_formulas(contact, 1.0_wp)
-         ! (Q + 2 tr(Q) I) g = -lambda Q e_x
-         trace = 2*(q(1) + q(3))
-         contact%far = -contact%lambda*[(q(3) + trace)*q(1) - q(2)**2, (q(1) + trace)*q(2) &
-            - q(2)*q(1)]/((q(1) + trace)*(q(3) + trace) - q(2)**2)
+         contact%far = far_shape(q, contact%lambda)
          contact%first_film = contact%expected_film
          width = max(1.0_wp, sqrt(2*contact%expected_film))
          contact%domain%x_inlet = -b(1) - 3.5_wp*width
@@ -168,42 +167,61 @@ contains
       end associate
    end function start_of
 
-   !> Pressure of rigid bodies and an oil of constant viscosity far from the contact, of the film
-   !> `h` at (x, y), x with the flow: a paraboloid gap has P = (g1 X + g2 Y)/H^2 (P. L. Kapitza, Zh.
-   !> Tekh. Fiz. 25, 1955, 747), where that is positive.
+   !> P r^3 of rigid bodies and an oil of constant viscosity far from the contact, where H = q r^2/2
+   !> with q = e.Q e in the direction e(theta), and where it does not cavitate
+   !>
+   !>     (q^3 f')' - 9 q^3 f = 8 lambda (q0 cos theta + q1 sin theta) ,  f >= 0
+   !>
+   !> (without f >= 0 that of P. L. Kapitza, Zh. Tekh. Fiz. 25, 1955, 747: -4 g.e/q^2). By central
+   !> differences; the directions with oil are found by repetition.
+   pure function far_shape(q, lambda) result(f)
+      real(wp), intent(in) :: q(3), lambda
+      real(wp) :: cube(0:2*directions), f(0:directions), share(0:directions), turn(0:2*directions)
+      real(wp) :: between(directions)
+      real(wp), dimension(directions - 1) :: diagonal, source
+      logical :: flows(directions - 1), had(directions - 1)
+      integer :: k
+
+      turn = [(atan2(q(2), q(1)) + pi*k/directions, k=0, 2*directions)]
+      cube = (q(1)*cos(turn)**2 + q(2)*sin(2*turn) + q(3)*sin(turn)**2)**3
+      between = cube(1::2)*(directions/(2*pi))**2
+      source = 8*lambda*norm2(q(:2))*cos([(2*pi*k/directions, k=1, directions - 1)])
+      diagonal = between(:directions - 1) + between(2:) + 9*cube(2:2*directions - 2:2)
+      f = 0.0_wp
+      share = 0.0_wp
+      flows = source < 0.0_wp
+      had = .not. flows
+      do while (any(flows .neqv. had))
+         do k = 1, directions - 1
+            share(k) = merge(1/(diagonal(k) - between(k)*share(k - 1)), 0.0_wp, flows(k))
+            f(k) = share(k)*(between(k)*f(k - 1) - source(k))
+            share(k) = share(k)*between(k + 1)
+         end do
+         do k = directions - 1, 1, -1
+            f(k) = f(k) + share(k)*f(k + 1)
+         end do
+         had = flows
+         flows = between(:directions - 1)*f(:directions - 2) + between(2:)*f(2:) > source
+      end do
+   end function far_shape
+
+   !> That pressure at (x, y), x with the flow, where the film is `h`: far from the contact P r^3,
+   !> closer (q r^2/(2 H))^2 of it, as Kapitza's.
    pure elemental real(wp) function far_pressure(contact, x, y, h) result(p)
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: x, y, h
+      real(wp) :: place
+      integer :: k
 
       p = 0.0_wp
-      if (contact%has_far_field) p = max((contact%far(1)*x + contact%far(2)*y) &
-         *abs(sum(contact%moment%speeds))/h**2, 0.0_wp)
-   end function far_pressure
-
-   !> Load of that pressure outside the domain, half a cell `hx`, `hy` beyond its border: the sum
-   !> over the directions e of 4 (g.e)/(e.Q e)^2/distance.
-   pure real(wp) function far_load(contact, hx, hy) result(load)
-      type(point_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: hx, hy
-      real(wp) :: angle, distance, e(2), side
-      integer :: i
-
-      load = 0.0_wp
       if (.not. contact%has_far_field) return
-      associate (domain => contact%domain, q => contact%curvature, &
-         g => sign(1.0_wp, sum(contact%moment%speeds))*contact%far)
-         do i = 1, directions
-            angle = (i - 0.5_wp)*2*pi/directions
-            e = [cos(angle), sin(angle)]
-            side = merge(domain%x_outlet, -domain%x_inlet, e(1) > 0.0_wp) + 0.5_wp*hx
-            distance = min(side/max(abs(e(1)), tiny(1.0_wp)), (domain%y_half_width + 0.5_wp*hy) &
-               /max(abs(e(2)), tiny(1.0_wp)))
-            load = load + 4*max(dot_product(g, e), 0.0_wp)/(q(1)*e(1)**2 &
-               + 2*q(2)*e(1)*e(2) + q(3)*e(2)**2)**2/distance
-         end do
+      associate (q => contact%curvature, f => contact%far)
+         place = modulo(atan2(y, x) - atan2(q(2), q(1)), 2*pi)*directions/(2*pi)
+         k = min(int(place), directions - 1)
+         p = (f(k) + (place - k)*(f(k + 1) - f(k)))*abs(sum(contact%moment%speeds))*(q(1)*x**2 &
+            + 2*q(2)*x*y + q(3)*y**2)**2/(hypot(x, y)**3*(2*h)**2)
       end associate
-      load = load*2*pi/directions*abs(sum(contact%moment%speeds))
-   end function far_load
+   end function far_pressure
 
    !> Pressure of the dry contact of the moment at (x, y).
    pure elemental real(wp) function hertz_pressure_at(contact, x, y) result(p)

@@ -12,7 +12,7 @@ module point_newton
    use kinds, only: wp
    use listener, only: listener_t
    use mobility, only: bent_step, flowing_share
-   use point_contact, only: far_load, far_pressure, point_contact_t
+   use point_contact, only: far_pressure, point_contact_t
    use point_cycle, only: point_hierarchy_t, prepare_cycle, run_cycle
    use point_equations, only: evaluate
    use point_level, only: deflect, load_on, multiply_bands, point_level_t, set_point_film
@@ -86,7 +86,6 @@ contains
       newton%iterations = 0
       newton%gmres%max_iterations = most_iterations
       associate (level => newton%hierarchy%levels(1))
-         load = contact%load*contact%moment%load - far_load(contact, level%hx, level%hy)
          allocate (border, step, mold=level%film)
          call set_point_film(level)
          if (.not. all(level%film > 0.0_wp)) return
@@ -94,6 +93,7 @@ contains
          do
             if (.not. is_evaluated) call evaluate(level, contact, .true.)
             call set_border(contact, level, least_change*tolerance, border)
+            load = contact%load*contact%moment%load - load_beyond(contact, level)
             ! where oil flows under pressure: P + r/D > 0 inside
             level%flowing = 0.0_wp
             associate (m => level%nx - 1, n => level%ny - 1)
@@ -150,6 +150,30 @@ contains
       end associate
       where (border > 0.0_wp .and. abs(border - level%pressure) < least) border = level%pressure
    end subroutine set_border
+
+   !> Load of the pressure beyond the cells of the level. Along each ray the film exceeds the rigid
+   !> gap by as much as on the border; Simpson's rule over 1/distance.
+   pure real(wp) function load_beyond(contact, level) result(load)
+      type(point_contact_t), intent(in) :: contact
+      type(point_level_t), intent(in) :: level
+      real(wp) :: p(3), share(2)
+      integer :: i, j
+
+      load = 0.0_wp
+      associate (nx => level%nx, ny => level%ny, cell => [level%hx, level%hy])
+         do j = 0, ny
+            do i = 0, nx, merge(1, nx, modulo(j, ny) == 0)
+               ! a corner is half of a node of each of its sides
+               share = merge(1.0_wp, 0.0_wp, modulo([i, j], [nx, ny]) == 0)
+               share = share/sum(share)*cell([2, 1])
+               p = far_pressure(contact, level%x(i), level%y(j), level%rigid(i, j) + [0.0_wp, &
+                  0.25_wp, 1.0_wp]*(level%film(i, j) - level%rigid(i, j)))
+               load = load + sum(share*abs([level%x(i), level%y(j)]))*(p(1) + 4*p(2) + p(3))/6 &
+                  - 0.5_wp*sum(share*cell)*p(3)
+            end do
+         end do
+      end associate
+   end function load_beyond
 
    !> Computes the plain step of the pressure and of H0, to a `tolerance` of its right side; its
    !> deflection is in `newton%change`.

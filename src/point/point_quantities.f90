@@ -33,6 +33,9 @@ module point_quantities
    !> edge of the cavity shows; that of rolling friction.
    real(wp), parameter :: orders(2) = [1.15_wp, 2.0_wp], orders_sliding(2) = [1.5_wp, 0.87_wp], &
       order_rolling = 1.0_wp
+   !> The error by the domain over its change by 1.5 times the length, with whose power 3/2 it falls
+   !> at least.
+   real(wp), parameter :: domain_factor = 1/(1 - 1.5_wp**(-1.5_wp))
    !> Films err by at least this share of the largest relative error of a film: that of one may be
    !> small by chance.
    real(wp), parameter :: share_of_film = 0.4_wp
@@ -235,8 +238,8 @@ contains
          - contact%domain%x_inlet)/contact%domain%intervals, summary)
       do i = 1, quantity_count
          associate (of => summary%of(i))
-            if (present(near) .and. present(far)) of%error_domain = safety*abs(near%of(i)%between &
-               - far%of(i)%between)
+            if (present(near) .and. present(far)) of%error_domain = domain_factor &
+               *abs(near%of(i)%between - far%of(i)%between)
             of%error_iteration = residual*abs(of%value)
             of%error_estimate = of%error_grid + of%error_domain + of%error_iteration
          end associate
@@ -245,7 +248,9 @@ contains
 
    !> Limits what the largest pressure may rise by what it has risen from `coarser` grids on: A of a
    !> spike P = B + A/sqrt(dX), by its flank, to once or twice that by its last change or by half of
-   !> the one before, and the possible height of a corner by how much came true of that before.
+   !> the one before, and the possible height of a corner by how much came true of that before. A
+   !> spike keeps its fall over two spacings on finer grids, a corner halves it, a smooth crest
+   !> quarters it: from 1/sqrt(2) on its flank gets no steeper, and ends half a spacing further.
    pure subroutine limit_crests(coarser, summary)
       type(line_summary_t), intent(in) :: coarser(:)
       type(line_summary_t), intent(inout) :: summary
@@ -260,6 +265,8 @@ contains
          change = larger(change, abs(tops(k - 1) - tops(k))/k/(1 - sqrt(0.5_wp)))
       end do
       associate (own => summary%crests, last => coarser(1)%crests)
+         if (own%fall > 0.0_wp .and. sqrt(2.0_wp)*own%fall <= last%fall) own%limit = own%spike*(1 &
+            + 0.25_wp*own%fall)
          if (ieee_is_finite(change)) own%growing = min(max(own%growing, change), 2*change)
          if (min(own%corner_top - own%corner, last%corner_top - last%corner) <= 0.0_wp) return
          rise = max(abs(own%highest - last%highest), abs(summary%of(p_max)%value &
