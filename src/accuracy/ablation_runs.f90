@@ -65,12 +65,10 @@ contains
          do g = 1, 2
             call pose(full(g), contact, grids(g), error)
             if (allocated(error)) return
-            call solve_by(full(g), upwind, pressure_on(state, grids(g)), budget, listener)
+            call solve_by(full(g), kappa, pressure_on(state, grids(g)), budget, listener)
             if (listener%is_stopping) return
-            if (full(g)%is_solved) call solve_by(full(g), kappa, full(g)%by(upwind)%state, budget, &
-               listener)
+            full(g)%by(upwind)%state = pressure_on(state, grids(g))   ! where it starts from
          end do
-         if (.not. all(full%by(upwind)%is_known)) return
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
             levels(:, 2)%ingredient = list(i)
@@ -107,9 +105,17 @@ contains
             is_known = lean(g)%is_solved
          end do
       end associate
+      do g = 1, merge(0, 2, is_known)
+         associate (full => levels(g, 1))
+            start = full%by(upwind)%state
+            if (.not. full%by(upwind)%is_known) call solve_by(full, upwind, start, budget, listener)
+            if (all([full%by(upwind)%is_known, .not. full%by(kappa)%is_known])) call solve_by( &
+               full, kappa, full%by(upwind)%state, budget, listener)
+         end associate
+      end do
       if (is_known) then
          call set_row(levels, kappa, adequacy%rows(i))
-      else
+      else if (all(levels(:, 1)%by(upwind)%is_known)) then
          call measure_by_both(contact, levels, budget, adequacy, i, listener, &
             error)   ! error: the caller looks
       end if
