@@ -2,7 +2,9 @@
 module bench_measure
    use case_input, only: read_case
    use case_record, only: case_t
+   use coarse_runs, only: side_runs_t
    use errors, only: error_t, fail, input_error
+   use experiment, only: solution_t
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: not_known, wp
@@ -116,8 +118,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(recorder_t) :: listener
       type(line_contact_t) :: contact
-      type(line_state_t) :: state
-      type(report_t) :: report
+      type(side_runs_t), allocatable :: side_runs
+      type(solution_t), allocatable :: whole
       type(time_settings_t) :: time
       type(solver_settings_t) :: settings
       real(wp) :: start
@@ -133,20 +135,26 @@ contains
       settings = case%solver
       settings%wants_coarse_runs = job%has_bars
       if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_resolution(contact, settings, time, listener, error)
+         call choose_resolution(contact, settings, time, side_runs, listener, error)
          if (allocated(error)) return
+         if (allocated(side_runs%whole)) whole = side_runs%whole
       end if
-      call solve_ehl_line(contact, settings, time, listener, state, report, error)
+      if (.not. allocated(whole)) then
+         allocate (whole)
+         whole%contact = contact
+         call solve_ehl_line(whole%contact, settings, time, listener, whole%state, whole%report, &
+            error)
+      end if
       if (allocated(error)) return
-      times = [report%cost%phase_seconds([phase_setup, phase_steady, phase_transient]), &
+      times = [whole%report%cost%phase_seconds([phase_setup, phase_steady, phase_transient]), &
          wall_seconds() - start]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then
-         call record_steady(listener, state)
-         listener%residual = report%residual
+         call record_steady(listener, whole%state)
+         listener%residual = whole%report%residual
       end if
-      outcome%contact%domain = contact%domain
-      outcome%report = report
+      outcome%contact%domain = whole%contact%domain
+      outcome%report = whole%report
       outcome%first = listener
    end subroutine run_once
 

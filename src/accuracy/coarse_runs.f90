@@ -61,9 +61,10 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(experiment_t) :: accurate
       logical :: are_off
-      integer :: i
+      integer :: i, last
 
       accurate = side_runs%experiment
+      last = size(side_runs%runs)
       if (accurate%time%scheme == 'backward_euler') accurate%time%scheme = 'bdf2'
       do
          !$omp atomic capture
@@ -72,17 +73,21 @@ contains
          !$omp end atomic
          !$omp atomic read
          are_off = side_runs%are_off
-         if (are_off .or. i > size(side_runs%runs)) return
+         if (are_off .or. i > last) return
          associate (run => side_runs%runs(i), runs => side_runs%runs)
             if (run%outcome%is_known) cycle
             call run_experiment(coarser(accurate, run%factor), listener, run%outcome, run%error)
-            if (i < size(runs) .and. allocated(run%outcome%coarser)) then
+            if (i < last .and. allocated(run%outcome%coarser)) then
                ! a steady one has passed the next on its way
                if (size(run%outcome%coarser) > 0) runs(i + 1)%outcome = outcome_t(.true., &
                   run%outcome%coarser(1))
             end if
             if (run%outcome%is_known) cycle
          end associate
+         ! those behind it are useless, and before it another thread may be at work
+         !$omp atomic write
+         side_runs%begun = last
+         if (i > 1) return
          !$omp atomic write
          side_runs%are_off = .true.
       end do
