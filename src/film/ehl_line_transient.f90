@@ -93,7 +93,7 @@ contains
             call self%end_step(0, .false., report)
             if (.not. report%converged) return
             call remember(history, level, 0.0_wp)
-            call evaluate_coefficients(level)
+            call derive(level, history)   ! what asperities bear in the film with the surfaces
          end if
          call self%fill(history%step*time%time_step, state, has_stresses=.false.)
       end associate
