@@ -35,6 +35,7 @@ FIELDS = (
     TRANSIENT.replace("256", "32768").replace("end_time = 1.0, time_step = 0.05", "end_time = 0.8, time_step = 0.004")
     + "&accuracy error_bars = .false. /\n&output checkpoint_interval = 1e-3 /\n"
 )
+TARGET = TRANSIENT.replace(", intervals = 256", "").replace("1.0, time_step = 0.05", "12.0") + "&accuracy target = 1e-6 /\n"
 
 
 def write_heights(folder, rows):
@@ -66,9 +67,10 @@ def channel(is_terminal):
         (DENSE, False, r"steady on 8192 intervals by newton_dense, \d+ s", NOTHING, []),
         (AREA, True, r"solving, \d+ s", NOTHING, []),
         (HEIGHTS, False, r"reading rough.csv, \d+ s", "interrupted", []),
+        (TARGET, False, r"coarse run, \d+ % of steps on \d+ intervals, \d+ s", NOTHING, []),
         (FIELDS, False, "step 200/200 .*", GOES_ON, ["case.h5.ckpt", "case.h5.part"]),
     ],
-    ids=["dense", "area", "heights", "fields"],
+    ids=["dense", "area", "heights", "target", "fields"],
 )
 def test_no_long_silence(program, tmp_path, case, is_terminal, words, last, kept):
     """Listens until the sign of what takes long has come (writing a result: the last step), and then asks the program to end."""

@@ -1,6 +1,7 @@
 !> One run of a variant of a lubricated contact: another grid, domain, time step, scheme or model.
 !> Error bars, target accuracies and adequacy compare such runs.
 module experiment
+   use, intrinsic :: iso_fortran_env, only: int64
    use ehl_line_solver, only: solve_ehl_line
    use errors, only: error_t
    use iteration_report, only: report_t
@@ -12,6 +13,7 @@ module experiment
    use march_state, only: march_state_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -52,6 +54,8 @@ module experiment
       type(passage_extremes_t) :: passage
       !> The time steps go to the parent, too.
       logical :: passes_on = .false.
+      !> What it does.
+      character(:), allocatable :: stage
    contains
       procedure :: on_step => collect_step
       procedure :: on_part => collect_part
@@ -134,10 +138,11 @@ contains
       integer, intent(in), optional :: cycle
       real(wp), intent(in), optional :: residuals(2)
 
+      self%stage = words
       call self%relay_t%on_stage('coarse run, '//words, cycle, residuals)
    end subroutine forward_coarse_run
 
-   !> Adds the quantities of one time step.
+   !> Adds the quantities of one time step; each hundredth of the way is a stage.
    subroutine collect_step(self, step, steps, state, history, report)
       class(collector_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -147,6 +152,8 @@ contains
       type(report_t), intent(in) :: report
 
       call self%passage%add(summary_of(state), state%time, step == steps)
+      if (100_int64*step/steps > 100_int64*(step - 1)/steps) call self%parent%on_stage( &
+         'coarse run, '//to_text(int(100_int64*step/steps))//' % of '//self%stage)
       if (self%passes_on) call self%parent%on_step(step, steps, state, history, report)
    end subroutine collect_step
 

@@ -78,7 +78,7 @@ contains
          has_parts=time%tolerance > 0.0_wp))
       call note_choice(report, self%attempts(1))
       associate (level => hierarchy%levels(hierarchy%finest), history => self%history)
-         call listener%on_stage('time steps on '//to_text(level%n)//' intervals')
+         call listener%on_stage('steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from
             if (abs(history%direction - level%direction) > 1.0_wp) call turn(level)

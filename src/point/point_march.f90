@@ -91,7 +91,7 @@ contains
       self%settings = run%settings
       self%time = run%time
       associate (level => run%newton%hierarchy%levels(1), history => self%history)
-         call listener%on_stage('time steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
+         call listener%on_stage('steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
             //' intervals')
          allocate (level%old_squeeze, mold=level%film)
          if (allocated(run%time%resume_from)) then

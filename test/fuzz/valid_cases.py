@@ -198,7 +198,7 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     write_valid(program, folder, lambda: kind(source, folder))
     begin = time.monotonic()
     run = call(program, folder, "case.nml", limits={resource.RLIMIT_CPU: LIMIT})
-    if run.status == -signal.SIGKILL and run.err.rstrip().endswith("left"):
+    if run.status == -signal.SIGKILL and (run.err.rstrip().endswith("left") or " % of steps on " in run.err.splitlines()[-1]):
         return None  # long, and it said so
     found = trouble(run, folder) or run.trouble(0, 2)
     if found or "transient" not in (folder / "case.nml").read_text(encoding="utf-8"):
