@@ -103,9 +103,12 @@ def test_every_method_goes_on_to_the_same_bits(program, interrupted, asperity, t
         text = "".join(line + "\n" for line in text.splitlines() if not line.startswith(group)) + others
     reference, _ = undisturbed(program, tmp_path, text)
     assert interrupted(text)[0] == 4
+    with h5py.File(tmp_path / "case.h5.ckpt") as file:
+        seconds = [file["report/wall_seconds"][()], *file["report/phase_seconds"][()]]
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
     assert different(reference, tmp_path / "case.h5") == []
     with h5py.File(reference) as one, h5py.File(tmp_path / "case.h5") as other:
+        assert all(np.array([other["report/wall_seconds"][()], *other["report/phase_seconds"][()]]) >= seconds)
         assert set(one["report"]) == set(other["report"])
         for path in ("cycles", "steps", "uncut_steps", "fft_pairs", "work_units", "method", "levels"):
             assert one["report"][path][()] == other["report"][path][()], path
@@ -248,6 +251,13 @@ def test_damaged_checkpoint_is_refused(interrupted, asperity, tmp_path):
         done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
         assert "cannot resume: cannot read case.h5.ckpt" in done.stderr
         assert done.stderr.endswith("; delete it, and the run starts at the beginning\n")
+    (tmp_path / "case.h5.ckpt").write_bytes(whole)
+    with h5py.File(tmp_path / "case.h5.ckpt", "r+") as file:
+        del file["march/mass"]
+        file["march/mass"] = np.zeros(8)
+    seal(tmp_path / "case.h5.ckpt")
+    done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
+    assert "case.h5.ckpt (/march/mass): found 8 values, expected 516" in done.stderr
     (tmp_path / "case.h5.ckpt").unlink()
     assert "starts at the beginning" in asperity("case.nml", "--resume").stderr
 
