@@ -151,16 +151,6 @@ def test_inlet_that_the_program_chooses(solved_cases):
 
 
 @pytest.mark.path
-def test_stride_and_fields_choose_what_is_stored(solved_case):
-    with solved_case(TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n") as file:
-        assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(21), abs=1e-14)
-        assert file["transient/profile_time"][()] == pytest.approx(0.05 * np.arange(0, 21, 3), abs=1e-14)
-        assert file["transient/pressure"].shape == (7, 257)
-        assert "film_thickness" not in file["transient"]
-        assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
-
-
-@pytest.mark.path
 def test_shear_stresses_at_the_times_of_the_profiles(solved_cases):
     """By their definition from the stored film and pressure, at every stored time; those of the last one are in /solution."""
     fields = "'pressure', 'film_thickness', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
@@ -183,17 +173,6 @@ def test_shear_stresses_at_the_times_of_the_profiles(solved_cases):
         np.testing.assert_array_equal(series[name][-1], plain["solution"][name])
         assert text(file[f"si/transient/{name}"].attrs["units"]) == "Pa"
         assert name not in plain["transient"]
-
-
-def test_moes_result_has_no_invented_units(results):
-    with h5py.File(results / "moes.h5") as file:
-        assert not {"half_width", "reduced_radius", "film_thickness", "time", "viscosity"} & set(file["scaling"].attrs)
-        assert {"lambda", "alpha_bar", "moes_m", "moes_l"} <= set(file["scaling"].attrs)
-        assert all(text(figure.attrs["units"]) == "1" for figure in file["summary"].values())
-        assert all(text(field.attrs["si_units"]) == "1" for field in file["solution"].values())
-        summary = file["summary"]
-        assert summary["p_max"][()] == file["solution/pressure"][()].max()
-        assert summary["h_min_moes"][()] == pytest.approx(8 * 10 / np.pi * summary["h_min"][()], rel=1e-14)
 
 
 @pytest.mark.parametrize("name", RESULTS)
