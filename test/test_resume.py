@@ -103,12 +103,9 @@ def test_every_method_goes_on_to_the_same_bits(program, interrupted, asperity, t
         text = "".join(line + "\n" for line in text.splitlines() if not line.startswith(group)) + others
     reference, _ = undisturbed(program, tmp_path, text)
     assert interrupted(text)[0] == 4
-    with h5py.File(tmp_path / "case.h5.ckpt") as file:
-        seconds = [file["report/wall_seconds"][()], *file["report/phase_seconds"][()]]
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
     assert different(reference, tmp_path / "case.h5") == []
     with h5py.File(reference) as one, h5py.File(tmp_path / "case.h5") as other:
-        assert all(np.array([other["report/wall_seconds"][()], *other["report/phase_seconds"][()]]) >= seconds)
         assert set(one["report"]) == set(other["report"])
         for path in ("cycles", "steps", "uncut_steps", "fft_pairs", "work_units", "method", "levels"):
             assert one["report"][path][()] == other["report"][path][()], path
