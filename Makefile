@@ -32,7 +32,7 @@ DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/d
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs site notebooks wheel clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench bench-program chart accuracy accuracy-time stability docs site notebooks wheel clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -156,9 +156,6 @@ bench-dry: build ## dry areas against other programs (ARGS="--peers PYTHON": the
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
 	$(PYTHON) bench/chart.py $(ARGS)
 	$(PYTHON) bench/dry_chart.py $(ARGS) $(if $(PEERS),--peers $(PEERS))
-
-orders: bench-program ## table of the observed orders in time, in results/orders/ (ARGS=--quick: coarser)
-	$(PYTHON) bench/orders.py $(ARGS)
 
 accuracy: bench-program ## truth of the error bars, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/families.py $(ARGS)

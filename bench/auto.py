@@ -15,7 +15,6 @@ continues an interrupted run. Writes auto_SEED.txt and auto_SEED.png; --page cop
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 import random
@@ -31,7 +30,7 @@ from pathlib import Path
 import h5py
 import namelists
 from adequacy import STILL, passage_scene, scaled, steady_scene
-from bench_program import ASPERITY, ENVIRONMENT, ROOT, conclude, new_parser, output_folder, save, side_by_side
+from bench_program import ASPERITY, ENVIRONMENT, ROOT, conclude, new_parser, output_folder, read_csv, save, side_by_side
 from judge import share
 from namelists import Groups
 from page import fenced, put_block
@@ -215,11 +214,8 @@ def draw(rows: list[Row], path: Path) -> None:
 
 def stored(path: Path) -> list[Row]:
     """The scenes that are done."""
-    if not path.exists():
-        return []
     words = ("scene", "unjudged", "solved", "left_out")
-    with path.open(newline="", encoding="utf-8") as file:
-        return [Row(**{key: v if key in words else float(v) for key, v in values.items()}) for values in csv.DictReader(file)]
+    return [Row(**{key: v if key in words else float(v) for key, v in values.items()}) for values in read_csv(path)]
 
 
 def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:

@@ -61,6 +61,14 @@ def write_csv(path: Path, head: Iterable[str], rows: Iterable[Iterable[object]])
     part.replace(path)
 
 
+def read_csv(path: Path) -> list[dict[str, str]]:
+    """The rows of a table; of one that is not there, none."""
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def save(path: Path, items: list) -> None:
     """Items of one dataclass as CSV; none: no file."""
     if items:

@@ -12,17 +12,15 @@ from __future__ import annotations
 
 import itertools
 import math
-import subprocess
 import sys
 import tempfile
-import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bench_program
 import namelists
 import numpy as np
-from bench_program import ASPERITY, ENVIRONMENT, Answer, Job, conclude, job, new_parser, output_folder, write_csv
+from bench_program import ASPERITY, Answer, Job, conclude, job, measured, new_parser, output_folder, write_csv
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -148,13 +146,10 @@ def add_whole_program(panel: Panel, texts: dict[int, str], effort: dict[str, flo
             path = Path(name) / "case.nml"
             path.write_text(texts[plain.intervals], encoding="utf-8")
             used: list[float] = []
-            begun = time.perf_counter()
-            while len(used) < effort["runs"] and (not used or time.perf_counter() - begun < effort["seconds"]):
-                start = time.perf_counter()
-                command = [ASPERITY, path, "--output", name, "--quiet"]
-                done = subprocess.run(command, env=ENVIRONMENT, capture_output=True, check=False)
-                used.append(time.perf_counter() - start)
-                if done.returncode != 0:
+            while len(used) < effort["runs"] and sum(used) < effort["seconds"]:
+                run = measured([ASPERITY, path, "--output", name, "--quiet"])
+                used.append(run.wall)
+                if run.status != 0:
                     break
             else:
                 points.append(replace(plain, method=WHOLE, seconds=min(used), high=float(np.quantile(used, 0.9))))

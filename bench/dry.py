@@ -13,7 +13,6 @@ other parts stay in the table.
 from __future__ import annotations
 
 import argparse
-import csv
 import functools
 import subprocess
 import sys
@@ -23,7 +22,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from bench_program import ASPERITY, ENVIRONMENT, ROOT, measured, new_parser, output_folder, write_csv
+from bench_program import ASPERITY, ENVIRONMENT, ROOT, measured, new_parser, output_folder, read_csv, write_csv
 from family_dry import PROBLEMS, height_file
 from namelists import BARE, namelist
 
@@ -251,10 +250,7 @@ class Table:
 
     def __init__(self, path: Path) -> None:
         """Rows of earlier parts."""
-        self.path, self.rows = path, {}
-        if path.exists():
-            with path.open(newline="", encoding="utf-8") as file:
-                self.rows = {row["work"]: row for row in csv.DictReader(file)}
+        self.path, self.rows = path, {row["work"]: row for row in read_csv(path)}
 
     def add(self, work: str, value: float, unit: str, asked: float, aim: float, note: str = "") -> None:
         """A row; a ratio (unit `times`) is to be large, all else small. Saved at once."""

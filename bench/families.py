@@ -86,7 +86,7 @@ FAMILIES = [
     Family("dry_target", "target_waves", "A target: sinusoids", AREA, dry.waves, finish=dry.aim),
     Family("dry_target", "target_file_line", "A target: profiles of a file, elastic", AREA, dry.rough(1), finish=dry.aim),
     Family("dry_target", "target_plastic_line", "A target: profiles of a file that yield", AREA, dry.yielding, finish=dry.aim),
-    Family("dry_target", "target_file_area", "A target: areas of a file", AREA, dry.smooth_area),
+    Family("dry_target", "target_file_area", "A target: areas of a file", AREA, dry.synthetic_surface(2, in_file=True)),
     Family("dry_target", "target_synthetic_line", "A target: synthetic profiles", AREA, dry.synthetic_surface(1)),
     Family("dry_target", "target_synthetic_area", "A target: synthetic areas", AREA, dry.synthetic_surface(2)),
     Family("dry_target", "target_open_line", "A target: rough rollers", AREA, dry.synthetic_body(1)),

@@ -245,20 +245,12 @@ def solved_heights(lines: int, nodes: int, surface: dict) -> np.ndarray:
     return run_program(namelist(case), lambda file: file["solution/height_undeformed"][()])[2]
 
 
-def smooth_area(source: random.Random, _: int) -> Member:
-    """Files of periodic areas with few waves: others need more nodes than a truth has."""
-    nodes, surface, load, bodies = synthetic(source, 2)
-    case = contact(2, load, FILE, sizes(2, nodes), bodies)
-    files = {"z.h5": height_file(solved_heights(2, nodes, surface))}
-    return aim(source, Member(case, case | {"accuracy": {"error_bars": False}}, files=files))
-
-
-def synthetic_surface(lines: int) -> Draw:
-    """Periodic surfaces from a seed."""
+def synthetic_surface(lines: int, *, in_file: bool = False) -> Draw:
+    """Periodic surfaces from a seed, or in a file: of areas with few waves, others need more nodes than a truth has."""
 
     def draw(source: random.Random, _: int) -> Member:
         nodes, surface, load, bodies = synthetic(source, lines)
-        case = contact(lines, load, surface, sizes(lines, nodes), bodies)
+        case = contact(lines, load, FILE if in_file else surface, sizes(lines, nodes), bodies)
         files = {"z.h5": height_file(solved_heights(lines, nodes, surface))}
         return aim(source, Member(case, case | {"surface_1": FILE, "accuracy": {"error_bars": False}}, files=files))
 

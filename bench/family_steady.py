@@ -36,7 +36,7 @@ def width(m: float, l: float) -> float:  # noqa: E741
 
 def sample(fresh: bool, longer: bool) -> Draw:
     """The contacts of a sample on the program's own grid; the truth on a longer domain or not."""
-    every = fresh_contacts() if fresh else contacts(quick=False)
+    every = fresh_contacts() if fresh else contacts()
 
     def draw(_: random.Random, i: int) -> Member:
         name, groups = every[i][0], every[i][1] | {"domain": {"grid": "even"}}

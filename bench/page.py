@@ -7,7 +7,6 @@ Only the named blocks between `<!-- NAME: written by bench/page.py -->` and `<!-
 from __future__ import annotations
 
 import argparse
-import csv
 import platform
 import re
 import shutil
@@ -18,7 +17,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 
-from bench_program import ROOT
+from bench_program import ROOT, read_csv
 from families import FAMILIES
 from judge import JUDGED, Row, is_tight, is_within, share
 from stability_cells import NAMES
@@ -59,16 +58,10 @@ def as_it_is(*paths: Path) -> str:
     return folded("".join(path.read_text(encoding="utf-8") for path in paths))
 
 
-def rows(path: Path) -> list[dict[str, str]]:
-    """The rows of a CSV file."""
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 def bench_text(path: Path) -> str:
     """Targets of speed and memory, and the median of what was measured; a star where that misses the target."""
     lines = []
-    for row in (row for row in rows(path) if row["asked"]):
+    for row in (row for row in read_csv(path) if row["asked"]):
         star = "*" * (row["verdict"] == "MISSED")
         line = f"{row['work']:<44} <= {float(row['asked']):<6g} {float(row['median']):8.3g} {row['unit']:<2} {star}"
         lines.append(line.rstrip())
@@ -79,7 +72,7 @@ def families_text(path: Path) -> str:
     """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
     found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
     numbers = ("value", "estimate", "true_error", "intervals")
-    for row in rows(path):
+    for row in read_csv(path):
         each = Row(**{key: float(value) if key in numbers else value for key, value in row.items()})
         if each.verdict == JUDGED:
             found[each.family][each.quantity.removeprefix("summary/")].append(each)
@@ -99,7 +92,7 @@ def maps_text(*paths: Path) -> str:
     lines = ["| map | cells | right |", "|---|---|---|"]
     for path in paths:
         right: dict[str, list[bool]] = defaultdict(list)
-        for row in rows(path):
+        for row in read_csv(path):
             right[row["method"]].append(row["reason"] == "converged" or row["status"] == "too coarse")
         words = "; ".join(f"{method} {sum(each)}" for method, each in right.items() if not all(each))
         lines.append(f"| {path.stem[10:]} | {len(next(iter(right.values())))} | {words + '; the others ' if words else ''}all |")
@@ -109,7 +102,7 @@ def maps_text(*paths: Path) -> str:
 def dry_text(path: Path) -> str:
     """The table of `make bench-dry`, the shares of contact [%] of a row beside each other."""
     groups = defaultdict(list)
-    for row in rows(path):
+    for row in read_csv(path):
         groups[re.sub(r", \d+ %", "", row["work"])].append(row)
     lines = []
     for work, own in groups.items():

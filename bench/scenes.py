@@ -3,7 +3,7 @@
 
 The truth is that of bench/adequacy.py and bench/adequacy_dry.py. Without squeeze there are only steady solutions with the waves
 at their places, which no namelist describes: the truth is the program's own verdict on SQUEEZE_FINER times the nodes and time
-steps (against runs of other waves at rest: test_coarse_passages.pf). A finer grid judges the error bars of histories.
+steps. A finer grid judges the error bars of histories.
 
     same       the program's verdict is that of the fine grids
     other      it is not: a miss

@@ -131,9 +131,3 @@ def test_what_is_not_known_says_why(asperity, tmp_path, run_case):
     run_case(STEADY + "&solver max_cycles = 1 /\n", status=2)
     with h5py.File(tmp_path / "case.h5") as file:
         assert "adequacy" not in file
-
-
-def test_accuracy_that_counts_is_the_target(solved_case):
-    with solved_case(STEADY.replace(", intervals = 256", "") + "&accuracy target = 2e-3 /\n") as file:
-        assert file["adequacy"].attrs["accuracy"] == 2e-3
-        assert verdict(file["adequacy/roelands"]) == "needed"

@@ -70,6 +70,7 @@ def test_high_ridge_is_solved_as_by_the_full_model(told_case):
     lean, log = told_case(auto(PASSAGE), name="auto")
     full, _ = told_case(PASSAGE, name="full")
     assert "kept: too high" in log
+    assert "kept: may matter" in told_case(auto(PASSAGE.replace("0.2e-6", "2.4e-9")), name="between")[1]
     assert lean["adequacy/decision@solved"] == b"the case with every ingredient"
     solved = [name for name in full if not name.startswith("input") and "seconds" not in name]
     assert len(solved) > 50

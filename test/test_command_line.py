@@ -140,23 +140,6 @@ def test_names_of_files_and_folders(asperity, tmp_path, run_case):
     assert asperity("other").stderr == "other: no such file\n"
 
 
-@pytest.mark.path
-def test_summary_goes_to_standard_output(asperity, tmp_path):
-    """The log to standard error; beside lines for machines the summary goes with the log."""
-    write(tmp_path, "case.nml", STEADY)
-    done = asperity("case.nml")
-    assert done.stdout.startswith("case.nml: converged, ")
-    assert done.stdout.splitlines()[-1].split() == ["result", "case.h5"]
-    assert "h_min" not in done.stderr
-    assert "cycle 1 " in done.stderr
-    done = asperity("case.nml", "--outcomes")
-    assert done.stdout == "0\tcase.nml\t\n"
-    assert "h_min" in done.stderr
-    done = asperity(SPHERE)
-    assert done.stdout.startswith("dry_sphere.nml: converged, ")
-    assert done.stderr == ""
-
-
 @pytest.fixture(name="results")
 def _results(asperity, tmp_path):
     write(tmp_path, "oil.nml", STEADY)

@@ -37,8 +37,10 @@ FORMS = {
     "trailing_comma": STEADY.replace("1e5", "1e5,"),
     "repeat_of_one": STEADY.replace("1e5", "1*1e5"),
     "equals_on_next_line": STEADY.replace("= 1e5", "\n = 1e5"),
+    "closed_by_end": STEADY.replace("1e5 /", "1e5 ! [N/m]\n&end"),
     "empty_title": STEADY.replace("'Öl, smooth'", "''"),
     "array_tail": ridges("amplitude = 0.2e-6", "amplitude = 1e-7 amplitude(2) = 2e-7, 3e-7", "3*-2.0", 3),
+    "subscript_with_blanks": ridges("amplitude =", "amplitude ( 1 : 1 ) =", "-2.0", 1),
     "shapes_mixed": ridges("0.2e-6", "1e-7, 2e-7", "2*-2.0").replace("'feature'", "'feature', 'sinusoid'"),
     "one_field": TRANSIENT + "&output fields = 'pressure' profile_stride = 3 /\n",
     "still_rough_steady": STEADY.replace("speed_1 = 0.1", "speed_1 = 0")

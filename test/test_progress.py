@@ -1,4 +1,4 @@
-"""Progress: nothing with --quiet, few lines in a log, one updating line on a terminal, a closing table."""
+"""Progress: few lines in a log, one updating line on a terminal, a short closing table."""
 
 import os
 import pty
@@ -14,12 +14,6 @@ WHOLE = TRANSIENT.replace("end_time = 1.0, time_step = 0.05", "end_time = 2.0, t
 WHOLE += "&accuracy error_bars = .false. /\n"
 
 
-def test_quiet_says_nothing(asperity, tmp_path):
-    write(tmp_path, "a.nml", TRANSIENT)
-    done = asperity("a.nml", "--quiet")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-
-
 def test_log_has_few_plain_lines(run_case):
     done = run_case(WHOLE, name="a")
     lines = done.stderr.splitlines()
@@ -29,30 +23,6 @@ def test_log_has_few_plain_lines(run_case):
     assert re.match(r"a\.nml: step 8/80  T 0\.2000  h_min \d+\.?\d* nm  \d+ s left$", steps[0])
     assert any(re.match(r"a\.nml: cycle 1  residual \S+  load error \S+$", line) for line in lines)
     assert max(len(line) for line in lines) <= 80
-
-
-@pytest.mark.path
-def test_closing_table(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
-    short = asperity("a.nml").stdout.splitlines()
-    lines = asperity("a.nml", "--verbose").stdout.splitlines()
-    assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", short[0])
-    assert short[1:5] == [lines[1], *(line[:26] + line[39:] for line in lines[3:6])]
-    assert [line.split()[0] for line in short[5:]] == ["friction", "inlet", "limit", "limit", "model", "lambda", "result"]
-    assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", lines[0])
-    assert lines.pop(1) == "  contact   p_h 601.7 MPa, b 105.8 um, U 0.6000 m/s, slide-to-roll 1.667"
-    assert lines[1].split() == ["SI", "dimensionless"]
-    names = ["h_min", "h_central", "p_max", "friction", "residual", "formulas", "inlet", "limit", "limit", "model", "result"]
-    lines = lines[:2] + [line for line in lines[2:] if not line.startswith(12 * " ")]
-    assert [line.split()[0] for line in lines[2:]] == names
-    assert re.match(r"  h_min +\S+ nm +0\.\d+ +\+- \S+ %$", lines[2])
-    assert re.match(r"  p_max +\S+ MPa +0\.\d+ +\+- \S+ %$", lines[4])
-    assert re.match(r"  formulas  h_min \S+ nm, \+\d+ %: Dowson-Higginson", lines[7])
-    assert re.match(r"  inlet +starves the film by \S+ %", lines[8])
-    assert re.match(r"  limit +sliding heats by \S+ K", lines[9])
-    assert re.match(r"  limit +heat of the inlet", lines[10])
-    assert lines[11].startswith("  model     needed at ")
-    assert lines[-1].split() == ["result", "a.h5"]
 
 
 @pytest.mark.parametrize("name", ["case1", "case3_demo", "minimal", "moes_barus", "overtaking", "rolling_sinusoid"])

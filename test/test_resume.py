@@ -248,6 +248,13 @@ def test_damaged_checkpoint_is_refused(interrupted, asperity, tmp_path):
         done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
         assert "cannot resume: cannot read case.h5.ckpt" in done.stderr
         assert done.stderr.endswith("; delete it, and the run starts at the beginning\n")
+    (tmp_path / "case.h5.ckpt").write_bytes(whole)
+    with h5py.File(tmp_path / "case.h5.ckpt", "r+") as file:
+        del file["march/mass"]
+        file["march/mass"] = np.zeros(8)
+    seal(tmp_path / "case.h5.ckpt")
+    done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
+    assert "case.h5.ckpt (/march/mass): found 8 values, expected 516" in done.stderr
     (tmp_path / "case.h5.ckpt").unlink()
     assert "starts at the beginning" in asperity("case.nml", "--resume").stderr
 

@@ -346,36 +346,3 @@ def test_every_limit_by_its_definition(solved_cases):
     # on 513 nodes the program averages heat over pairs of them
     assert found.pop("shear_heating") == pytest.approx(expected.pop("shear_heating"), rel=0.02)
     assert found == pytest.approx(expected, rel=1e-9)
-
-
-KINDS = {
-    "reynolds": STEADY,
-    "stokes": changed(STOKES, ("256", "128")),
-    "passage": TRANSIENT,
-    "lean": changed(AUTO, ("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'"))
-    + "&time transient = .true., end_time = 6.0 /&accuracy target = 0.01 /",
-}
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_summary_says_how_far_reynolds_holds(solved_case, kind):
-    """T_max and the largest slope: those of the fields, of a passage the largest of all its times; as among the limits."""
-    with solved_case(KINDS[kind]) as file:
-        if kind == "passage":
-            series = file["transient"]
-            assert len(series["profile_time"]) == len(series["time"])
-            profiles = list(zip(series["pressure"][()], series["film_thickness"][()], strict=True))
-        else:
-            profiles = [(file["solution/pressure"][()], file["solution/film_thickness"][()])]
-        expected = np.max([limits_from_fields(file, *profile) for profile in profiles], axis=0)
-        found = [file["summary"][name] for name in ("stokes_number", "surface_slope")]
-        assert [item[()] for item in found] == pytest.approx(expected, rel=1e-9)
-        assert 0.01 < expected[0] < 0.1
-        assert all(item.attrs["long_name"] and item.attrs["units"] == b"1" for item in found)
-        for item in found:
-            name = item.name.rsplit("/", 1)[1]
-            if kind != "stokes":
-                assert file["adequacy/validity"][name][()] == item[()]
-            assert item.attrs["dimensionless"] * file["scaling"].attrs["half_width"] / file["scaling"].attrs[
-                "reduced_radius"
-            ] == pytest.approx(item[()], rel=1e-12)
