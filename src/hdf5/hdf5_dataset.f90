@@ -15,7 +15,7 @@ module hdf5_dataset
    private
 
    public :: attach_values, label_t, new_label, write_attribute, write_dataset, write_records, &
-      write_string, write_values, write_zeros
+      write_string, write_values
 
    !> Numbers at most that are stored in the header of their dataset, with no place of their own.
    integer, parameter :: few = 16
@@ -89,17 +89,6 @@ contains
          is_blank), label, is_single)
    end subroutine write_reals
 
-   !> Reals of the `extents`, zero until `write_records` brings others, as `write_reals`.
-   subroutine write_zeros(file, path, extents, label, is_single)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer, intent(in) :: extents(:)
-      type(label_t), intent(in) :: label
-      logical, intent(in), optional :: is_single
-
-      call write_values(file, path, file%real_type, extents, c_null_ptr, label, is_single)
-   end subroutine write_zeros
-
    !> Whether all `values` are zero.
    pure logical function are_zero(values)
       real(wp), intent(in) :: values(:)
@@ -140,7 +129,8 @@ contains
    end subroutine write_string
 
    !> Creates, writes and labels a dataset of the `extents` (none: one value); with `is_single` the
-   !> file has it in single precision. Null in place of `values`: they stay unwritten.
+   !> file has it in single precision. Null in place of `values`: they are zero until
+   !> `write_records` brings others.
    subroutine write_values(file, path, type_id, extents, values, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path

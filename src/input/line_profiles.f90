@@ -199,19 +199,13 @@ contains
       type(profile_t), intent(inout) :: profile
       type(error_t), allocatable :: error
       character(:), allocatable :: fault
-      integer :: harmonics, most
+      integer :: harmonics
 
       harmonics = values%integer_value(group, 'harmonics')
       call hold_heights(profile%source, profile%form, profile%heights, ': a series', fault)
       if (fault == '') then
-         most = min(size(profile%heights)/2 - 1, max_nodes)
-         if (harmonics > most) then
-            fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
-               //', half the nodes less one'
-         else
-            call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
-            if (allocated(error)) fault = error%message
-         end if
+         call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
+         if (allocated(error)) fault = error%message
       end if
       if (fault /= '') call values%refuse(group, 'harmonics', fault)
       profile%is_periodic = .true.
