@@ -118,6 +118,8 @@ contains
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
       character(*), intent(in) :: group
+      real(wp) :: number
+      logical, allocatable :: among(:)
       logical :: holds
       integer :: row
 
@@ -126,39 +128,30 @@ contains
          if (holds) holds = has_word(group_rows(find_group(group))%problems, trim(values%problem))
          if (condition%relation == 'without') holds = .not. holds
          truth = merge(yes, no, holds)
-      else
-         truth = unknown
-         row = find_key(group, trim(condition%key), values%problem)
-         if (row > 0) truth = truth_of(values%slots(row), condition)
+         return
       end if
-   end function truth_in
-
-   !> Whether a condition holds for the key of a `slot`.
-   integer function truth_of(slot, condition) result(truth)
-      type(value_t), intent(in) :: slot
-      type(condition_t), intent(in) :: condition
-      real(wp) :: number
-      logical, allocatable :: among(:)
-      logical :: holds
-
       truth = unknown
-      select case (condition%relation)
-      case ('with')
-         holds = slot%is_given
-      case ('without')
-         holds = .not. slot%is_given
-      case ('/=')
-         if (.not. slot%has_value) return
-         call read_real(trim(condition%values), number, holds)
-         holds = abs(slot%reals(1) - number) > 0.0_wp
-      case default
-         if (.not. slot%has_value .or. any(slot%words == '?')) return
-         among = has_word(condition%values, slot%words)
-         if (any(among) .neqv. all(among)) return
-         holds = all(among)
-      end select
+      row = find_key(group, trim(condition%key), values%problem)
+      if (row == 0) return
+      associate (slot => values%slots(row))
+         select case (condition%relation)
+         case ('with')
+            holds = slot%is_given
+         case ('without')
+            holds = .not. slot%is_given
+         case ('/=')
+            if (.not. slot%has_value) return
+            call read_real(trim(condition%values), number, holds)
+            holds = abs(slot%reals(1) - number) > 0.0_wp
+         case default
+            if (.not. slot%has_value .or. any(slot%words == '?')) return
+            among = has_word(condition%values, slot%words)
+            if (any(among) .neqv. all(among)) return
+            holds = all(among)
+         end select
+      end associate
       truth = merge(yes, no, holds)
-   end function truth_of
+   end function truth_in
 
    !> What is the case where a condition does not hold: "with shape = 'smooth'".
    function opposite(values, condition) result(text)
