@@ -2,8 +2,7 @@
 module case_outcome
    use errors, only: error_t, output_error
    use iteration_report, only: has_converged, report_t
-   use progress_log, only: progress_log_t
-   use standard_streams, only: write_text
+   use progress_log, only: progress_log_t, write_text
    use text, only: to_text
    implicit none (type, external)
    private

@@ -9,13 +9,13 @@ program asperity
    use disk_file, only: make_folder
    use errors, only: error_t, output_error
    use input_manual, only: keys_markdown, keys_text, template_text
-   use progress_log, only: new_progress_log, progress_log_t
+   use progress_log, only: is_terminal, new_progress_log, print_text, progress_log_t, &
+      settle_standard_streams
    use read_cases, only: read_all_cases, refused_t, status_bad_input, report_good, report_refused
    use result_table, only: print_results
    use run_case, only: run_one_case
    use signals, only: is_interrupted, listen_to_signals, stop_listening, disarm_exit_message, &
       watch_silence
-   use standard_streams, only: is_terminal, print_text, settle_standard_streams
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 

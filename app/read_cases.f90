@@ -14,11 +14,10 @@ module read_cases
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use input_values, only: input_values_t
-   use progress_log, only: new_progress_log, progress_log_t
+   use progress_log, only: new_progress_log, print_text, progress_log_t, write_text
    use result_name, only: working_endings
    use set_entries, only: put_entries
    use signals, only: begin_activity, begin_subject
-   use standard_streams, only: print_text, write_text
    use summary_head, only: plan_rows
    use text_file, only: read_text_file
    use value_reader, only: read_defaults

@@ -13,7 +13,7 @@ module result_table
    use kinds, only: exceeds, not_known, wp
    use quantities, only: quantity_rows
    use read_cases, only: status_bad_input
-   use standard_streams, only: print_text, write_text
+   use progress_log, only: print_text, write_text
    use summary_row, only: csv_cell
    use text, only: counted, number_text, prefixed_text
    use transient_store, only: read_progress

@@ -5,12 +5,11 @@ module run_dry_case
    use case_outcome, only: case_outcome_t, outcome_of
    use case_record, only: case_t, list_dry
    use dry_adequacy, only: dry_adequacy_t, measure_dry_adequacy
-   use dry_case, only: dry_case_t
+   use dry_case, only: dry_case_t, is_refinable, refine_heights
    use dry_errors, only: area_doubt, dry_trial_t, estimate_dry_errors, finer_nodes, unknown_doubt
    use dry_record, only: dry_record_t, dry_sweep_t
    use dry_result, only: close_dry_case, write_dry_adequacy, write_dry_result
    use dry_problem, only: dry_scaling_t, new_dry_scaling
-   use dry_surfaces, only: is_refinable, refine_heights
    use dry_sweep, only: solve_dry_sweep
    use errors, only: error_t, fail, input_error
    use iteration_report, only: phase_count, phase_error_bars, phase_steady

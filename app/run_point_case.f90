@@ -54,6 +54,7 @@ contains
       associate (writer => listener%writer, adequacy => listener%writer%adequacy, &
          wish => case%output_settings%adequacy, times => listener%writer%run%passage%times)
          call note_unusual(case, note)
+         call add_note(case, listener, case%note, note)
          times = new_passage_times(case%point, case%time)
          call note_coarse_waves(case, case%point, listener, note)
          call add_note(case, listener, passage_note(case%point, times), note)

@@ -154,15 +154,15 @@ def test_a_coarse_grid_is_told(told_case):
 
 
 def test_a_measured_area_is_what_it_holds(solved_cases, tmp_path):
-    place = 1.5e-6 * (np.arange(601) - 300)
-    wave = np.cos(2 * np.pi * place / 1.5e-4)
+    wave = np.cos(2 * np.pi * (place := 1.5e-6 * (np.arange(601) - 300)) / 1.5e-4)
     with h5py.File(tmp_path / "wavy.h5", "w") as file:
-        heights = file.create_dataset("heights", data=2e-8 * wave[:, None] * wave)
+        heights = file.create_dataset("heights", data=2e-8 * wave[:, None] * wave + 1e-3 * place)
         heights.attrs["spacing_x"] = heights.attrs["spacing_y"] = 1.5e-6
     still = BALL.replace("speed_1 = 0.5", "speed_1 = 0.0") + "&domain intervals_x = 64 /\n"
-    file = "&surface_1 shape = 'file', file = 'wavy.h5', dataset = 'heights', detrend = 'none' /\n"
+    file = "&surface_1 shape = 'file', file = 'wavy.h5', dataset = 'heights' /\n"
     formula = "&surface_1 shape = 'sinusoid', amplitude = 2e-8, wavelength = 1.5e-4, wavelength_y = 1.5e-4 /\n"
     one, other, smooth = solved_cases(a=still + file, b=still + formula, c=still)
+    assert b"tilt 1.00E-03" in one["report/note"][()]
     x, y = (np.abs(one[f"solution/{axis}"][()]) < 1.2 for axis in "xy")
     films = [result["si/solution/film_thickness"][()][np.ix_(y, x)] for result in (one, other, smooth)]
     np.testing.assert_allclose(films[0], films[1], rtol=2e-4)

@@ -15,7 +15,7 @@ module hdf5_dataset
    private
 
    public :: attach_values, label_t, new_label, write_attribute, write_dataset, write_records, &
-      write_string, write_values, write_zeros
+      write_string, write_values
 
    !> Numbers at most that are stored in the header of their dataset, with no place of their own.
    integer, parameter :: few = 16
@@ -89,17 +89,6 @@ contains
          is_blank), label, is_single)
    end subroutine write_reals
 
-   !> Reals of the `extents`, zero until `write_records` brings others, as `write_reals`.
-   subroutine write_zeros(file, path, extents, label, is_single)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer, intent(in) :: extents(:)
-      type(label_t), intent(in) :: label
-      logical, intent(in), optional :: is_single
-
-      call write_values(file, path, file%real_type, extents, c_null_ptr, label, is_single)
-   end subroutine write_zeros
-
    !> Whether all `values` are zero.
    pure logical function are_zero(values)
       real(wp), intent(in) :: values(:)
@@ -139,8 +128,10 @@ contains
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
 
-   !> Creates, writes and labels a dataset of the `extents` (none: one value); with `is_single` the
-   !> file has it in single precision. Null in place of `values`: they stay unwritten.
+   !> Creates, writes and labels a dataset of the `extents` (none: one value), and the groups above
+   !> it; with `is_single` the file has it in single precision. Null in place of `values`: they are
+   !> zero until `write_records` brings others. (A single number without unit has no `units`: netCDF
+   !> takes that for '1'.)
    subroutine write_values(file, path, type_id, extents, values, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -150,53 +141,39 @@ contains
       type(label_t), intent(in), optional :: label
       logical, intent(in), optional :: is_single
       integer(hid_t) :: space, dataset, file_type
-      integer :: status
+      character(:), allocatable :: units
+      integer :: references, status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
       call new_space(file, extents, space, status)
-      call file%check(status, path)
       associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
          file%real_type .or. type_id == file%integer_type))
          file_type = type_id
          if (present(is_single)) file_type = merge(file%single_type, type_id, is_single)
-         call create_labelled(file, path, file_type, space, merge(file%shared%small_creation, &
-            file%shared%creation, is_small), label, dataset)
+         if (status >= 0) call h5dcreate_f(file%id, path, file_type, space, dataset, status, &
+            dcpl_id=merge(file%shared%small_creation, file%shared%creation, is_small), &
+            lcpl_id=file%shared%link_creation)
       end associate
+      call file%check(status, path)
       if (allocated(file%failure)) return
+      if (present(label)) then
+         call h5iinc_ref_f(dataset, references, status)   ! one is used here, the file keeps another
+         call file%keep_object(path, dataset)
+         call write_attribute(file, path, 'long_name', label%long_name//label%definition)
+         call write_attribute(file, path, 'si_units', label%si_units)
+         call write_attribute(file, path, 'si_scale', label%si_scale)
+         units = '1'   ! what `si_scale` turns into SI
+         if (.not. label%has_scale()) units = label%si_units
+         if (units /= '1' .or. size(extents) > 0) call write_attribute(file, path, 'units', units)
+         if (allocated(file%failure)) return
+      end if
+      status = 0
       if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
          status)
       if (status >= 0) call h5dclose_f(dataset, status)
       if (status >= 0) call close_space(extents, space, status)
       call file%check(status, path)
    end subroutine write_values
-
-   !> Creates a dataset, which stays open, and the groups above it, and labels it. (A single number
-   !> without unit has no `units`: netCDF takes that for '1'.)
-   subroutine create_labelled(file, path, type_id, space, properties, label, dataset)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer(hid_t), intent(in) :: type_id, space, properties
-      type(label_t), intent(in), optional :: label
-      integer(hid_t), intent(out) :: dataset
-      character(:), allocatable :: units
-      integer :: references, status
-
-      dataset = -1_hid_t
-      if (allocated(file%failure)) return
-      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, &
-         lcpl_id=file%shared%link_creation)
-      call file%check(status, path)
-      if (.not. present(label) .or. allocated(file%failure)) return
-      call h5iinc_ref_f(dataset, references, status)   ! the caller has one, the file another
-      call file%keep_object(path, dataset)
-      call write_attribute(file, path, 'long_name', label%long_name//label%definition)
-      call write_attribute(file, path, 'si_units', label%si_units)
-      call write_attribute(file, path, 'si_scale', label%si_scale)
-      units = '1'   ! what `si_scale` turns into SI
-      if (.not. label%has_scale()) units = label%si_units
-      if (units /= '1' .or. space /= file%shared%scalar_space) call write_attribute(file, path, &
-         'units', units)
-   end subroutine create_labelled
 
    !> A real or several.
    subroutine attach_reals(file, path, name, value)

@@ -12,8 +12,7 @@ module hdf5_file
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
-   use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
-      start_hdf5
+   use hdf5_library, only: hdf5_handle_t, hdf5_shared_t, shared_hdf5, start_hdf5
    use kinds, only: are_finite, wp
    use summary_row, only: summary_row_t
    implicit none (type, external)
@@ -40,15 +39,10 @@ module hdf5_file
    end type axis_use_t
 
    !> An open file for writing.
-   type :: hdf5_file_t
-      !> Name of the file as given.
-      character(:), allocatable :: path
-      !> The first thing that went wrong; allocated = nothing is written any more.
-      type(error_t), allocatable :: failure
+   type, extends(hdf5_handle_t) :: hdf5_file_t
       !> The row of a table, into which single values go in place of a file.
       type(summary_row_t), allocatable :: row
-      !> HDF5 identifiers, for the hdf5_* modules only: the file, and what all files share.
-      integer(hid_t) :: id = -1_hid_t
+      !> What all files share, for the hdf5_* modules only.
       type(hdf5_shared_t) :: shared
       !> HDF5 types of real(wp), real(real32) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t, single_type = -1_hid_t, integer_type = -1_hid_t
@@ -58,12 +52,11 @@ module hdf5_file
       integer, allocatable :: used(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
-      logical, private :: is_open = .false.
       !> The object of the last attribute, kept open: to look up its path costs as much as one.
       character(:), allocatable, private :: object_path
       integer(hid_t), private :: object = -1_hid_t
    contains
-      procedure :: keep_object, object_at, string_type, check_values, create_group, check
+      procedure :: keep_object, object_at, check_values, create_group
       procedure :: close => close_file
    end type hdf5_file_t
 
@@ -102,28 +95,6 @@ contains
       end if
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file
-
-   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; undefined after a failure.
-   function string_type(self, length) result(type_id)
-      class(hdf5_file_t), intent(inout) :: self
-      integer, intent(in) :: length
-      integer(hid_t) :: type_id
-      integer :: status
-
-      call get_string_type(length, type_id, status)
-      call self%check(status, 'string type')
-   end function string_type
-
-   !> Keeps the first failure: `status` < 0 while `doing`.
-   subroutine check(self, status, doing)
-      class(hdf5_file_t), intent(inout) :: self
-      integer, intent(in) :: status
-      character(*), intent(in) :: doing
-
-      if (status >= 0) return
-      call keep_hdf5_failure(self%failure, output_error, 'cannot write ' // self%path, status, &
-         doing)
-   end subroutine check
 
    !> Checks every number of a solution before it is written: finite, and pressures not negative.
    !> Input and the report of an iteration are exempt.

@@ -13,7 +13,7 @@ module hdf5_input
       h5dget_space_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fis_hdf5_f, h5fopen_f, &
       h5kind_to_type, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
-   use hdf5_library, only: keep_hdf5_failure, start_hdf5
+   use hdf5_library, only: hdf5_handle_t, start_hdf5
    use hdf5_source, only: hdf5_source_t, look_at, number_class, text_class
    use kinds, only: exceeds, wp
    use text, only: to_text
@@ -26,16 +26,10 @@ module hdf5_input
    integer, parameter :: max_values = 268435456
 
    !> An open file for reading.
-   type :: hdf5_input_t
-      character(:), allocatable :: path
-      !> The first thing that went wrong.
-      type(error_t), allocatable :: failure
-      !> HDF5 identifier of the file.
-      integer(hid_t), private :: id = -1_hid_t
-      logical, private :: is_open = .false.
+   type, extends(hdf5_handle_t) :: hdf5_input_t
    contains
       procedure :: has, has_attribute, reals, real_value, number_of, read_numbers, text, &
-         text_of, scale_of, check, refuse
+         text_of, scale_of, refuse
       procedure :: open => open_source
       procedure :: close => close_reader
    end type hdf5_input_t
@@ -53,6 +47,7 @@ contains
       integer :: status
 
       reader%path = path
+      reader%kind = input_error
       if (file_fault(path) /= '') then
          call fail(reader%failure, input_error, 'cannot read '//path//': '//file_fault(path))
       else
@@ -75,15 +70,6 @@ contains
       call start_hdf5(status)
       if (status >= 0) call h5fis_hdf5_f(path, is_hdf5, status)
    end function is_hdf5
-
-   !> Keeps the first failure: `status` < 0 while `doing`.
-   subroutine check(self, status, doing)
-      class(hdf5_input_t), intent(inout) :: self
-      integer, intent(in) :: status
-      character(*), intent(in) :: doing
-
-      call keep_hdf5_failure(self%failure, input_error, 'cannot read ' // self%path, status, doing)
-   end subroutine check
 
    !> Keeps "found ..., expected ..." about `name`, unless empty, as the first failure.
    subroutine refuse(self, name, fault)

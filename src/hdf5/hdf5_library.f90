@@ -4,20 +4,34 @@ module hdf5_library
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_funloc, c_funptr, c_int, &
       c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
    use c_library, only: c_setenv
-   use errors, only: error_t, fail
+   use errors, only: error_t, fail, input_error, output_error
    use hdf5, only: h5d_compact_f, h5dont_atexit_f, h5eset_auto_f, h5f_close_strong_f, &
       h5f_libver_earliest_f, h5f_libver_latest_f, h5open_f, h5p_dataset_create_f, &
-      h5p_file_access_f, h5p_link_create_f, h5pcreate_f, h5pset_create_inter_group_f, &
+      h5p_file_access_f, h5p_link_create_f, h5pcopy_f, h5pcreate_f, h5pset_create_inter_group_f, &
       h5pset_fclose_degree_f, h5pset_layout_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, &
       h5s_scalar_f, h5screate_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, &
       h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f, hid_t, size_t
    implicit none (type, external)
    private
 
-   public :: get_string_type, keep_hdf5_failure, shared_hdf5, start_hdf5
+   public :: shared_hdf5, start_hdf5
 
    !> Longest string whose type is kept for the next string of its length.
    integer, parameter :: longest_kept = 256
+
+   !> A file that is written or, with `kind` = input_error, read.
+   type, public :: hdf5_handle_t
+      !> Its name as given.
+      character(:), allocatable :: path
+      !> The first thing that went wrong, and the kind of such errors.
+      type(error_t), allocatable :: failure
+      integer :: kind = output_error
+      !> Identifier of HDF5.
+      integer(hid_t) :: id = -1_hid_t
+      logical :: is_open = .false.
+   contains
+      procedure :: check, string_type
+   end type hdf5_handle_t
 
    !> HDF5 identifiers that all files share; they are never closed.
    type, public :: hdf5_shared_t
@@ -112,31 +126,23 @@ contains
             h5f_libver_latest_f, status)
          if (status >= 0) call h5pcreate_f(h5p_link_create_f, shared%link_creation, status)
          if (status >= 0) call h5pset_create_inter_group_f(shared%link_creation, 1, status)
-         if (status >= 0) call new_properties(shared%creation, status)
-         if (status >= 0) call new_properties(shared%small_creation, status)
+         if (status >= 0) call h5pcreate_f(h5p_dataset_create_f, shared%creation, status)
+         if (status >= 0) call h5pset_obj_track_times_f(shared%creation, .false., status)
+         if (status >= 0) call h5pcopy_f(shared%creation, shared%small_creation, status)
          if (status >= 0) call h5pset_layout_f(shared%small_creation, h5d_compact_f, status)
          if (status >= 0) call h5screate_f(h5s_scalar_f, shared%scalar_space, status)
       end if
       given = shared
    end subroutine shared_hdf5
 
-   !> Properties of a new dataset: without a time stamp; `status` < 0: failed.
-   subroutine new_properties(properties, status)
-      integer(hid_t), intent(out) :: properties
-      integer, intent(out) :: status
-
-      call h5pcreate_f(h5p_dataset_create_f, properties, status)
-      if (status >= 0) call h5pset_obj_track_times_f(properties, .false., status)
-   end subroutine new_properties
-
-   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; `status` < 0: failed.
-   subroutine get_string_type(length, type_id, status)
+   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; undefined after a failure.
+   function string_type(self, length) result(type_id)
+      class(hdf5_handle_t), intent(inout) :: self
       integer, intent(in) :: length
-      integer(hid_t), intent(out) :: type_id
-      integer, intent(out) :: status
+      integer(hid_t) :: type_id
       !> Types by their length; at 0 that of the last string that was longer.
       integer(hid_t), save :: types(0:longest_kept) = -1_hid_t
-      integer :: slot
+      integer :: slot, status
 
       slot = merge(length, 0, length <= longest_kept)
       type_id = types(slot)
@@ -148,20 +154,21 @@ contains
       if (status >= 0) call h5tset_strpad_f(type_id, h5t_str_nullpad_f, status)
       if (status >= 0) call h5tset_cset_f(type_id, h5t_cset_utf8_f, status)
       types(slot) = merge(type_id, -1_hid_t, status >= 0)
-   end subroutine get_string_type
+      call self%check(status, 'string type')
+   end function string_type
 
-   !> Keeps the first failure: `status` < 0 while `doing`; `what` says what cannot be done.
-   subroutine keep_hdf5_failure(failure, kind, what, status, doing)
-      type(error_t), allocatable, intent(inout) :: failure
-      integer, intent(in) :: kind, status
-      character(*), intent(in) :: what, doing
+   !> Keeps the first failure: `status` < 0 while `doing`.
+   subroutine check(self, status, doing)
+      class(hdf5_handle_t), intent(inout) :: self
+      integer, intent(in) :: status
+      character(*), intent(in) :: doing
       character(:), allocatable :: reason
       character(len=*), parameter :: marker = "error message = '"
       character(len=max_length), target :: description
       integer(c_int) :: walked
       integer :: start, length
 
-      if (status >= 0 .or. allocated(failure)) return
+      if (status >= 0 .or. allocated(self%failure)) return
       ! the system's words ('No space left on device') where passed on, else the library's, or ''
       description = ''
       walked = h5ewalk2(default_stack, walk_upward, c_funloc(keep_first), c_loc(description))
@@ -174,8 +181,9 @@ contains
          if (length > 0) reason = reason(:length)
       end if
       if (len(reason) > 0) reason = ': ' // reason
-      call fail(failure, kind, what // ' (' // doing // ')' // reason)
-   end subroutine keep_hdf5_failure
+      call fail(self%failure, self%kind, 'cannot '//trim(merge('read ', 'write', self%kind &
+         == input_error))//' '//self%path//' ('//doing//')'//reason)
+   end subroutine check
 
    !> Keeps the description of stack entry 0, the most specific one; returns 0 = go on.
    function keep_first(number, entry, client) bind(c) result(status)

@@ -214,8 +214,11 @@ contains
       integer, intent(in) :: number
       character(:), allocatable, intent(out) :: path
       type(hvl_t), allocatable, target :: lists(:)
+      type(hobj_ref_t_f), pointer :: references(:)
       type(c_ptr) :: place
-      integer(hid_t) :: list_type, space
+      character(len=longest_name) :: name
+      integer(hid_t) :: list_type, object, space
+      integer(size_t) :: length
       integer :: status
       logical :: is_list
 
@@ -228,7 +231,17 @@ contains
          place = c_loc(lists)
          call h5aread_f(self%id, list_type, place, status)
          if (status >= 0) then
-            path = first_path(self%id, lists(size(lists) + 1 - number))
+            associate (list => lists(size(lists) + 1 - number))
+               if (list%len > 0_size_t) then
+                  call c_f_pointer(list%p, references, [1])
+                  call h5rdereference_f(self%id, references(1), object, status)
+                  if (status >= 0) then
+                     call h5iget_name_f(object, name, len(name, kind=size_t), length, status)
+                     if (status >= 0 .and. length < longest_name) path = name(:length)
+                     call h5oclose_f(object, status)
+                  end if
+               end if
+            end associate
             call h5aget_space_f(self%id, space, status)
             call h5dvlen_reclaim_f(list_type, space, h5p_default_f, place, status)
             call h5sclose_f(space, status)
@@ -236,28 +249,6 @@ contains
       end if
       call h5tclose_f(list_type, status)
    end subroutine read_reference
-
-   !> Path of the object to which the first reference of a list points, in the file of the object
-   !> `id`; empty if there is none.
-   function first_path(id, list) result(path)
-      integer(hid_t), intent(in) :: id
-      type(hvl_t), intent(in) :: list
-      character(:), allocatable :: path
-      type(hobj_ref_t_f), pointer :: references(:)
-      character(len=longest_name) :: name
-      integer(hid_t) :: object
-      integer(size_t) :: length
-      integer :: status
-
-      path = ''
-      if (list%len < 1_size_t) return
-      call c_f_pointer(list%p, references, [1])
-      call h5rdereference_f(id, references(1), object, status)
-      if (status < 0) return
-      call h5iget_name_f(object, name, len(name, kind=size_t), length, status)
-      if (status >= 0 .and. length < longest_name) path = name(:length)
-      call h5oclose_f(object, status)
-   end function first_path
 
    !> Closes the source and its type.
    subroutine close_source(self)

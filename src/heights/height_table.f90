@@ -281,7 +281,8 @@ contains
       real(wp), intent(out) :: numbers(2)
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault
-      integer :: bounds(2, table%columns), fields, k
+      character(len=lines%length) :: number
+      integer :: bounds(2, table%columns), fields, k, mark
       logical :: good
       real(wp) :: metres
 
@@ -293,7 +294,11 @@ contains
             ' of the first row', error)
          do k = first, merge(0, 2, allocated(error))
             associate (field => row(bounds(1, table%used(k)):bounds(2, table%used(k))))
-               call read_number(field, table%decimal, numbers(k), good)
+               number = field
+               mark = index(field, table%decimal)   ! a blank: there is none
+               if (table%decimal == ',' .and. mark > 0) number(mark:mark) = '.'
+               call read_real(number(:len(field)), numbers(k), good)
+               if (table%decimal == ',') good = good .and. index(field, '.') == 0
                metres = numbers(k)/table%per_metre(k)
                if (good .and. merge(is_position(metres), is_height(metres), k == 1)) cycle
                fault = 'found '//shown(field)//', expected a number'
@@ -335,22 +340,6 @@ contains
          start = start + length + 1
       end do
    end subroutine split
-
-   !> Reads a field with a `decimal` mark (a blank: it has none) as a number.
-   pure subroutine read_number(field, decimal, number, good)
-      character(*), intent(in) :: field
-      character(len=1), intent(in) :: decimal
-      real(wp), intent(out) :: number
-      logical, intent(out) :: good
-      character(len=len(field)) :: copy
-      integer :: mark
-
-      copy = field
-      mark = index(field, ',')
-      if (decimal == ',' .and. mark > 0) copy(mark:mark) = '.'
-      call read_real(copy, number, good)
-      if (decimal == ',') good = good .and. index(field, '.') == 0
-   end subroutine read_number
 
    !> What a file says, in quotes and short.
    pure function shown(string)

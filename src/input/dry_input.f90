@@ -3,10 +3,9 @@
 module dry_input
    use body_input, only: find_load, modulus_of, radius_of
    use dry_sweep, only: recommended_room
-   use dry_case, only: dry_case_t
+   use dry_case, only: dry_case_t, make_heights, prepare_files, same_length
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, &
       method_conjugate_gradient, method_steepest_descent, no_hardness
-   use dry_surfaces, only: make_heights, prepare_files, same_length
    use grid_transform, only: even_nodes
    use file_heights, only: read_surface
    use hertz, only: line_half_width, point_radius
@@ -40,6 +39,7 @@ contains
       character(*), intent(in) :: folder
       type(dry_case_t), intent(inout) :: dry
       type(value_t) :: fields
+      character(:), allocatable :: fault
 
       dry%folder = folder
       dry%reduced_modulus = modulus_of(dry%values)
@@ -56,9 +56,15 @@ contains
          dry%values%logical_value('domain', 'periodic')
       call find_grid(dry)
       if (dry%values%findings%count == 0) call check_waves(dry)
-      if (dry%values%findings%count == 0) call check_size(dry)
       if (dry%values%findings%count > 0) return
-      call prepare_files(dry)
+      fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
+      associate (nodes => int(dry%grid%nx, int64)*dry%grid%ny)
+         if (nodes > max_nodes) fault = 'found '//to_text(nodes)//' nodes, expected at most '// &
+            to_text(max_nodes)
+      end associate
+      if (fault /= '') call dry%values%refuse('domain', trim(merge('intervals  ', 'intervals_x', &
+         dry%values%problem == 'dry_line')), fault)
+      if (dry%values%findings%count == 0) call prepare_files(dry)
       if (dry%values%findings%count > 0) return
       call make_heights(dry)
       if (dry%values%findings%count > 0) return
@@ -68,20 +74,6 @@ contains
       if (.not. dry%target > 0.0_wp) dry%files = heights_t()
       if (dry%values%findings%count == 0) call check_parabola(dry)
    end subroutine fill_dry_case
-
-   !> Findings: more nodes than can be counted, or than there is memory for.
-   subroutine check_size(dry)
-      type(dry_case_t), intent(inout) :: dry
-      character(:), allocatable :: fault, key
-      integer(int64) :: nodes
-
-      key = trim(merge('intervals  ', 'intervals_x', dry%values%problem == 'dry_line'))
-      nodes = int(dry%grid%nx, int64)*dry%grid%ny
-      fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
-      if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
-         // to_text(max_nodes)
-      if (fault /= '') call dry%values%refuse('domain', key, fault)
-   end subroutine check_size
 
    !> Mean pressures and hardness. Finding: a load above hardness times area.
    subroutine fill_loads(dry)

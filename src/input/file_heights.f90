@@ -1,16 +1,23 @@
-!> Heights of a file become a surface, in oil and dry: they are read, tilt, form and the waves
-!> beyond the cut-offs are subtracted, and wrong units are found.
+!> Heights of a file become a surface, in oil and dry: they are read from a table or HDF5, which its
+!> content tells, tilt, form and the waves beyond the cut-offs are subtracted, and wrong units are
+!> found.
 module file_heights
-   use errors, only: error_t
+   use errors, only: error_t, fail, input_error
+   use file_bytes, only: checksum_t
    use gauss_filter, only: least_nodes, smooth_heights
-   use height_file, only: read_heights
+   use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
+   use hdf5_input, only: is_hdf5, place_words
    use height_form, only: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, &
       rms_height, rms_slope, subtract_form, tilt_of, trend_t
+   use height_table, only: conversion, height_table_t, open_table
    use profile, only: height_source_t
    use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: dry_area, has_word, point
    use kinds, only: int64, wp
-   use measured_heights, only: height_request_t, heights_t
+   use measured_heights, only: are_heights, height_fault, height_range_t, height_request_t, &
+      heights_t, is_height, range_fault
+   use signals, only: begin_activity
+   use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private
@@ -20,7 +27,8 @@ module file_heights
    !> Keys of the filter.
    character(len=12), parameter, public :: cutoffs(2) = [character(len=12) :: 'cutoff_short', &
       'cutoff_long']
-   !> Heights of a source that can be held together.
+   !> Heights that are read and checked together, and those of a source that can be held together.
+   integer(int64), parameter :: block_nodes = 65536_int64
    integer(int64), parameter :: max_held = 4194304_int64
    !> Rms slope [-] above which a note is given, and above which it is refused.
    real(wp), parameter :: steep = 1.0_wp, steepest = 10.0_wp
@@ -51,14 +59,19 @@ contains
    end subroutine check_files
 
    !> Reads the heights of the file of the surface `group`, a path relative to `folder` (with its
-   !> slash), all of them unless their source is `kept`. Finding: the file.
+   !> slash). If their source is `kept` they may be any number, and `heights` holds them only if
+   !> they fit into one block. Finding: as in `open_source`; gaps.
    subroutine read_surface(values, group, folder, heights, kept)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group, folder
       type(heights_t), intent(out) :: heights
       class(height_source_t), allocatable, intent(out), optional :: kept
+      class(height_source_t), allocatable :: source
       type(height_request_t) :: request
       type(error_t), allocatable :: error
+      character(:), allocatable :: fault
+      real(wp), parameter :: of_node = 100.0_wp   ! memory [bytes]
+      integer(int64) :: block, grid(2)
 
       where (surfaces == group) values%has_read = .true.
       request%file = trim(values%text_value(group, 'file'))
@@ -68,9 +81,30 @@ contains
       request%units(1) = trim(values%word_value(group, 'x_unit'))
       request%units(2) = trim(values%word_value(group, 'z_unit'))
       where (request%units == 'auto' .or. request%units == '?') request%units = ''
-      call read_heights(request, has_word(dry_area//' '//point, values%problem), heights, &
-         error, kept)
-      if (allocated(error)) call values%refuse(group, 'file', error%message)
+      heights%file = request%file
+      call open_source(request, has_word(dry_area//' '//point, values%problem), source, grid, &
+         heights%spacing, error)
+      if (.not. allocated(error)) then
+         block = block_nodes
+         fault = ''
+         if (.not. present(kept)) then
+            block = source%nodes
+            fault = memory_fault('a surface', of_node*block)
+            if (block > huge(heights%grid)) fault = 'found '//to_text(block)//' nodes, '// &
+               'expected at most '//to_text(huge(heights%grid))
+         end if
+         if (fault /= '') call fail(error, input_error, request%file//': '//fault)
+      end if
+      if (.not. allocated(error)) then
+         if (.not. present(kept)) heights%grid = int(grid)
+         call check_source(source, block, grid, heights, error)   ! error: below
+      end if
+      if (allocated(error)) then
+         call values%refuse(group, 'file', error%message)
+      else if (present(kept)) then
+         if (source%nodes > block_nodes) deallocate (heights%z)
+         call move_alloc(source, kept)
+      end if
    end subroutine read_surface
 
    !> Subtracts tilt, form and the waves beyond the cut-offs of the surface `group` from its
@@ -85,9 +119,20 @@ contains
       type(trend_t), intent(out) :: trend
       character(:), allocatable, intent(inout) :: note
       class(height_source_t), allocatable, intent(inout), optional :: source
+      character(len=8), parameter :: words(-1:2) = [character(len=8) :: 'none', 'mean', 'line', &
+         'parabola']
       character(:), allocatable :: fault
+      integer :: degree
 
-      call find_trend(values, group, heights, is_periodic, trend, note)
+      degree = findloc(words == values%word_value(group, 'detrend'), .true., dim=1) - 2
+      if (degree < -1) degree = 1   ! auto
+      if (values%word_value(group, 'detrend') == 'auto' .and. is_periodic) then
+         if (closes(heights%sums)) degree = -1
+      end if
+      trend%word = words(degree)
+      trend%form = form_of(heights%sums, degree)
+      trend%spacing = heights%spacing
+      call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
       if (allocated(heights%z)) call subtract_form(trend%form, 0_int64, heights%z)
       if (any(values%is_given(group, cutoffs))) then
          fault = ''
@@ -158,29 +203,6 @@ contains
          end if
       end associate
    end subroutine check_heights
-
-   !> What to subtract from heights, which may repeat (`is_periodic`). A note says how large it is.
-   subroutine find_trend(values, group, heights, is_periodic, trend, note)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      type(heights_t), intent(in) :: heights
-      logical, intent(in) :: is_periodic
-      type(trend_t), intent(out) :: trend
-      character(:), allocatable, intent(inout) :: note
-      character(len=8), parameter :: words(-1:2) = [character(len=8) :: 'none', 'mean', 'line', &
-         'parabola']
-      integer :: degree
-
-      degree = findloc(words == values%word_value(group, 'detrend'), .true., dim=1) - 2
-      if (degree < -1) degree = 1   ! auto
-      if (values%word_value(group, 'detrend') == 'auto' .and. is_periodic) then
-         if (closes(heights%sums)) degree = -1
-      end if
-      trend%word = words(degree)
-      trend%form = form_of(heights%sums, degree)
-      trend%spacing = heights%spacing
-      call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
-   end subroutine find_trend
 
    !> What was subtracted from a surface, if much over the rms height [m] that is left; else empty.
    pure function trend_words(group, trend, rms) result(words)
@@ -258,5 +280,84 @@ contains
       heights%sums = height_sums_t(int(grid, int64))
       call heights%sums%add(heights%z)
    end subroutine filter_heights
+
+   !> Reads all heights of `source`, `block` of them at a time, for checksum and sums; `heights%z`
+   !> are the last ones. Errors (input_error): they are not those of a surface.
+   subroutine check_source(source, block, grid, heights, error)
+      class(height_source_t), intent(in) :: source
+      integer(int64), intent(in) :: block, grid(2)
+      type(heights_t), intent(inout) :: heights
+      type(error_t), allocatable, intent(out) :: error
+      type(checksum_t) :: checksum
+      type(height_range_t) :: range
+      character(:), allocatable :: fault
+      integer(int64) :: bad, first
+
+      heights%sums = height_sums_t(grid)
+      allocate (heights%z(min(block, source%nodes)))
+      bad = 0
+      fault = ''
+      do first = 0, source%nodes - 1, block
+         associate (piece => heights%z(:min(block, source%nodes - first)))
+            call source%get(first, piece, error)
+            if (allocated(error)) return
+            if (.not. are_heights(piece)) bad = findloc(is_height(piece), .false., 1)
+            if (bad > 0) fault = height_fault(piece(bad))
+            if (bad > 0) bad = first + bad
+            if (bad > 0) exit
+            call checksum%add(piece)
+            call heights%sums%add(piece)
+            call range%add(piece, first + 1)
+         end associate
+      end do
+      heights%digits = checksum%digits()
+      if (fault == '') call range%find_fault(.false., fault, bad)
+      if (fault == '') fault = range_fault(heights%sums%lowest, heights%sums%highest)
+      if (bad > 0) fault = 'node '//to_text(bad)//': '//fault//place_words(bad, grid)
+      if (fault /= '') call fail(error, input_error, heights%file//': '//fault)
+   end subroutine check_source
+
+   !> Opens a file with an area (`is_area`) or a profile of `grid` nodes (ny = 1), `spacing` [m]
+   !> apart (0: it does not say). Errors (input_error): those of tables and of HDF5; fewer than two
+   !> nodes; an area for a profile, or the reverse.
+   subroutine open_source(request, is_area, source, grid, spacing, error)
+      type(height_request_t), intent(in) :: request
+      logical, intent(in) :: is_area
+      class(height_source_t), allocatable, intent(out) :: source
+      integer(int64), intent(out) :: grid(2)
+      real(wp), intent(out) :: spacing(2)
+      type(error_t), allocatable, intent(out) :: error
+      type(height_table_t), allocatable :: table
+      type(hdf5_heights_t), allocatable :: set
+      character(:), allocatable :: fault
+
+      grid = 1
+      spacing = 0.0_wp
+      fault = ''
+      call begin_activity('reading '//request%file(index(request%file, '/', back=.true.) + 1:))
+      if (is_hdf5(request%file)) then
+         allocate (set)
+         call open_hdf5_heights(set, request, spacing, error)   ! error: below
+         grid = set%grid
+         call move_alloc(set, source)
+      else
+         allocate (table)
+         call open_table(table, request, spacing(1), error)   ! error: below
+         grid(1) = table%nodes
+         call move_alloc(table, source)
+         if (is_area) fault = conversion(request%file)
+      end if
+      if (allocated(error)) return
+      if (source%nodes < 2) then
+         fault = 'found '//to_text(source%nodes)//' nodes, expected at least 2'
+      else if (is_area .and. grid(2) == 1) then
+         fault = 'found a profile, expected an area'//fault
+      else if (grid(2) > 1 .and. .not. is_area) then
+         fault = "found an area, expected a profile: problem = 'dry_area' takes areas"
+      else
+         fault = ''
+      end if
+      if (fault /= '') call fail(error, input_error, request%file//': '//fault)
+   end subroutine open_source
 
 end module file_heights

@@ -286,6 +286,7 @@ contains
          if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words &
             /= 'sinusoid')) call values%refuse(group, 'shape', &
             "found several shapes, expected 'feature' and 'sinusoid' among several")
+         call check_lengths(values, group)
          return
       end if
       if (.not. shape%has_value .or. .not. values%has_group(group)) return

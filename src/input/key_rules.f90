@@ -54,39 +54,38 @@ module key_rules
 
 contains
 
-   !> Finds keys that are given and not used, and keys that are needed and not given.
+   !> Finds keys that are given and not used, for each condition that does not hold, and keys that
+   !> are needed and not given.
    subroutine check_rules(values)
       type(input_values_t), intent(inout) :: values
-      integer :: i
-
-      do i = 1, size(key_rows)
-         associate (row => key_rows(i))
-            if (.not. has_word(row%problems, values%problem)) cycle
-            if (values%slots(i)%is_given) then
-               call check_use(values, row)
-            else if (values%has_group(row%group)) then
-               call check_need(values, row)
-            end if
-         end associate
-      end do
-   end subroutine check_rules
-
-   !> Finding, for each condition that does not hold: a key that is given and not used.
-   subroutine check_use(values, row)
-      type(input_values_t), intent(inout) :: values
-      type(key_row_t), intent(in) :: row
       type(condition_t), allocatable :: conditions(:)
       character(:), allocatable :: reason
-      integer :: i
+      logical :: is_needed
+      integer :: i, k
 
-      conditions = conditions_of(trim(row%used), row%group)
-      do i = 1, size(conditions)
-         if (truth(values, conditions(i)) /= no) cycle
-         reason = opposite(values, conditions(i))
-         if (conditions(i)%reason /= '') reason = reason//', '//trim(conditions(i)%reason)
-         call values%refuse_unused(row%group, row%key, reason)
-      end do
-   end subroutine check_use
+      of_keys: do i = 1, size(key_rows)
+         associate (row => key_rows(i))
+            if (.not. has_word(row%problems, values%problem)) cycle of_keys
+            if (values%slots(i)%is_given) then
+               conditions = conditions_of(trim(row%used), row%group)
+               of_conditions: do k = 1, size(conditions)
+                  if (truth(values, conditions(k)) /= no) cycle of_conditions
+                  reason = opposite(values, conditions(k))
+                  if (conditions(k)%reason /= '') reason = reason//', '//trim(conditions(k)%reason)
+                  call values%refuse_unused(row%group, row%key, reason)
+               end do of_conditions
+            else if (values%has_group(row%group)) then
+               if (row%default /= is_required .and. row%needed == '') cycle of_keys
+               conditions = conditions_of(trim(row%needed), row%group)
+               is_needed = all([(truth(values, conditions(k)) == yes, k=1, size(conditions))])
+               if (.not. is_needed) cycle of_keys
+               reason = ''
+               if (size(conditions) > 0) reason = trim(conditions(size(conditions))%reason)
+               call values%refuse_missing(row%group, row%key, reason)
+            end if
+         end associate
+      end do of_keys
+   end subroutine check_rules
 
    !> Whether a case has any use for a key.
    logical function is_used(values, row)
@@ -100,24 +99,6 @@ contains
       conditions = conditions_of(trim(row%used), row%group)
       is_used = all([(truth(values, conditions(i)) /= no, i=1, size(conditions))])
    end function is_used
-
-   !> Finding: a key that is not given and must be.
-   subroutine check_need(values, row)
-      type(input_values_t), intent(inout) :: values
-      type(key_row_t), intent(in) :: row
-      type(condition_t), allocatable :: conditions(:)
-      character(:), allocatable :: reason
-      integer :: i
-
-      if (row%default /= is_required .and. row%needed == '') return
-      conditions = conditions_of(trim(row%needed), row%group)
-      reason = ''
-      do i = 1, size(conditions)
-         if (truth(values, conditions(i)) /= yes) return
-         reason = trim(conditions(i)%reason)
-      end do
-      call values%refuse_missing(row%group, row%key, reason)
-   end subroutine check_need
 
    !> Whether a condition holds, on either surface if it is about one.
    integer function truth(values, condition)
@@ -137,6 +118,8 @@ contains
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
       character(*), intent(in) :: group
+      real(wp) :: number
+      logical, allocatable :: among(:)
       logical :: holds
       integer :: row
 
@@ -145,39 +128,30 @@ contains
          if (holds) holds = has_word(group_rows(find_group(group))%problems, trim(values%problem))
          if (condition%relation == 'without') holds = .not. holds
          truth = merge(yes, no, holds)
-      else
-         truth = unknown
-         row = find_key(group, trim(condition%key), values%problem)
-         if (row > 0) truth = truth_of(values%slots(row), condition)
+         return
       end if
-   end function truth_in
-
-   !> Whether a condition holds for the key of a `slot`.
-   integer function truth_of(slot, condition) result(truth)
-      type(value_t), intent(in) :: slot
-      type(condition_t), intent(in) :: condition
-      real(wp) :: number
-      logical, allocatable :: among(:)
-      logical :: holds
-
       truth = unknown
-      select case (condition%relation)
-      case ('with')
-         holds = slot%is_given
-      case ('without')
-         holds = .not. slot%is_given
-      case ('/=')
-         if (.not. slot%has_value) return
-         call read_real(trim(condition%values), number, holds)
-         holds = abs(slot%reals(1) - number) > 0.0_wp
-      case default
-         if (.not. slot%has_value .or. any(slot%words == '?')) return
-         among = has_word(condition%values, slot%words)
-         if (any(among) .neqv. all(among)) return
-         holds = all(among)
-      end select
+      row = find_key(group, trim(condition%key), values%problem)
+      if (row == 0) return
+      associate (slot => values%slots(row))
+         select case (condition%relation)
+         case ('with')
+            holds = slot%is_given
+         case ('without')
+            holds = .not. slot%is_given
+         case ('/=')
+            if (.not. slot%has_value) return
+            call read_real(trim(condition%values), number, holds)
+            holds = abs(slot%reals(1) - number) > 0.0_wp
+         case default
+            if (.not. slot%has_value .or. any(slot%words == '?')) return
+            among = has_word(condition%values, slot%words)
+            if (any(among) .neqv. all(among)) return
+            holds = all(among)
+         end select
+      end associate
       truth = merge(yes, no, holds)
-   end function truth_of
+   end function truth_in
 
    !> What is the case where a condition does not hold: "with shape = 'smooth'".
    function opposite(values, condition) result(text)

@@ -4,7 +4,6 @@
 !> they get a note only.)
 module line_case
    use asperities, only: scaled
-   use asperities_input, only: read_asperities
    use case_record, only: case_t, path_from_namelist
    use case_validation, only: check_times
    use contact_moment, only: least_speed
@@ -16,6 +15,7 @@ module line_case
    use line_contact, only: finest_wave, leaves_scheme, line_contact_t, max_intervals_of, &
       max_refined_intervals, rough_contact_t, time_settings_t
    use line_profiles, only: make_surface, place_surface
+   use lubricant_input, only: read_asperities
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features, sufficient_end
    use scaling, only: new_heating, scaled_fluid

@@ -86,20 +86,11 @@ contains
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
       type(heights_t) :: heights
-      type(trend_t) :: trend
 
       call read_surface(values, group, path_from_namelist(case, ''), heights, profile%source)
       if (.not. allocated(profile%source)) return
       profile%spacing = heights%spacing(1)
-      if (profile%spacing > 0.0_wp) then
-         call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &
-            case%note, profile%source)
-         profile%form = trend%form
-         call take_heights(values, group, heights, trend, case, profile)
-      else
-         call values%refuse(group, 'file', 'found no spacing in '//heights%file// &
-            ', expected the attribute spacing_x or spacing [m] of the dataset')
-      end if
+      call take_heights(values, group, case, heights, profile)
       call set_effective(case, group, 'heights_spacing', [profile%spacing])
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
       if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
@@ -114,7 +105,6 @@ contains
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: area
       type(heights_t) :: heights
-      type(trend_t) :: trend
       type(synthesis_t) :: wanted
       type(checksum_t) :: sums
       type(error_t), allocatable :: error
@@ -123,8 +113,8 @@ contains
       if (values%word_value(group, 'shape') == 'file') then
          call read_surface(values, group, path_from_namelist(case, ''), heights)
          if (.not. allocated(heights%z)) return
-         call level_surface(values, group, .false., heights, trend, case%note)
-         call take_heights(values, group, heights, trend, case, area)
+         call take_heights(values, group, case, heights, area)
+         if (values%findings%count > 0) return
       else
          shortest = values%real_value(group, 'wavelength_short')
          associate (domain => case%point%domain)
@@ -157,19 +147,29 @@ contains
       area%heights = area%rows(:, (heights%grid(2) + 1)/2)
    end subroutine fill_area
 
-   !> Lists what the `heights` of a file and their `trend` are; sets their finest wave. Finding:
-   !> heights far above any film. A note: above the film that is expected.
-   subroutine take_heights(values, group, heights, trend, case, profile)
+   !> Levels the `heights` of a file, those to come from the source of the `profile` too, and lists
+   !> what they are; sets their finest wave. Findings: no spacing; heights far above any film. A
+   !> note: above the film that is expected.
+   subroutine take_heights(values, group, case, heights, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
-      type(heights_t), intent(in) :: heights
-      type(trend_t), intent(in) :: trend
       type(case_t), intent(inout) :: case
+      type(heights_t), intent(inout) :: heights
       type(profile_t), intent(inout) :: profile
+      type(trend_t) :: trend
       type(form_t) :: form
       character(:), allocatable :: words
       real(wp) :: film, height
 
+      if (any(heights%spacing <= 0.0_wp .and. heights%sums%grid > 1)) then
+         call values%refuse(group, 'file', 'found no spacing in '//heights%file//', expected '// &
+            'the attribute '//merge('spacing_y', 'spacing_x', heights%spacing(1) > 0.0_wp)// &
+            ' or spacing [m] of the dataset')
+         return
+      end if
+      call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &
+         case%note, profile%source)
+      profile%form = trend%form
       call list_trend(case, group, trend)
       call set_effective(case, group, 'heights_checksum', text=heights%digits)
       profile%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
@@ -199,19 +199,13 @@ contains
       type(profile_t), intent(inout) :: profile
       type(error_t), allocatable :: error
       character(:), allocatable :: fault
-      integer :: harmonics, most
+      integer :: harmonics
 
       harmonics = values%integer_value(group, 'harmonics')
       call hold_heights(profile%source, profile%form, profile%heights, ': a series', fault)
       if (fault == '') then
-         most = min(size(profile%heights)/2 - 1, max_nodes)
-         if (harmonics > most) then
-            fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
-               //', half the nodes less one'
-         else
-            call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
-            if (allocated(error)) fault = error%message
-         end if
+         call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
+         if (allocated(error)) fault = error%message
       end if
       if (fault /= '') call values%refuse(group, 'harmonics', fault)
       profile%is_periodic = .true.
@@ -237,7 +231,12 @@ contains
       logical :: is_long
 
       shortest = values%real_value(group, 'wavelength_short')
-      length = max(passage(case, speed), values%real_value(group, 'wavelength_long'), &
+      length = usual_domain
+      if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet &
+         - case%domain%x_inlet
+      if (case%time%is_transient) length = length + 2.0_wp*abs(speed)/case%scaling%speed_sum &
+         *case%time%end_time
+      length = max(length*case%scaling%half_width, values%real_value(group, 'wavelength_long'), &
          4.0_wp*shortest)
       is_long = length*nodes_per_wave > max_nodes*shortest
       longest = merge(max_waves*shortest, length, is_long)
@@ -274,19 +273,6 @@ contains
       end if
       if (allocated(error)) call values%refuse(group, 'shape', error%message)
    end subroutine fill_synthetic
-
-   !> Length of a surface that passes through the domain or lies in it [m]; `speed` [m/s].
-   real(wp) function passage(case, speed) result(length)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: speed
-
-      length = usual_domain
-      if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet &
-         - case%domain%x_inlet
-      if (case%time%is_transient) length = length + 2.0_wp*abs(speed)/case%scaling%speed_sum &
-         *case%time%end_time
-      length = length*case%scaling%half_width
-   end function passage
 
    !> Places a scaled surface at time 0 (lengths in half-widths): a given position is its centre;
    !> else a moving profile is about to enter the domain, one at rest has its centre at X = 0.

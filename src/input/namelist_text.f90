@@ -136,6 +136,7 @@ contains
       type(namelist_text_t), intent(inout) :: pieces
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: name
+      logical :: is_closed
       integer :: line, first, last, earlier, i
 
       line = source%line(position)
@@ -149,7 +150,13 @@ contains
          call findings%add(line, '', '', 'found &end outside a group, expected &group')
          return
       end if
-      call find_group_end(source, position, last, name, line, findings)
+      ! before the `/`, `&end`, next `&` or end of the file
+      last = position - 2 + scan(source%code(position:), '/&')
+      is_closed = source%code(last + 1:last + 1) == '/' .or. (name_end(source%text, last + 2) &
+         == last + 4 .and. to_lower(source%text(last + 1:min(last + 4, len(source%text)))) &
+         == '&end')
+      if (.not. is_closed .and. name /= '') call findings%add(line, name, '', 'not closed, '// &
+         'expected a closing /')
       earlier = 0
       do i = 1, pieces%group_count
          if (pieces%groups(i)%name == name) earlier = pieces%groups(i)%line
@@ -170,22 +177,6 @@ contains
          position = position + 4
       end if
    end subroutine read_group
-
-   !> Finds `last`, before the `/`, `&end`, next `&` or end of the file. Finding: group not closed.
-   subroutine find_group_end(source, first, last, name, line, findings)
-      type(source_t), intent(in) :: source
-      integer, intent(in) :: first, line
-      integer, intent(out) :: last
-      character(*), intent(in) :: name
-      type(findings_t), intent(inout) :: findings
-
-      last = first - 2 + scan(source%code(first:), '/&')
-      if (source%code(last + 1:last + 1) == '/') return
-      if (to_lower(source%text(last + 1:min(last + 4, len(source%text)))) == '&end' &
-         .and. name_end(source%text, last + 2) == last + 4) return
-      if (name /= '') call findings%add(line, name, '', 'not closed, expected '// &
-         'a closing /')
-   end subroutine find_group_end
 
    !> Cuts source(first:last), the inside of a group, at its `=` signs into entries.
    subroutine split_group(source, first, last, group, pieces, findings)

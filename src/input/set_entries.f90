@@ -69,27 +69,16 @@ contains
       quoted = quoted//"'"
    end function with_quotes
 
-   !> Whether a value has nothing that would end it, a comment or a group in it.
-   pure logical function is_one_value(value)
+   !> Whether a value has nothing that would end it, a comment or a group in it: as the one entry of
+   !> a group it is found again.
+   logical function is_one_value(value)
       character(*), intent(in) :: value
-      character(len=1) :: mark
-      integer :: i
+      type(namelist_text_t) :: pieces
+      type(findings_t) :: findings
 
-      mark = ' '
-      is_one_value = .true.
-      do i = 1, len(value)
-         associate (byte => value(i:i))
-            if (mark /= ' ') then
-               if (byte == mark) mark = ' '
-            else if (scan(byte, '''"') > 0) then
-               mark = byte
-            else
-               is_one_value = is_one_value .and. scan(byte, '!/&=') == 0
-            end if
-            is_one_value = is_one_value .and. iachar(byte) >= 32
-         end associate
-      end do
-      is_one_value = is_one_value .and. mark == ' '
+      call split_namelist('&group key = '//value//' /', pieces, findings)
+      is_one_value = findings%count == 0 .and. pieces%entry_count == 1
+      if (is_one_value) is_one_value = pieces%entries(1)%values == value
    end function is_one_value
 
    !> `content` with `entries` (n): in the place of the same key, else behind the name of their

@@ -79,13 +79,25 @@ contains
       end do
    end subroutine read_values
 
-   !> Fills `values` with the defaults of the table: of many files they are read once.
+   !> Fills `values` with the defaults of the table, through the reader of the user's entries: of
+   !> many files they are read once.
    subroutine read_defaults(values)
       type(input_values_t), intent(inout) :: values
+      type(entry_t) :: entry   ! gfortran loses the texts of a constructor that is an argument
       integer :: i
 
       do i = 1, size(key_rows)
-         call read_default(key_rows(i), values%slots(i), values%findings)
+         associate (row => key_rows(i), slot => values%slots(i))
+            call clear(slot)
+            if (any(row%default == [character(len=len(row%default)) :: is_required, is_chosen, &
+               is_optional])) cycle
+            entry%group = trim(row%group)
+            entry%key = trim(row%key)
+            entry%values = trim(row%default)
+            call read_entry(entry, row, slot, values%findings)
+            slot%is_given = .false.
+            slot%is_set = [logical ::]
+         end associate
       end do
    end subroutine read_defaults
 
@@ -151,24 +163,6 @@ contains
 
       message = "not used by problem = '"//trim(problem)//"': remove it"
    end function not_used_by
-
-   !> Reads the default of a row through the reader of the user's entries.
-   subroutine read_default(row, slot, findings)
-      type(key_row_t), intent(in) :: row
-      type(value_t), intent(inout) :: slot
-      type(findings_t), intent(inout) :: findings
-      type(entry_t) :: entry   ! gfortran loses the texts of a constructor that is an argument
-
-      call clear(slot)
-      if (any(row%default == [character(len=len(row%default)) :: is_required, is_chosen, &
-         is_optional])) return
-      entry%group = trim(row%group)
-      entry%key = trim(row%key)
-      entry%values = trim(row%default)
-      call read_entry(entry, row, slot, findings)
-      slot%is_given = .false.
-      slot%is_set = [logical ::]
-   end subroutine read_default
 
    !> A slot without a value.
    subroutine clear(slot)

@@ -17,7 +17,6 @@ module checkpoint
    use hdf5_input, only: open_hdf5_input
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_summary, only: line_summary_t
    use march_state, only: excess_t, march_state_t, max_excesses, momentum_history_t, past_t
    use passage_extremes, only: passage_extremes_t
    use line_contact, only: word_length
@@ -31,7 +30,7 @@ module checkpoint
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 24
+   integer, parameter :: format_number = 25
 
    !> What a run has gathered and chosen, and goes on with from its checkpoint.
    type :: run_record_t
@@ -156,8 +155,12 @@ contains
       call file%visit_text('/space_scheme', scheme)
       checkpoint%space_scheme = scheme
       associate (passage => checkpoint%passage)
-         call visit_summary(file, '/counted', passage%has_counted, passage%counted)
-         call visit_summary(file, '/earlier', passage%has_earlier, passage%earlier)
+         passage%has_counted = file%has('/counted', passage%has_counted)
+         if (passage%has_counted) call file%visit_plain('/counted', passage%counted, &
+            storage_size(passage%counted))
+         passage%has_earlier = file%has('/earlier', passage%has_earlier)
+         if (passage%has_earlier) call file%visit_plain('/earlier', passage%earlier, &
+            storage_size(passage%earlier))
       end associate
       if (file%has('/statistics', allocated(checkpoint%statistics%thresholds))) call &
          visit_statistics(file, checkpoint%statistics)
@@ -169,21 +172,6 @@ contains
       end if
       call file%visit_text('/part_digits', checkpoint%part_digits)
    end subroutine visit_checkpoint
-
-   !> Extremes over several times, if there are any: types of reals alone.
-   subroutine visit_summary(file, path, is_known, summary)
-      type(checkpoint_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      logical, intent(inout) :: is_known
-      type(line_summary_t), intent(inout) :: summary
-      real(wp) :: values(storage_size(summary)/storage_size(1.0_wp))
-
-      is_known = file%has(path, is_known)
-      if (.not. is_known) return
-      values = transfer(summary, values)
-      call file%visit(path, values)
-      summary = transfer(values, summary)
-   end subroutine visit_summary
 
    !> Sums over the time steps so far.
    subroutine visit_statistics(file, statistics)
@@ -248,15 +236,10 @@ contains
       integer :: k
 
       associate (past => history)
+         call file%visit_plain('/momentum/cost', past%march_cost_t, storage_size(past%march_cost_t))
          call file%visit('/momentum/layers', past%layers)
          call file%visit('/momentum/times', past%times)
          call file%visit('/momentum/films', past%films)
-         call file%visit('/momentum/solutions', past%solutions)
-         call file%visit('/momentum/steps', past%steps)
-         call file%visit('/momentum/most_steps', past%most_steps)
-         call file%visit('/momentum/factorisations', past%factorisations)
-         call file%visit('/momentum/linear_iterations', past%linear_iterations)
-         call file%visit('/momentum/longer', past%longer)
          call file%visit('/momentum/best_count', past%best_count)
          call file%visit('/momentum/lengths', past%lengths)
          call file%visit('/momentum/stress_rise', past%stress_rise)
@@ -343,23 +326,10 @@ contains
       call file%visit('/report/residual', report%residual)
       call file%visit('/report/load_error', report%load_error)
       call file%visit_text('/report/method', report%method)
-      call file%visit('/report/outlet_pressure', report%fit%outlet_pressure)
-      call file%visit('/report/outlet_moves', report%fit%outlet_moves)
       call file%visit('/report/tolerance_effective', report%tolerance_effective)
-      call file%visit('/report/uncut_steps', report%fit%uncut_steps)
-      call file%visit('/report/work_units', report%cost%work_units)
-      call file%visit('/report/fft_pairs', report%cost%fft_pairs)
-      call file%visit('/report/wall_seconds', report%cost%wall_seconds)
-      call file%visit('/report/phase_seconds', report%cost%phase_seconds)
-      associate (films => report%breakdown)
-         call file%visit('/breakdown/count', films%count)
-         call file%visit('/breakdown/step', films%step)
-         call file%visit('/breakdown/time', films%time)
-         call file%visit('/breakdown/position', films%position)
-         call file%visit('/breakdown/across', films%across)
-         call file%visit('/breakdown/film', films%film)
-         call file%visit('/breakdown/smallest_film', films%smallest_film)
-      end associate
+      call file%visit_plain('/report/fit', report%fit, storage_size(report%fit))
+      call file%visit_plain('/report/cost', report%cost, storage_size(report%cost))
+      call file%visit_plain('/report/breakdown', report%breakdown, storage_size(report%breakdown))
    end subroutine visit_report
 
 end module checkpoint

@@ -5,7 +5,7 @@
 !> The first failure is kept, as in `hdf5_file` and `hdf5_input`, and what follows it does nothing.
 module checkpoint_file
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
-   use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: iso_fortran_env, only: int32, int64
    use hdf5, only: h5kind_to_type, h5_integer_kind, h5_real_kind, hid_t
    use hdf5_dataset, only: write_string, write_values
    use hdf5_file, only: hdf5_file_t
@@ -23,7 +23,7 @@ module checkpoint_file
       type(hdf5_file_t) :: file
       type(hdf5_input_t) :: reader
    contains
-      procedure :: visit_text, visit_vector, has
+      procedure :: visit_text, visit_vector, visit_plain, has
       generic :: visit => visit_reals, visit_integers, visit_longs
       procedure, private :: visit_reals, visit_integers, visit_longs
    end type checkpoint_file_t
@@ -84,6 +84,17 @@ contains
          call self%visit(path, values)
       end if
    end subroutine visit_vector
+
+   !> A value of so many `bits`, of a type without allocatable components: its bits.
+   subroutine visit_plain(self, path, value, bits)
+      class(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      type(*), intent(inout), target :: value
+      integer, intent(in) :: bits
+
+      call visit_numbers(self, path, h5kind_to_type(int32, h5_integer_kind), &
+         [bits/storage_size(1_int32)], c_loc(value))
+   end subroutine visit_plain
 
    !> Numbers of `type_id` at an address, with their extents.
    subroutine visit_numbers(self, path, type_id, extents, address)

@@ -2,6 +2,7 @@
 !> /summary, /surface and /adequacy of its result, and its closing table.
 module dry_result
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_c_binding, only: c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use adequacy_section, only: from_estimates, model_line, write_influence
    use features, only: node_positions
@@ -12,7 +13,7 @@ module dry_result
       load, mean_pressure, mean_separation, p_max, plastic_area, separation
    use errors, only: error_t
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
-   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_values
    use hdf5_file, only: hdf5_file_t
    use kinds, only: not_known, wp
    use progress_log, only: columns, progress_log_t
@@ -142,7 +143,8 @@ contains
          label = new_label(long_name, units)
          associate (nx => dry%grid%nx, ny => dry%grid%ny)
             if (.not. present(values)) then
-               call write_zeros(file, path, pack([nx, ny], [.true., ny > 1]), label, dry%is_single)
+               call write_values(file, path, file%real_type, pack([nx, ny], [.true., ny > 1]), &
+                  c_null_ptr, label, dry%is_single)
             else if (ny == 1) then
                call write_dataset(file, path, values(:, 1), label, dry%is_single)
             else

@@ -1,12 +1,14 @@
 !> What the user sees while a case runs, on standard error, and its summary when it is done, on
-!> standard output: the only module under src/ that prints.
+!> standard output (Fortran's own output reports no full device and no closed pipe): the only module
+!> under src/ that prints.
 !>
 !> On a terminal one updated line, in a log few lines, with `is_quiet` only what went wrong. A
 !> closed standard error is no reason to stop: that write is dropped; a lost summary is reported.
 module progress_log
+   use, intrinsic :: iso_c_binding, only: c_int, c_null_char, c_size_t
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
-   use c_library, only: standard_error, standard_output
-   use errors, only: error_t
+   use c_library, only: c_close, c_isatty, c_open, c_write, standard_error, standard_output
+   use errors, only: error_t, fail, output_error
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -14,13 +16,15 @@ module progress_log
    use text, only: duration_text, number_text, prefixed_text, shortened
    use scaling, only: scaling_t
    use signals, only: begin_line, columns_of_sign, end_line
-   use standard_streams, only: is_terminal, write_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: new_progress_log, progress_log_t
+   public :: is_terminal, new_progress_log, print_text, progress_log_t, settle_standard_streams, &
+      write_text
 
+   character(*), parameter :: lost = 'cannot write to standard output: the disk is full, or '// &
+      'nobody reads it'
    !> Columns of a terminal that are used.
    integer, parameter, public :: columns = 80
    !> Longest name of a case in front of a progress line [columns].
@@ -236,5 +240,51 @@ contains
       flush (self%unit, iostat=status)
       call end_line()
    end subroutine write_line
+
+   !> Prints all of `text` and closes standard output. Error: some of it is lost.
+   subroutine print_text(text, error)
+      character(*), intent(in) :: text
+      type(error_t), allocatable, intent(out) :: error
+
+      call write_text(text, error)
+      if (allocated(error)) return
+      ! some file systems report a full disk only here
+      if (c_close(standard_output) /= 0_c_int) call fail(error, output_error, lost)
+   end subroutine print_text
+
+   !> Writes all of `text` and leaves standard output open. Error: some of it is lost.
+   subroutine write_text(text, error)
+      character(*), intent(in) :: text
+      type(error_t), allocatable, intent(out) :: error
+      integer(c_size_t) :: done, written
+
+      done = 0_c_size_t
+      do while (done < len(text))
+         written = c_write(standard_output, text(done + 1:), len(text) - done)
+         if (written <= 0_c_size_t) then
+            call fail(error, output_error, lost)
+            return
+         end if
+         done = done + written
+      end do
+   end subroutine write_text
+
+   !> Opens closed standard streams on /dev/null: else messages would go into the next file opened.
+   subroutine settle_standard_streams()
+      integer(c_int) :: descriptor
+
+      do
+         descriptor = c_open('/dev/null'//c_null_char, 0_c_int)   ! O_RDONLY
+         if (descriptor < 0_c_int .or. descriptor > standard_error) exit
+      end do
+      if (descriptor > standard_error) descriptor = c_close(descriptor)
+   end subroutine settle_standard_streams
+
+   !> Whether a file descriptor is a terminal.
+   logical function is_terminal(descriptor) result(answer)
+      integer(c_int), intent(in) :: descriptor
+
+      answer = c_isatty(descriptor) == 1_c_int
+   end function is_terminal
 
 end module progress_log

@@ -7,12 +7,13 @@
 !>
 !> Series of numbers hold every time step; profiles may be of some only, with times of their own.
 module transient_store
+   use, intrinsic :: iso_c_binding, only: c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: any_mark, part_words, place_fault
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: checksum_t, open_positional_file, positional_file_t, real_bytes, sums_of
    use hdf5_axes, only: link_object, name_axes
-   use hdf5_dataset, only: label_t, new_label, write_records, write_zeros
+   use hdf5_dataset, only: label_t, new_label, write_records, write_values
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -294,7 +295,7 @@ contains
       row = merge(store%nodes, 1, i > store%first_profile)
       extents = pack(shape, i > store%first_profile)
       associate (count => (store%records + every - 1)/every)
-         call write_zeros(file, path, [extents, count], label)
+         call write_values(file, path, file%real_type, [extents, count], c_null_ptr, label)
          if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
             call name_axes(file, path, '=')
          else if (i > store%first_profile) then

@@ -17,18 +17,21 @@ module xdmf_file
 
    public :: write_xdmf, xdmf_path
 
-   !> A group of a result with the axes that its fields may have, the fastest one first.
+   !> A group of a result with the axes that its fields may have, the fastest one first: where they
+   !> are stored, since ParaView does not follow the links in other groups.
    type :: grid_row_t
       character(len=18) :: group
-      character(len=12) :: axes(3)
+      character(len=23) :: axes(3)
    end type grid_row_t
 
+   character(*), parameter :: x = '/solution/x', y = '/solution/y', &
+      times = '/transient/profile_time'
    type(grid_row_t), parameter :: grid_rows(*) = [ &
-      grid_row_t('solution', [character(len=12) :: 'x', 'y', '']), &
-      grid_row_t('transient', [character(len=12) :: 'x', 'y', 'profile_time']), &
-      grid_row_t('momentum', [character(len=12) :: 'zeta', 'x', '']), &
-      grid_row_t('momentum/transient', [character(len=12) :: 'x', 'profile_time', '']), &
-      grid_row_t('velocity', [character(len=12) :: 'zeta', 'x', ''])]
+      grid_row_t('solution', [character(len=23) :: x, y, '']), &
+      grid_row_t('transient', [character(len=23) :: x, y, times]), &
+      grid_row_t('momentum', [character(len=23) :: '/momentum/zeta', x, '']), &
+      grid_row_t('momentum/transient', [character(len=23) :: x, times, '']), &
+      grid_row_t('velocity', [character(len=23) :: '/velocity/zeta', x, ''])]
 
    !> Everything that can be a field.
    character(len=20), parameter :: names(*) = [character(len=20) :: field_names(2:), 'gap', &
@@ -87,7 +90,7 @@ contains
       character(*), intent(in) :: file
       character(:), allocatable, intent(inout) :: text
       character(:), allocatable :: fields, group
-      character(len=12) :: axes(3)
+      character(len=len(row%axes)) :: axes(3)
       type(hdf5_source_t) :: source
       integer(int64) :: nodes(3)
       integer :: i, rank
@@ -97,10 +100,10 @@ contains
       rank = 0
       do i = 1, size(row%axes)
          if (row%axes(i) == '') cycle
-         if (.not. reader%has(group//trim(row%axes(i)))) cycle
+         if (.not. reader%has(trim(row%axes(i)))) cycle
          rank = rank + 1
          axes(rank) = row%axes(i)
-         source = source_at(group//trim(axes(rank)))
+         source = source_at(trim(axes(rank)))
          nodes(rank:rank) = source%extents
       end do
       fields = ''
@@ -123,27 +126,12 @@ contains
          if (i > rank) then
             text = text//zero
          else
-            text = text//item(path_of(axes(i)), nodes(i:i))
+            text = text//item(trim(axes(i)), nodes(i:i))
          end if
       end do
       text = text//'</Geometry>'//nl//fields//'</Grid>'//nl
 
    contains
-
-      !> Where an axis is stored: in this group it may be a link, which ParaView does not follow.
-      function path_of(axis) result(path)
-         character(*), intent(in) :: axis
-         character(:), allocatable :: path
-
-         select case (axis)
-         case ('x', 'y')
-            path = '/solution/'//trim(axis)
-         case ('profile_time')
-            path = '/transient/profile_time'
-         case default
-            path = group//trim(axis)
-         end select
-      end function path_of
 
       !> A dataset, closed again; without extents if it cannot be read.
       function source_at(path) result(source)

@@ -209,17 +209,23 @@ contains
    end function moments
 
    !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean,
-   !> (4.1); for an area those with hypot of the two wave numbers up to it. Fails (internal_error)
-   !> if FFTW does.
+   !> (4.1); for an area those with hypot of the two wave numbers up to it. Errors: more harmonics
+   !> than the grid has (input_error); FFTW (internal_error).
    subroutine truncate_harmonics(harmonics, grid, z, error)
       integer, intent(in) :: harmonics, grid(2)
       real(wp), allocatable, intent(inout) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       type(spectral_product_t) :: filter
       real(wp), allocatable :: kept(:), symbol(:, :)
-      integer :: j
+      integer :: j, most
       integer(int64) :: across, i
 
+      most = minval(grid/2 - 1, mask=grid > 1)
+      if (harmonics > most) then
+         call fail(error, input_error, 'found '//to_text(harmonics)//', expected at most ' &
+            //to_text(most)//', half the nodes less one')
+         return
+      end if
       allocate (symbol(0:grid(1)/2, 0:grid(2) - 1), source=0.0_wp)
       do j = 0, grid(2) - 1
          across = merge(j, j - grid(2), 2*j <= grid(2))
