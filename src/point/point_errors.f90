@@ -4,7 +4,7 @@ module point_errors
    use errors, only: error_t
    use experiment, only: collector_t
    use iteration_report, only: phase_error_bars, report_t
-   use kinds, only: exceeds, not_known, wp
+   use kinds, only: exceeds, larger, not_known, wp
    use line_contact, only: intervals_for_waves, steady_tolerance, time_settings_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
@@ -16,18 +16,16 @@ module point_errors
    use point_cycle, only: new_hierarchy
    use point_march, only: solve_point
    use point_newton, only: point_newton_t, solve_point_newton
-   use point_quantities, only: estimate_point_errors, summary_of_point
+   use point_quantities, only: estimate_point_errors, next_fall, summary_of_point
    use point_solver, only: point_run_t, tolerance_of
    use pressure_errors, only: largest_doubt, shear_of_spike, spike_law_t
-   use quantities, only: h_central, h_min, p_max, sliding_rows
+   use quantities, only: h_central, h_min, quantity_count, sliding_rows
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
    public :: choose_passage, find_quantities, measure_domain
 
-   !> What twice the intervals at least divide the errors of a passage by.
-   real(wp), parameter :: next_fall = 3.0_wp
    !> The longer domain has half as many intervals more, on both sides together.
    integer, parameter :: extension = 2
 
@@ -46,7 +44,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: far, near
       type(line_summary_t), allocatable :: coarser(:)
-      real(wp) :: by_spike(size(sliding_rows)), dx, growths(2), shares(size(sliding_rows)), start
+      real(wp) :: dx, growths(2), least(quantity_count), shares(size(sliding_rows)), start
       type(spike_law_t) :: law
       logical :: is_known
 
@@ -69,13 +67,16 @@ contains
             if (growths(1) > growths(2) .and. .not. thins(contact%fluid)) shares = (shares &
                + tiny(1.0_wp))/max(growths(2)/growths(1), tiny(1.0_wp))
             where (exceeds(shares, largest_doubt)) shares = not_known()
-            of(sliding_rows)%error_grid = shares*abs(of(sliding_rows)%value)
+            least = smooth_errors(run%grids)
+            least(sliding_rows) = merge(least(sliding_rows), shares, exceeds(least(sliding_rows) &
+               - shares, 0.0_wp))
+            of%error_grid = least*abs(of%value)
          end associate
       else
          summary = run%grids(size(run%grids))
       end if
-      by_spike = summary%of(sliding_rows)%error_grid
-      summary%of([p_max, sliding_rows])%error_grid = not_known()
+      least = summary%of%error_grid
+      summary%of%error_grid = not_known()
       missing = 'no coarser grids are compared'
       if (.not. run%settings%wants_coarse_runs) return
       missing = 'no coarser grid holds the film'
@@ -93,8 +94,9 @@ contains
       report%cost%phase_seconds(phase_error_bars) = wall_seconds() - start
       missing = 'a longer domain has no solution to compare with'
       if (.not. is_known) return
-      summary%of(sliding_rows)%error_grid = by_spike
-      call estimate_point_errors(summary, contact, coarser, report%residual, near, far)
+      summary%of%error_grid = least
+      call estimate_point_errors(summary, contact, coarser, report%residual, &
+         run%time%is_transient, near, far)
       missing = 'a pressure spike that this grid does not resolve'
       if (size(coarser) == 0) missing = 'the passage has no solution on half the intervals'
    end subroutine find_quantities
@@ -124,7 +126,7 @@ contains
          run%coarser = pack([last, run%coarser], is_known)
          ratio = huge(ratio)
          if (size(run%coarser) > 1) then
-            call estimate_point_errors(last, contact, run%coarser(2:), 0.0_wp)
+            call estimate_point_errors(last, contact, run%coarser(2:), 0.0_wp, .true.)
             associate (of => last%of([h_min, h_central]))
                ratio = maxval(of%error_grid/of%value)/run%settings%target
             end associate
@@ -191,8 +193,21 @@ contains
       collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
       call solve_point(other, coarse, collector, state, report, error)
       is_known = .not. allocated(error) .and. report%converged
-      if (is_known) extremes = collector%passage%extremes(summary_of(state))
+      if (.not. is_known) return
+      extremes = collector%passage%extremes(summary_of(state))
+      extremes%of%error_grid = smooth_errors(other%grids)*abs(extremes%of%value)
    end subroutine run_passage
+
+   !> Relative errors, of second order, of the smooth steady contact of a passage on the last of its
+   !> `grids`; in a change of the passage those of grid and step may cancel. NaN or 0: not known.
+   pure function smooth_errors(grids) result(errors)
+      type(line_summary_t), intent(in) :: grids(:)
+      real(wp) :: errors(quantity_count)
+
+      associate (last => grids(size(grids))%of, before => grids(max(size(grids) - 1, 1))%of)
+         errors = abs(last%between - before%between)/3/larger(abs(last%between), tiny(1.0_wp))
+      end associate
+   end function smooth_errors
 
    !> The times of a passage with `factor` times longer steps, whole ones.
    pure function times_over(time, factor) result(longer)

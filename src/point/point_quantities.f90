@@ -37,8 +37,10 @@ module point_quantities
    !> at least.
    real(wp), parameter :: domain_factor = 1/(1 - 1.5_wp**(-1.5_wp))
    !> Films err by at least this share of the largest relative error of a film: that of one may be
-   !> small by chance.
-   real(wp), parameter :: share_of_film = 0.4_wp
+   !> small by chance. In a passage the film at X = Y = 0 by all of it, friction by that of a film.
+   real(wp), parameter :: share_of_film = 0.4_wp, share_in_passage = 0.6_wp
+   !> What twice the intervals at least divide the errors of a passage by.
+   real(wp), parameter, public :: next_fall = 3.0_wp
    !> A corner of the pressure rises by at least the first share of its possible height, and by the
    !> second one times the share of that on half of the intervals that came true.
    real(wp), parameter :: corner_shares(2) = [0.15_wp, 3.0_wp]
@@ -185,15 +187,16 @@ contains
    !> Sets the errors of `summary` from those on half and a quarter of the intervals and so on,
    !> `coarser`, from the residual, and from `near` and `far`, the domain and a longer one on the
    !> same coarse grid; without coarser grids they are not known. A spike may add to pressure and
-   !> friction what it does to those of a line contact on the row of the largest pressure.
-   pure subroutine estimate_point_errors(summary, contact, coarser, residual, near, far)
+   !> friction what it does to those of a line contact on the row of the largest pressure. Extremes
+   !> of a passage err by at least the `error_grid` that `summary` has before.
+   pure subroutine estimate_point_errors(summary, contact, coarser, residual, is_passage, near, far)
       type(line_summary_t), intent(inout) :: summary
       type(point_contact_t), intent(in) :: contact
       type(line_summary_t), intent(in) :: coarser(:)
       real(wp), intent(in) :: residual
+      logical, intent(in) :: is_passage
       type(line_summary_t), intent(in), optional :: near, far
-      real(wp) :: bounds(2), grid(2, quantity_count), least(quantity_count), spike, stress, &
-         values(4, quantity_count)
+      real(wp) :: grid(2, quantity_count), spike, values(4, quantity_count)
       integer :: i, k
 
       values = not_known()
@@ -201,25 +204,7 @@ contains
       do k = 1, min(size(coarser), 3)
          values(1 + k, :) = coarser(k)%of%between
       end do
-      do i = 1, quantity_count
-         bounds = orders
-         if (any(i == sliding_rows)) bounds = orders_sliding(min(max(size(coarser), 1), 2))
-         if (i == rolling_coefficient) bounds = order_rolling
-         grid(:, i) = error_on_grids(values(:, i), bounds, lasts=.true.)
-      end do
-      associate (error => grid(1, :), of => summary%of)
-         error(p_max) = pressure_safety/safety*error(p_max)
-         least = 0.0_wp
-         least(films) = share_of_film*larger(error(h_min)/of(h_min)%value, error(h_central) &
-            /of(h_central)%value)
-         ! arsinh(B), the mean stress of an Eyring oil over its own, falls with the film by tanh
-         stress = larger(wall_stress(contact%fluid, 4*of(friction_coefficient)%value/3), &
-            tiny(1.0_wp))
-         least(sliding_rows) = share_of_film*error(h_central)/of(h_central)%value*tanh(stress) &
-            /stress
-         least = least*abs(of%value)
-         where (exceeds(least - error, 0.0_wp)) error = least
-      end associate
+      grid = errors_by_grids(summary, contact, values, is_passage)
       do i = 1, quantity_count
          associate (of => summary%of(i))
             spike = 0.0_wp
@@ -227,7 +212,8 @@ contains
             of%error_grid = quantity_rows(i)%widening*grid(1, i) + abs(of%value - of%between)
             if (i == h_min) of%error_grid = of%error_grid + abs(of%value &
                - summary%of(h_min_node)%value)
-            if (.not. exceeds(of%error_grid - abs(spike), 0.0_wp)) of%error_grid = abs(spike)
+            if (.not. ieee_is_finite(spike)) of%error_grid = spike
+            if (exceeds(abs(spike) - of%error_grid, 0.0_wp)) of%error_grid = abs(spike)
             if (quantity_rows(i)%rule /= rule_between) of%extrapolated = grid(2, i)
             if (i == p_max .and. size(coarser) > 1) call estimate_crest(values(:3, i), [of%value, &
                coarser(:2)%of(i)%value], of)
@@ -245,6 +231,45 @@ contains
          end associate
       end do
    end subroutine estimate_point_errors
+
+   !> Errors and limits of `values` between nodes on four grids; of films, and of friction by the
+   !> film, at least a share of the largest relative error of a film. A single change of a passage
+   !> falls with `next_fall`, but pressures only where no spike stands.
+   pure function errors_by_grids(summary, contact, values, is_passage) result(grid)
+      type(line_summary_t), intent(in) :: summary
+      type(point_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: values(4, quantity_count)
+      logical, intent(in) :: is_passage
+      real(wp) :: bounds(2), grid(2, quantity_count), least(quantity_count), share, stress
+      logical :: is_single, is_smooth
+      integer :: i
+
+      is_single = .not. ieee_is_finite(values(3, h_min))
+      share = merge(share_in_passage, share_of_film, is_passage)
+      is_smooth = is_passage .and. .not. ieee_is_finite(summary%crests%spike)
+      do i = 1, quantity_count
+         bounds = orders
+         if (all([is_passage, is_single, is_smooth .or. any(i == films)])) bounds(1) = &
+            log(next_fall)/log(2.0_wp)
+         if (any(i == sliding_rows)) bounds = orders_sliding(merge(1, 2, is_single))
+         if (i == rolling_coefficient) bounds = order_rolling
+         grid(:, i) = error_on_grids(values(:, i), bounds, lasts=.true.)
+      end do
+      associate (error => grid(1, :), of => summary%of)
+         if (.not. is_smooth) error(p_max) = pressure_safety/safety*error(p_max)
+         if (is_passage) where (exceeds(of%error_grid - error, 0.0_wp)) error = of%error_grid
+         least = 0.0_wp
+         least(films) = larger(error(h_min)/of(h_min)%value, error(h_central)/of(h_central)%value) &
+            *[share_of_film, share_of_film, merge(1.0_wp, share_of_film, is_passage)]
+         ! arsinh(B), the mean stress of an Eyring oil over its own, falls with the film by tanh
+         stress = larger(wall_stress(contact%fluid, 4*of(friction_coefficient)%value/3), &
+            tiny(1.0_wp))
+         least(sliding_rows) = share*larger(error(h_central)/of(h_central)%value, &
+            least(h_central))*tanh(stress)/stress
+         least = least*abs(of%value)
+         where (exceeds(least - error, 0.0_wp)) error = least
+      end associate
+   end function errors_by_grids
 
    !> Limits what the largest pressure may rise by what it has risen from `coarser` grids on: A of a
    !> spike P = B + A/sqrt(dX), by its flank, to once or twice that by its last change or by half of

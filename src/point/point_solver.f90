@@ -149,7 +149,7 @@ contains
       is_met = all([run%settings%target > 0.0_wp, n > 2, .not. run%time%is_transient])
       if (.not. is_met) return
       last = run%grids(n)
-      call estimate_point_errors(last, contact, run%grids(n - 1:1:-1), 0.0_wp)
+      call estimate_point_errors(last, contact, run%grids(n - 1:1:-1), 0.0_wp, .false.)
       associate (of => last%of([h_min, h_central]))
          is_met = all(exceeds(run%settings%target*of%value - of%error_grid, 0.0_wp))
       end associate
