@@ -5,7 +5,7 @@
 !> apart that no row depends on two. Changes with U outside the band are neglected: they are of
 !> fourth order in delta. The change by the mean pressure of the Reynolds part is not here.
 module momentum_matrix
-   use linear_systems, only: band_matrix_t, clear_band, factor_band, new_band, solve_band
+   use linear_systems, only: band_matrix_t, factor_band, new_band, solve_band
    use errors, only: error_t
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, momentum_problem_t, new_flow
@@ -56,7 +56,7 @@ contains
       wide = column_size(problem) + problem%layers + margin
       if (present(reach)) wide = reach
       if (matrix%band%n == order_of(problem) .and. matrix%band%lower == wide) then
-         call clear_band(matrix%band)
+         matrix%band%entries = 0.0_wp
       else
          call new_band(matrix%band, order_of(problem), wide, wide)
          if (allocated(matrix%rows%x)) deallocate (matrix%rows%x, matrix%rows%z, matrix%rows%mass)
