@@ -6,9 +6,9 @@ module film_momentum
    use film_fields, only: compare_passage
    use iteration_report, only: report_t
    use line_state, only: line_state_t
-   use momentum_march, only: momentum_march_t
+   use momentum_march, only: momentum_march_t, solve_film_momentum
    use field_sections, only: difference_sentence
-   use momentum_solver, only: solve_film_momentum, walls_t
+   use momentum_solver, only: walls_t
    use run_observer, only: run_observer_t
    use signals, only: begin_activity
    use system_limits, only: peak_memory

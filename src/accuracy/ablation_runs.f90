@@ -6,7 +6,7 @@
 !> contact with all ingredients, or from that without the ingredient on the coarser grid.
 module ablation_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use ablations, only: ingredient_t
+   use ablations, only: ingredient_t, ingredients_of
    use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence, no_solution
    use errors, only: error_t
    use kinds, only: exceeds, not_known, quotient, wp
@@ -45,20 +45,24 @@ module ablation_runs
 contains
 
    !> Measures the ingredients of a steady `contact`, whose domain is complete, from the pressure of
-   !> `state` on n intervals: a row each. `budget`: nodes times Newton steps that may be spent, of
-   !> which what is left is returned.
-   subroutine measure_at_rest(contact, state, list, budget, adequacy, listener, error)
+   !> `state` on n intervals: a row each, among those that are there, if any. `budget`: nodes times
+   !> Newton steps that may be spent, of which what is left is returned.
+   subroutine measure_at_rest(contact, state, budget, adequacy, listener, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
-      type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
+      type(ingredient_t), allocatable :: list(:)
       type(lean_level_t) :: levels(2, 2)   ! with all ingredients, without one
+      integer, allocatable :: rows(:)
       integer :: g, i
 
-      adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      list = ingredients_of(contact, is_transient=.false.)
+      if (.not. allocated(adequacy%rows)) adequacy%rows = new_influence(list%name, list%text)
+      rows = [(findloc(adequacy%rows%name == list(i)%name, .true., 1), i=1, size(list))]
+      adequacy%rows(rows) = new_influence(list%name, list%text)
       adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
       associate (grids => adequacy%at_rest, full => levels(:, 1))
          if (any(grids == 0)) return
@@ -72,7 +76,7 @@ contains
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
             levels(:, 2)%ingredient = list(i)
-            call measure_one(contact, levels, budget, adequacy, i, listener, error)
+            call measure_one(contact, levels, budget, adequacy, rows(i), listener, error)
             if (allocated(error) .or. listener%is_stopping) return
          end do
       end associate

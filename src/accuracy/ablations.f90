@@ -10,8 +10,7 @@ module ablations
    implicit none (type, external)
    private
 
-   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_oil, &
-      is_of_surfaces, leave_out
+   public :: has_roughness, ingredient_t, ingredients_of, is_of_oil, is_of_surfaces, leave_out
 
    !> Kinds of ingredients.
    integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
@@ -121,17 +120,6 @@ contains
       is_of_oil = any(ingredient%kind == [compressibility, shear_thinning, roelands_law, &
          piezoviscosity])
    end function is_of_oil
-
-   !> The line contact without an ingredient, or with a fraction `rest` of it.
-   pure function contact_without(contact, ingredient, rest) result(lean)
-      type(line_contact_t), intent(in) :: contact
-      type(ingredient_t), intent(in) :: ingredient
-      real(wp), intent(in) :: rest
-      type(line_contact_t) :: lean
-
-      lean = contact
-      call leave_out(lean, ingredient, rest)
-   end function contact_without
 
    !> Removes an ingredient from a contact, or all but a fraction `rest` of it (> 0 only if it can
    !> be reduced): ln mu times `rest`; Roelands' z moved towards 1; Eyring stress or stiffness

@@ -211,7 +211,7 @@ contains
    end function why_unknown
 
    !> A row of which nothing is known yet.
-   pure function new_influence(name, text) result(row)
+   pure elemental function new_influence(name, text) result(row)
       character(*), intent(in) :: name, text
       type(influence_t) :: row
 

@@ -2,7 +2,7 @@
 !> space schemes: Newton's method from a solution that is near.
 module lean_levels
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_set_halting_mode, ieee_usual
-   use ablations, only: contact_without, ingredient_t, is_of_oil
+   use ablations, only: ingredient_t, is_of_oil, leave_out
    use errors, only: error_t
    use film_state, only: film_state_t
    use film_temperature, only: solve_warm
@@ -42,7 +42,7 @@ module lean_levels
       logical :: is_known = .false.
    end type solution_t
 
-   !> One grid, its solutions and their cost.
+   !> One grid and its solutions.
    type :: lean_level_t
       type(line_level_t) :: level
       type(newton_t) :: newton
@@ -50,8 +50,6 @@ module lean_levels
       logical :: is_solved = .false.
       !> The level is that of the contact with all ingredients but for its oil: it serves again.
       logical :: has_own_oil = .false.
-      !> Nodes times Newton steps so far.
-      real(wp) :: work = 0.0_wp
       !> How much of an ingredient is kept; below 0: 0 or, where that has no solution, 3/4.
       real(wp) :: kept = -1.0_wp
       type(ingredient_t) :: ingredient = ingredient_t(0, '', '')
@@ -67,8 +65,8 @@ contains
       type(film_state_t), intent(in) :: start
       real(wp), intent(inout) :: budget
       class(listener_t), intent(inout) :: listener
+      logical :: halts(size(ieee_usual))
 
-      budget = budget + self%work
       self%level%is_kappa = scheme == kappa
       associate (state => self%level%state)
          state%pressure = start%pressure
@@ -81,11 +79,18 @@ contains
             call place_film(self%level, minval(start%film))
          end if
       end associate
-      call solve_level_of(self, budget - self%work, listener)
-      budget = budget - self%work
+      ! A trial may overflow, which is then no solution; checked builds must go on too.
+      call ieee_get_halting_mode(ieee_usual, halts)
+      call ieee_set_halting_mode(ieee_usual, .false.)
+      call solve_warm(self%newton, self%level, lean_tolerance, &
+         int(min(real(max_newton_steps, wp), budget/self%level%n)), listener, film_is_exact=.true.)
+      call ieee_set_halting_mode(ieee_usual, halts)
+      budget = budget - real(self%newton%steps, wp)*self%level%n
+      self%is_solved = self%newton%is_converged
       associate (solution => self%by(scheme))
          solution%is_known = self%is_solved
          if (.not. self%is_solved) return
+         call evaluate_coefficients(self%level)
          solution%summary = level_summary(self%level)
          solution%summary%crests%corner_top = -1.0_wp   ! contacts on one grid: by their nodes
          call doubt_spike(self%level%fluid, self%level%lambda, self%level%dx, solution%summary)
@@ -140,24 +145,6 @@ contains
       end if
    end subroutine place_film
 
-   !> Solves the posed problem from its present state, in at most `work` nodes times Newton steps.
-   subroutine solve_level_of(self, work, listener)
-      type(lean_level_t), intent(inout) :: self
-      real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: listener
-      logical :: halts(size(ieee_usual))
-
-      ! A trial may overflow, which is then no solution; checked builds must go on too.
-      call ieee_get_halting_mode(ieee_usual, halts)
-      call ieee_set_halting_mode(ieee_usual, .false.)
-      call solve_warm(self%newton, self%level, lean_tolerance, &
-         int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
-      call ieee_set_halting_mode(ieee_usual, halts)
-      self%work = self%work + real(self%newton%steps, wp)*self%level%n
-      self%is_solved = self%newton%is_converged
-      if (self%is_solved) call evaluate_coefficients(self%level)
-   end subroutine solve_level_of
-
    !> The `contact` without the ingredient of `lean`, but for what is `kept` of it, as `solve_by`.
    subroutine solve_without(lean, contact, scheme, start, budget, listener, error)
       type(lean_level_t), intent(inout) :: lean
@@ -176,7 +163,8 @@ contains
       lean%kept = max(lean%kept, 0.0_wp)
       do attempt = 1, attempts
          if (attempt == 2) lean%kept = largest_rest
-         other = contact_without(contact, lean%ingredient, lean%kept)
+         other = contact
+         call leave_out(other, lean%ingredient, lean%kept)
          if (attempt == 1 .and. n < coarsest_for_film(other)) cycle
          if (.not. (lean%has_own_oil .and. is_of_oil(lean%ingredient))) then
             call pose(lean, other, n, error)

@@ -28,7 +28,7 @@ module measured_adequacy
    use line_summary, only: line_summary_t
    use listener, only: listener_t
    use passage_pair, only: limit_places, max_cycles, measure_change, new_pair, passage_pair_t, &
-      run_pair, sees_all, steps_to_start
+      run_both, sees_all, steps_to_start
    use quantities, only: quantity_count
    implicit none (type, external)
    private
@@ -84,29 +84,27 @@ contains
       call listener%on_stage('measuring what each ingredient changes')
       associate (contact => solved%experiment%contact, n => real(size(state%x) - 1, wp), &
          time => solved%experiment%time)
-         associate (list => ingredients_of(contact, time%is_transient))
-            if (allocated(contact%duty)) then
-               call measure_history(solved, adequacy, listener, error)   ! error: the caller looks
-            else if (time%is_transient) then
-               budget = march_weight*n*solved%newton_steps
-               if (solved%bars%grids > 0) budget = budget*(merge(2, 1, &
-                  solved%bars%is_first_order) + coarse_share)
-               budget = max(share*budget, small_run)
-               call measure_passage(solved, list, budget, adequacy, listener, &
-                  error)   ! error: the caller looks
-            else
-               budget = max(share*steady_steps*n, small_run)
-               even = contact
-               on_even = state
-               if (contact%domain%grid == 'graded') then
-                  even%domain = domain_t()
-                  call choose_domain(even)
-                  on_even = even_state(even, state)
-               end if
-               call measure_at_rest(even, on_even, list, budget, adequacy, listener, &
-                  error)   ! error: the caller looks
+         if (allocated(contact%duty)) then
+            call measure_history(solved, adequacy, listener, error)   ! error: the caller looks
+         else if (time%is_transient) then
+            budget = march_weight*n*solved%newton_steps
+            if (solved%bars%grids > 0) budget = budget*(merge(2, 1, &
+               solved%bars%is_first_order) + coarse_share)
+            budget = max(share*budget, small_run)
+            call measure_passage(solved, ingredients_of(contact, is_transient=.true.), budget, &
+               adequacy, listener, error)   ! error: the caller looks
+         else
+            budget = max(share*steady_steps*n, small_run)
+            even = contact
+            on_even = state
+            if (contact%domain%grid == 'graded') then
+               even%domain = domain_t()
+               call choose_domain(even)
+               on_even = even_state(even, state)
             end if
-         end associate
+            call measure_at_rest(even, on_even, budget, adequacy, listener, &
+               error)   ! error: the caller looks
+         end if
       end associate
    end subroutine measure_adequacy
 
@@ -176,8 +174,8 @@ contains
             adequacy%accuracy, is_open(i))
       end do
       if (adequacy%is_full) then
-         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, listener, &
-            error)
+         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_both(coarse%runs, &
+            coarse%full, coarse%work, coarse%is_known, listener, error)
          if (allocated(error)) return
          if (coarse%is_known) adequacy%in_time = coarse%runs%contact%domain%intervals
          if (listener%is_stopping) return
@@ -282,13 +280,11 @@ contains
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(adequacy_t) :: own
       type(outcome_t) :: outcome
       type(solution_t) :: solution
       type(line_contact_t) :: contact
-      integer :: i, k
 
-      adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      adequacy%rows = new_influence(list%name, list%text)
       adequacy%rows%unknown = merge(no_grids, only_full, adequacy%is_full)
       contact = without_surfaces(experiment%contact)
       associate (n => contact%domain%intervals)
@@ -302,19 +298,10 @@ contains
          if (allocated(error) .or. .not. outcome%is_known) return
          budget = budget - steps_to_start*n
       end associate
-      own%accuracy = adequacy%accuracy
-      own%ends_early = .true.
-      call measure_at_rest(contact, solution%state, pack(list, &
-         .not. is_of_surfaces(list)), budget, own, listener, error)
-      if (allocated(error)) return
-      adequacy%at_rest = own%at_rest
-      k = 0
-      do i = 1, size(list)
-         if (is_of_surfaces(list(i))) cycle
-         k = k + 1
-         adequacy%rows(i) = own%rows(k)
-         adequacy%rows(i)%is_at_rest = .true.
-      end do
+      adequacy%ends_early = .true.
+      call measure_at_rest(contact, solution%state, budget, adequacy, listener, &
+         error)   ! error: the caller looks
+      adequacy%rows%is_at_rest = .not. is_of_surfaces(list)
    end subroutine measure_smooth
 
    !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these

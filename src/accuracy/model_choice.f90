@@ -23,7 +23,7 @@ module model_choice
    use line_contact, only: line_contact_t, move_profiles, solver_settings_t
    use listener, only: listener_t
    use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
-      passage_pair_t, run_pair, sees_all
+      passage_pair_t, run_both, sees_all
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min
    implicit none (type, external)
@@ -66,7 +66,7 @@ contains
       ! of smooth surfaces the squeeze term is decided on without a measurement
       if (experiment%time%is_transient .and. .not. any(list%kind == squeeze)) list = [list, &
          ingredient_t(squeeze, 'squeeze', 'the steady solution')]
-      choice%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      choice%rows = new_influence(list%name, list%text)
       allocate (choice%is_left_out(size(list)), source=.false.)
       allocate (choice%why(size(list)), source=cheap_steady)
       if (.not. experiment%time%is_transient) return
@@ -158,7 +158,7 @@ contains
          pair = new_pair(own, [factor, 2*factor])
          pair%counts_spikes = .false.
          choice%grids = pair%runs%contact%domain%intervals
-         call run_pair(pair, listener, error)
+         call run_both(pair%runs, pair%full, pair%work, pair%is_known, listener, error)
          if (allocated(error) .or. listener%is_stopping) return
          if (pair%is_known) call measure_change(pair, ingredient, choice%rows(i), is_known, &
             listener, error)

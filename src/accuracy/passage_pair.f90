@@ -1,7 +1,7 @@
 !> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
    use ablation_runs, only: change_between, doubt_between, set_change
-   use ablations, only: contact_without, ingredient_t, roughness, squeeze
+   use ablations, only: ingredient_t, leave_out, roughness, squeeze
    use adequacy, only: influence_t
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
@@ -17,7 +17,7 @@ module passage_pair
    implicit none (type, external)
    private
 
-   public :: limit_places, measure_change, new_pair, passage_pair_t, run_pair, sees_all
+   public :: limit_places, measure_change, new_pair, passage_pair_t, run_both, sees_all
 
    !> Most cycles of a steady solution, and the Newton steps that lead to it, with coarser grids.
    integer, parameter, public :: max_cycles = 40
@@ -59,23 +59,27 @@ contains
       pair%runs%time%statistics_from = times%counts_from
    end function new_pair
 
-   !> Runs the transient with all ingredients on both grids.
-   subroutine run_pair(pair, listener, error)
-      type(passage_pair_t), intent(inout) :: pair
+   !> Makes both runs: their extremes, known if both have a solution; adds their cost to `work`.
+   subroutine run_both(runs, extremes, work, is_known, listener, error)
+      type(experiment_t), intent(in) :: runs(2)
+      type(line_summary_t), intent(out) :: extremes(2)
+      real(wp), intent(inout) :: work
+      logical, intent(out) :: is_known
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(outcome_t) :: outcome
       integer :: g
 
+      is_known = .false.
       do g = 1, 2
-         call run_experiment(pair%runs(g), listener, outcome, error)
+         call run_experiment(runs(g), listener, outcome, error)
          if (allocated(error)) return
-         pair%work = pair%work + outcome%work
-         pair%full(g) = outcome%summary
-         pair%is_known = outcome%is_known
-         if (.not. pair%is_known) return
+         work = work + outcome%work
+         extremes(g) = outcome%summary
+         is_known = outcome%is_known
+         if (.not. is_known) return
       end do
-   end subroutine run_pair
+   end subroutine run_both
 
    !> Whether the grid of an experiment carries the film and has four nodes in every wave.
    pure logical function sees_all(experiment)
@@ -96,13 +100,28 @@ contains
       logical, intent(out) :: is_known
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
+      type(experiment_t) :: runs(2)
       type(line_summary_t) :: lean(2), full
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), dx
       integer :: g
 
+      runs = pair%runs
       do g = 1, 2
-         call run_without(pair, g, ingredient, lean(g), is_known, listener, error)
-         if (allocated(error) .or. .not. is_known) return
+         call leave_out(runs(g)%contact, ingredient, 0.0_wp)
+         associate (intervals => runs(g)%contact%domain%intervals)
+            ! too few for the leaner film: no run
+            if (intervals < coarsest_for_film(runs(g)%contact, min_intervals)) intervals = 0
+         end associate
+      end do
+      if (ingredient%kind == squeeze) then   ! the steady contact of each moment
+         runs%time%scheme = 'quasi_steady'
+         runs%time%tolerance = 0.0_wp
+      end if
+      ! smooth surfaces: the same at all times
+      if (ingredient%kind == roughness) runs%time%time_step = runs%time%end_time
+      call run_both(runs, lean, pair%work, is_known, listener, error)
+      if (allocated(error) .or. .not. is_known) return
+      do g = 1, 2
          changes(:, g) = change_between(lean(g), pair%full(g))
       end do
       doubt = 0.0_wp
@@ -119,34 +138,6 @@ contains
       row%left_out = 1.0_wp
       call set_change(row, changes, doubt, pair%widths)
    end subroutine measure_change
-
-   !> Extremes on grid `g` without an ingredient.
-   subroutine run_without(pair, g, ingredient, summary, is_known, listener, error)
-      type(passage_pair_t), intent(inout) :: pair
-      integer, intent(in) :: g
-      type(ingredient_t), intent(in) :: ingredient
-      type(line_summary_t), intent(out) :: summary
-      logical, intent(out) :: is_known
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(experiment_t) :: lean
-      type(outcome_t) :: outcome
-
-      lean = pair%runs(g)
-      lean%contact = contact_without(lean%contact, ingredient, 0.0_wp)
-      is_known = lean%contact%domain%intervals >= coarsest_for_film(lean%contact, min_intervals)
-      if (.not. is_known) return
-      if (ingredient%kind == squeeze) then   ! the steady contact of each moment
-         lean%time%scheme = 'quasi_steady'
-         lean%time%tolerance = 0.0_wp
-      end if
-      ! smooth surfaces: the same at all times
-      if (ingredient%kind == roughness) lean%time%time_step = lean%time%end_time
-      call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
-      pair%work = pair%work + outcome%work
-      is_known = outcome%is_known
-      summary = outcome%summary
-   end subroutine run_without
 
    !> Limits the number of positions at which the waves of a pair are solved, equal on both grids,
    !> to `budget` (nodes times Newton steps) and to the number of time steps. `is_enough`: at least

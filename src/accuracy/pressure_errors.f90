@@ -94,7 +94,7 @@ contains
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests
       real(wp), intent(in) :: film, dx
-      real(wp) :: ceiling, start, height, crest
+      real(wp) :: ceiling, start, height, crest, lengths(2)
       logical :: is_corner
 
       ! at one of several times the corner lies at a node
@@ -117,7 +117,8 @@ contains
       end if
       if (.not. ieee_is_finite(crests%spike) .or. crests%limit < endless) then
          start = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
-         if (flow_length(min(start, crests%highest), film) < dx) then
+         lengths = smoothing_lengths(law, min(start, crests%highest), film)
+         if (lengths(1) < dx) then
             height = final_height(law, start, film, dx, is_corner)
             if (height > crests%highest) ceiling = not_known()
          end if
@@ -127,18 +128,6 @@ contains
       ceiling = crests%corner_top
       height = crests%corner + sure_share*(ceiling - crests%corner)
       if (height <= crests%highest) ceiling = not_known()
-
-   contains
-
-      !> l_flow.
-      pure function flow_length(pressure, film) result(length)
-         real(wp), intent(in) :: pressure, film
-         real(wp) :: length, lengths(2)
-
-         lengths = smoothing_lengths(law, pressure, film)
-         length = lengths(1)
-      end function flow_length
-
    end function ceiling_of_spike
 
    !> Largest increase by a spike of Int (mu/mu_0)/H dX, the shear of a Newtonian oil, on grids

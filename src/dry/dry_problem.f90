@@ -12,7 +12,8 @@
 module dry_problem
    use, intrinsic :: iso_fortran_env, only: real32
    use errors, only: error_t
-   use half_space, only: band_limited_response, element_response, open_area_kernel, open_line_kernel
+   use half_space, only: band_limited_response, element_response, line_deflection_coefficients, &
+      open_area_kernel
    use iteration_report, only: report_t
    use kinds, only: wp
    use spectral_product, only: new_convolution, new_spectral_product, spectral_product_t
@@ -171,8 +172,8 @@ contains
                aspect), threads, error, is_guess)
          case (kernel_open)
             if (ny == 1) then
-               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, &
-                  error, is_guess)
+               call new_convolution(self%elastic, reshape(-line_deflection_coefficients(nx - 1, &
+                  1.0_wp/nx), [nx, 1]), threads, error, is_guess)
             else
                call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), &
                   threads, error, is_guess)

@@ -219,29 +219,30 @@ contains
       upper = thickest
       do i = 1, halvings
          middle = 0.5_wp*(lower + upper)
-         if (excess_flow(fluid, lambda, is_thinning, middle) > 0.0_wp) then
+         if (excess_flow(middle) > 0.0_wp) then
             upper = middle
          else
             lower = middle
          end if
       end do
       film = exp(0.5_wp*(lower + upper))
+   contains
+
+      !> ln of the flow over the required one, at ln H = `ln_film`.
+      pure real(wp) function excess_flow(ln_film) result(excess)
+         real(wp), intent(in) :: ln_film
+         real(wp) :: by_drive, ln_slope, ln_s, pressure, ln_mu(1)
+
+         ln_slope = min(-ln_film/3, -ln_film)
+         pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))
+         call fluid_viscosity(fluid, [pressure], ln_mu)
+         excess = 2*ln_film + ln_slope - ln_mu(1) - log(flow_share*lambda)
+         if (.not. is_thinning) return
+         call fluid%rheology%ln_slip(exp(ln_film + ln_slope), exp(ln_film), ln_mu(1), ln_s, &
+            by_drive)
+         excess = excess + ln_s
+      end function excess_flow
+
    end function inlet_film
-
-   !> ln of the flow over the required one, at ln H = `ln_film`.
-   pure function excess_flow(fluid, lambda, is_thinning, ln_film) result(excess)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: lambda, ln_film
-      logical, intent(in) :: is_thinning
-      real(wp) :: excess, by_drive, ln_slope, ln_s, pressure, ln_mu(1)
-
-      ln_slope = min(-ln_film/3, -ln_film)
-      pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))
-      call fluid_viscosity(fluid, [pressure], ln_mu)
-      excess = 2*ln_film + ln_slope - ln_mu(1) - log(flow_share*lambda)
-      if (.not. is_thinning) return
-      call fluid%rheology%ln_slip(exp(ln_film + ln_slope), exp(ln_film), ln_mu(1), ln_s, by_drive)
-      excess = excess + ln_s
-   end function excess_flow
 
 end module contact_moment

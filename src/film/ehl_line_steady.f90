@@ -126,7 +126,7 @@ contains
       last = min(largest_blame, settings%max_intervals, max_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)
-         call try_grid(finer, settings%space_scheme, with_roughness, relay, is_solved)
+         call try_grid()
          if (listener%is_stopping) return
          if (is_solved) exit
          finer%domain%intervals = 2*finer%domain%intervals
@@ -139,30 +139,27 @@ contains
             //' intervals (has '// &
             to_text(given)//'; none found up to '//to_text(last)//'); '//report%reason
       end if
+   contains
+
+      !> Sets whether Newton's method solves the contact on the finer grid.
+      subroutine try_grid()
+         type(line_hierarchy_t) :: hierarchy
+         type(solver_settings_t) :: plain
+         type(report_t) :: own
+         type(error_t), allocatable :: error
+
+         hierarchy%is_kappa = settings%space_scheme == 'kappa'
+         call new_hierarchy(hierarchy, finer, 0, error)
+         is_solved = .not. allocated(error)
+         if (.not. is_solved) return
+         call pose_steady_problem(hierarchy, finer, with_roughness)
+         plain%method = 'newton_krylov'
+         plain%space_scheme = settings%space_scheme
+         plain%max_cycles = blame_cycles
+         call solve_steady(hierarchy, finer, plain, relay, own)
+         is_solved = own%converged
+      end subroutine try_grid
+
    end subroutine blame_grid
-
-   !> Whether Newton's method solves a steady contact on its grid.
-   subroutine try_grid(contact, space_scheme, with_roughness, relay, is_solved)
-      type(line_contact_t), intent(in) :: contact
-      character(*), intent(in) :: space_scheme
-      logical, intent(in) :: with_roughness
-      class(listener_t), intent(inout) :: relay
-      logical, intent(out) :: is_solved
-      type(line_hierarchy_t) :: hierarchy
-      type(solver_settings_t) :: settings
-      type(report_t) :: report
-      type(error_t), allocatable :: error
-
-      hierarchy%is_kappa = space_scheme == 'kappa'
-      call new_hierarchy(hierarchy, contact, 0, error)
-      is_solved = .not. allocated(error)
-      if (.not. is_solved) return
-      call pose_steady_problem(hierarchy, contact, with_roughness)
-      settings%method = 'newton_krylov'
-      settings%space_scheme = space_scheme
-      settings%max_cycles = blame_cycles
-      call solve_steady(hierarchy, contact, settings, relay, report)
-      is_solved = report%converged
-   end subroutine try_grid
 
 end module ehl_line_steady

@@ -19,7 +19,7 @@ module fas_cycle
       largest_pressure, line_level_t, load_defect, thinnest_film, update_film
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
-   use transfer, only: full_weighting, inject, prolong_linear
+   use transfer, only: full_weighting, prolong_linear
    implicit none (type, external)
    private
 
@@ -76,8 +76,8 @@ contains
       integer, intent(in) :: k
 
       associate (fine => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
-         call inject(fine%state%pressure, coarse%state%pressure)
-         call inject(fine%state%film, coarse%state%film)
+         coarse%state%pressure = fine%state%pressure(::2)
+         coarse%state%film = fine%state%film(::2)
          coarse%state%rigid_displacement = fine%state%rigid_displacement
          coarse%posed%start_pressure(:) = coarse%state%pressure
          coarse%posed%start_film(:) = coarse%state%film

@@ -95,56 +95,54 @@ contains
       ! a trial may overflow, and what is not known is NaN: checked builds must go on
       call ieee_get_halting_mode(ieee_usual, halts)
       call ieee_set_halting_mode(ieee_usual, .false.)
-      call solve_rounds(contact, ends, target, listener, solution, report)
+      call solve_rounds()
       call ieee_set_halting_mode(ieee_usual, halts)
-   end subroutine solve_graded
 
-   !> The same, grid by grid.
-   subroutine solve_rounds(contact, ends, target, listener, solution, report)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: ends(2), target
-      class(listener_t), intent(inout) :: listener
-      type(graded_solution_t), intent(inout) :: solution
-      type(report_t), intent(inout) :: report
-      type(rounds_t) :: rounds
-      real(wp), allocatable :: x(:)
-      integer :: grid
-      logical :: is_sound, was_done
+   contains
 
-      report%converged = .false.
-      report%reason = 'no first grid has a solution, or the waves need more than '// &
-         to_text(max_nodes)//' nodes'
-      call solve_first(contact, ends, rounds, solution)
-      if (.not. allocated(solution%line)) return
-      rounds%first_top = maxval(solution%line%state%pressure)
-      rounds%least_front = least_spacing*contact%slope*minval(solution%line%state%film)
-      rounds%least_behind = rounds%least_front
-      allocate (rounds%earlier(0))
-      do grid = 1, max_rounds + max_failures + 1
-         was_done = rounds%is_done
-         call assess(contact, target, rounds, solution, x)
-         call report%add(solution%line%error, abs(solution%line%load_defect))
-         report%converged = was_done .and. solution%line%error < end_bound
-         report%reason = 'converged'
-         if (report%converged .and. (rounds%is_done .or. grid > max_rounds)) return
+      !> The same, grid by grid.
+      subroutine solve_rounds()
+         type(rounds_t) :: rounds
+         real(wp), allocatable :: x(:)
+         integer :: grid
+         logical :: is_sound, was_done
+
          report%converged = .false.
-         report%reason = 'not solved on '//to_text(max_rounds)//' grids'
-         if (listener%is_stopping) report%reason = 'stopped from outside'
-         if (grid > max_rounds + max_failures .or. is_stopped(listener)) return
-         if (grid >= max_rounds .or. size(x) > max_nodes) then   ! solved well, at least
-            x = solution%line%x(:)
-            rounds%is_done = .true.
-         end if
-         call listener%on_stage(to_text(size(x))//' nodes, grid', report%cycles, &
-            [report%residual, report%load_error])
-         call advance(contact, x, rounds, solution, is_sound)
-         if (.not. is_sound) then
-            report%reason = "Newton's method fails on "//to_text(size(x))//' nodes'
-            deallocate (solution%line)
-            return
-         end if
-      end do
-   end subroutine solve_rounds
+         report%reason = 'no first grid has a solution, or the waves need more than '// &
+            to_text(max_nodes)//' nodes'
+         call solve_first(contact, ends, rounds, solution)
+         if (.not. allocated(solution%line)) return
+         rounds%first_top = maxval(solution%line%state%pressure)
+         rounds%least_front = least_spacing*contact%slope*minval(solution%line%state%film)
+         rounds%least_behind = rounds%least_front
+         allocate (rounds%earlier(0))
+         do grid = 1, max_rounds + max_failures + 1
+            was_done = rounds%is_done
+            call assess(contact, target, rounds, solution, x)
+            call report%add(solution%line%error, abs(solution%line%load_defect))
+            report%converged = was_done .and. solution%line%error < end_bound
+            report%reason = 'converged'
+            if (report%converged .and. (rounds%is_done .or. grid > max_rounds)) return
+            report%converged = .false.
+            report%reason = 'not solved on '//to_text(max_rounds)//' grids'
+            if (listener%is_stopping) report%reason = 'stopped from outside'
+            if (grid > max_rounds + max_failures .or. is_stopped(listener)) return
+            if (grid >= max_rounds .or. size(x) > max_nodes) then   ! solved well, at least
+               x = solution%line%x(:)
+               rounds%is_done = .true.
+            end if
+            call listener%on_stage(to_text(size(x))//' nodes, grid', report%cycles, &
+               [report%residual, report%load_error])
+            call advance(contact, x, rounds, solution, is_sound)
+            if (.not. is_sound) then
+               report%reason = "Newton's method fails on "//to_text(size(x))//' nodes'
+               deallocate (solution%line)
+               return
+            end if
+         end do
+      end subroutine solve_rounds
+
+   end subroutine solve_graded
 
    !> Evaluates quantities and bounds of their errors, and the nodes `x` of the next grid.
    subroutine assess(contact, target, rounds, solution, x)

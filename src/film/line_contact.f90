@@ -236,17 +236,8 @@ contains
    pure real(wp) function shortest_passage(contact) result(time)
       class(rough_contact_t), intent(in) :: contact
 
-      time = min(passage_of(contact%surface_1), passage_of(contact%surface_2))
-
-   contains
-
-      !> The same of one surface.
-      pure real(wp) function passage_of(surface) result(time)
-         type(rough_surface_t), intent(in) :: surface
-
-         time = min(wave_of(surface), longest)/max(abs(surface%speed), slow)
-      end function passage_of
-
+      time = minval(min([wave_of(contact%surface_1), wave_of(contact%surface_2)], longest) &
+         /max(abs([contact%surface_1%speed, contact%surface_2%speed]), slow))
    end function shortest_passage
 
    !> Shortest wavelength of a surface [b]; huge if it is smooth.

@@ -18,7 +18,6 @@ module line_hierarchy
    use line_contact, only: line_contact_t
    use line_level, only: contact_load, line_level_t, new_level, set_plain_problem, turn
    use newton_work, only: newton_t
-   use transfer, only: inject
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -294,7 +293,7 @@ contains
 
       do k = hierarchy%finest - 1, 1, -1
          call set_plain_problem(hierarchy%levels(k), 0*hierarchy%levels(k)%x)
-         call inject(hierarchy%levels(k + 1)%rhs_film, hierarchy%levels(k)%rhs_film)
+         hierarchy%levels(k)%rhs_film = hierarchy%levels(k + 1)%rhs_film(::2)
       end do
    end subroutine pose_coarser_levels
 

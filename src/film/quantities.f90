@@ -13,7 +13,7 @@ module quantities
 
    public :: bend_of, central_by_cubic, central_value, exit_between_nodes, exit_position, &
       is_chance, node_minimum, node_spacings, parabola_extreme, parabola_minimum, &
-      paraboloid_minimum, peak_value, quantity_values, smallest_film
+      paraboloid_minimum, quantity_values, smallest_film
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
@@ -128,7 +128,7 @@ contains
       case (h_central)
          values = [central_value(x, h), central_by_cubic(x, h)]
       case (p_max)
-         values = peak_value(p)
+         values = -node_minimum(-p)
       case (p_central)
          values = central_by_cubic(x, p)
       case (x_cavitation)
@@ -247,14 +247,6 @@ contains
       smallest = not_known()
       if (size(h) > 0 .and. all(ieee_is_finite(h))) smallest = minval(h)
    end function node_minimum
-
-   !> Largest nodal value; NaN if a value is not finite. p (nx).
-   pure real(wp) function peak_value(p) result(highest)
-      real(wp), intent(in) :: p(:)
-
-      highest = not_known()
-      if (size(p) > 0 .and. all(ieee_is_finite(p))) highest = maxval(p)
-   end function peak_value
 
    !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it.
    !> x, h (nx).

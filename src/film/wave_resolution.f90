@@ -85,28 +85,23 @@ contains
       type(time_settings_t), intent(in) :: time
       character(:), allocatable :: words
 
-      words = ''
-      if (has_long_steps(contact, time)) words = 'the error is not estimated: ' &
-         //unseen_passage(steps_in_wave(contact, time))//': time_step = ' &
+      words = unseen_passage(contact, time)
+      if (words /= '') words = 'the error is not estimated: '//words//': time_step = ' &
          //rounded_down(max(shortest_passage(contact)/seen_steps, node_spacing(contact)), 2)
    end function long_steps
 
-   !> Whether longer steps miss waves that these resolve.
-   pure logical function has_long_steps(contact, time) result(are_long)
+   !> Says that longer steps miss waves that these resolve; empty: they do not.
+   pure function unseen_passage(contact, time) result(words)
       class(rough_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
-
-      are_long = steps_in_wave(contact, time) < seen_steps .and. time%time_step &
-         > long_step*node_spacing(contact)
-   end function has_long_steps
-
-   !> Text of that, for a wave that passes in this many steps.
-   pure function unseen_passage(steps) result(words)
-      real(wp), intent(in) :: steps
       character(:), allocatable :: words
+      real(wp) :: steps
 
-      words = 'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an '// &
-         'estimate needs '//to_text(nint(seen_steps))//', or steps of dX'
+      steps = steps_in_wave(contact, time)
+      words = ''
+      if (steps < seen_steps .and. time%time_step > long_step*node_spacing(contact)) words = &
+         'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an estimate '// &
+         'needs '//to_text(nint(seen_steps))//', or steps of dX'
    end function unseen_passage
 
    !> Why coarser grids and longer steps give no error estimate: waves that they do not resolve.
@@ -119,14 +114,11 @@ contains
 
       words = ''
       if (contact%domain%intervals <= 0) return
+      words = unseen_passage(contact, time)
       least = seen_nodes(merge(2, 1, time%is_transient))
       nodes = nodes_in_wave(contact)
-      if (nodes < least) then
-         words = 'the finest wave of the surfaces has '//to_text(nodes, 3) &
-            //' nodes, an estimate needs '//to_text(nint(least))
-      else if (has_long_steps(contact, time)) then
-         words = unseen_passage(steps_in_wave(contact, time))
-      end if
+      if (nodes < least) words = 'the finest wave of the surfaces has '//to_text(nodes, 3) &
+         //' nodes, an estimate needs '//to_text(nint(least))
    end function unseen_waves
 
    !> Smallest allowed number of intervals from `wanted` on.

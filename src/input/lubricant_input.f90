@@ -159,12 +159,12 @@ contains
    !> Finds too few of alpha (alone with the usual P0), P0, z, or three that contradict (2.27).
    subroutine check_roelands(values)
       type(input_values_t), intent(inout) :: values
-      type(error_t), allocatable :: error
       character(len=20), parameter :: keys(*) = [character(len=20) :: 'viscosity', &
          'pressure_viscosity', 'roelands_p0', 'roelands_z']
       character(len=20) :: last
       real(wp) :: number(size(keys))
       integer :: given
+      logical :: is_sound
 
       if (.not. values%has_group('lubricant') .or. values%has_group('moes') &
          .or. values%word_value('lubricant', 'viscosity_law') /= 'roelands') return
@@ -173,8 +173,8 @@ contains
       given = count(number(2:) > 0.0_wp)
       last = keys(max(2, findloc(number > 0.0_wp, .true., dim=1, back=.true.)))
       if (number(1) <= 0.0_wp) return
-      call complete_roelands(number(1), number(2), number(3), number(4), error)
-      if (.not. allocated(error)) return
+      call complete_roelands(number(1), number(2), number(3), number(4), is_sound)
+      if (is_sound) return
       if (given < 2) then
          call values%refuse('lubricant', last, 'found ' // to_text(given) &
             // ' of pressure_viscosity, roelands_p0 and roelands_z, expected '// &
@@ -222,7 +222,7 @@ contains
       type(input_values_t), intent(in) :: values
       type(lubricant_t), intent(out) :: oil
       type(materials_t), intent(out) :: materials
-      type(error_t), allocatable :: error
+      logical :: is_sound   ! `check_roelands` tells
 
       oil%viscosity = values%real_value('lubricant', 'viscosity')
       oil%limit_ratio = values%real_value('lubricant', 'limit_ratio')
@@ -248,7 +248,7 @@ contains
       materials%thermal_viscosity = values%real_value('lubricant', 'thermal_viscosity')
       if (.not. values%has_group('moes')) then
          if (oil%viscosity_law == viscosity_roelands) call complete_roelands(oil%viscosity, &
-            oil%pressure_viscosity, oil%roelands_p0, oil%roelands_z, error)
+            oil%pressure_viscosity, oil%roelands_p0, oil%roelands_z, is_sound)
       else if (values%real_value('moes', 'moes_l') <= 0.0_wp) then
          oil%viscosity_law = viscosity_constant
          oil%density_law = density_constant

@@ -11,7 +11,7 @@ module point_input
    use point_contact, only: first_intervals, fit_duty, intervals_for, new_point_contact, &
       point_contact_t, rows_for
    use point_cycle, only: fewest
-   use scaling, only: new_point_moes_scaling, new_point_scaling, scaled_fluid, sum_per_mean
+   use scaling, only: new_moes_scaling, new_scaling, scaled_fluid, sum_per_mean
    use system_limits, only: memory_fault, of_blas, point_memory
    use text, only: to_text
    implicit none (type, external)
@@ -44,14 +44,14 @@ contains
          m = values%real_value('moes', 'moes_m')
          l = values%real_value('moes', 'moes_l')
          per_speed = merge(sum_per_mean, 1.0_wp, values%word_value('moes', 'velocity') == 'sum')
-         call new_point_moes_scaling(case%scaling, ratio, m*per_speed**0.75_wp, &
-            l*per_speed**(-0.25_wp), case%lubricant)
+         call new_moes_scaling(case%scaling, m*per_speed**0.75_wp, l*per_speed**(-0.25_wp), &
+            case%lubricant, ratio)
       else
          call fill_radii(values, case, ratio)
          if (values%findings%count > 0) return
          call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
             load, ratio)
-         call new_point_scaling(case%scaling, case%bodies, ratio, case%lubricant, load)
+         call new_scaling(case%scaling, case%bodies, case%lubricant, load, ratio)
          if (any(case%scaling%half_width*[1.0_wp, case%scaling%ellipse%ratio*ratio] >= &
             case%bodies%reduced_radius)) call values%refuse('load', key, 'found a contact as '// &
             'wide as its radii, '//to_text(case%scaling%half_width, 3)// &

@@ -8,7 +8,7 @@ module linear_systems
    implicit none (type, external)
    private
 
-   public :: band_matrix_t, clear_band, factor_band, new_band, solve_band, solve_dense, &
+   public :: band_matrix_t, factor_band, new_band, solve_band, solve_dense, &
       solve_factored, use_one_blas_thread
 
    interface
@@ -133,13 +133,6 @@ contains
       allocate (matrix%entries(2*lower + upper + 1, n), source=0.0_wp)
       allocate (matrix%pivots(n), source=0)
    end subroutine new_band
-
-   !> Sets all entries to 0, after which the matrix may be filled and factored again.
-   pure subroutine clear_band(matrix)
-      type(band_matrix_t), intent(inout) :: matrix
-
-      matrix%entries = 0.0_wp
-   end subroutine clear_band
 
    !> Replaces the matrix by its factors. Error: it is singular.
    subroutine factor_band(matrix, error)

@@ -7,20 +7,12 @@ module transfer
    implicit none (type, external)
    private
 
-   public :: inject, full_weighting, prolong_linear, prolong_cubic
+   public :: full_weighting, prolong_linear, prolong_cubic
 
    !> Ratio of neighbouring pressures above which there is a spike.
    real(wp), parameter :: steep = 4.0_wp
 
 contains
-
-   !> coarse(i) = fine(2i), i = 0..n/2.
-   pure subroutine inject(fine, coarse)
-      real(wp), intent(in) :: fine(0:)
-      real(wp), intent(out) :: coarse(0:)
-
-      coarse = fine(::2)
-   end subroutine inject
 
    !> coarse(i) = (fine(2i-1) + 2 fine(2i) + fine(2i+1))/4 inside, injection at both ends.
    pure subroutine full_weighting(fine, coarse)

@@ -9,8 +9,8 @@ module eyring
    implicit none (type, external)
    private
 
-   public :: flow_shapes, slip_factor, slip_factors, slip_values, ln_slip_factor, &
-      ln_slip_factors, mean_stresses, pressure_derivative_of_stress
+   public :: flow_shapes, mean_stresses, pressure_derivative_of_stress, slip_factor, &
+      slip_factors, slip_values
 
    !> The law in the scales of a contact; tau_0 is `sigma_scale` and B `ln_b_scale`.
    type, extends(flow_law_t), public :: eyring_t
@@ -172,15 +172,6 @@ contains
       dln_s_dln_b = slope_b(1)
    end subroutine slip_factor
 
-   !> ln S alone: the value of `slip_factor`.
-   pure elemental function ln_slip_factor(sigma, ln_b) result(ln_s)
-      real(wp), intent(in) :: sigma, ln_b
-      real(wp) :: ln_s, value(1)
-
-      call ln_slip_factors([sigma], [ln_b], value)
-      ln_s = value(1)
-   end function ln_slip_factor
-
    !> Computes S = exp(growth) factor on arrays (n), with the derivatives of `slip_factor`, in loops
    !> that the compiler vectorises. S as a product saves the callers its logarithm, B = scale
    !> exp(ln_b) that of the film; `scale` 1e-40 ... 1e40.
@@ -214,16 +205,6 @@ contains
             growth(first:last), factor(first:last), parts)
       end do
    end subroutine slip_values
-
-   !> `ln_slip_factor` on arrays (n).
-   pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
-      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
-      real(wp), intent(out), contiguous :: ln_s(:)
-      real(wp), dimension(size(sigma)) :: growth, factor
-
-      call slip_values(sigma, ln_b, spread(1.0_wp, 1, size(sigma)), growth, factor)
-      ln_s = growth + log(factor)
-   end subroutine ln_slip_factors
 
    !> Computes S = exp(growth) factor of one block (m <= block_size), B = scale exp(ln_b).
    !>

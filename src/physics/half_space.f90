@@ -16,7 +16,7 @@ module half_space
    private
 
    public :: band_limited_response, deflection_by_elements, element_deflections, element_response, &
-      line_deflection_coefficients, line_kernel, open_area_kernel, open_line_kernel, wavenumbers
+      line_deflection_coefficients, line_kernel, open_area_kernel, wavenumbers
 
    !> From this cell distance on the series is used: its terms up to j^-12 leave an error of 1e-18
    !> there, while the closed form loses digits by cancellation in proportion to j.
@@ -136,36 +136,27 @@ contains
    pure subroutine evaluate_moments(distance, half, a0, a1)
       real(wp), intent(in) :: distance, half
       real(wp), intent(out) :: a0, a1
-      real(wp) :: above, below, u
-
-      if (abs(distance) > far*half) then
-         call far_moments(distance, half, a0, a1)
-         return
-      end if
-      u = distance/half
-      above = log(max(abs(1 + u), tiny(u)))
-      below = log(max(abs(1 - u), tiny(u)))
-      a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
-      a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
-   end subroutine evaluate_moments
-
-   !> A0 and A1 at `distance` > `far` half from the middle of an element by their series.
-   pure subroutine far_moments(distance, half, a0, a1)
-      real(wp), intent(in) :: distance, half
-      real(wp), intent(out) :: a0, a1
-      real(wp) :: y
+      real(wp) :: above, below, u, y
       integer :: m
 
-      a0 = 0.0_wp
-      a1 = 0.0_wp
-      y = (half/distance)**2
-      do m = terms, 1, -1
-         a0 = (a0 + even_terms(m))*y
-         a1 = (a1 + odd_terms(m))*y
-      end do
-      a0 = 2*log(abs(distance)) - a0
-      a1 = -2*distance/half*a1
-   end subroutine far_moments
+      if (abs(distance) > far*half) then
+         a0 = 0.0_wp
+         a1 = 0.0_wp
+         y = (half/distance)**2
+         do m = terms, 1, -1
+            a0 = (a0 + even_terms(m))*y
+            a1 = (a1 + odd_terms(m))*y
+         end do
+         a0 = 2*log(abs(distance)) - a0
+         a1 = -2*distance/half*a1
+      else
+         u = distance/half
+         above = log(max(abs(1 + u), tiny(u)))
+         below = log(max(abs(1 - u), tiny(u)))
+         a0 = (1 + u)*above + (1 - u)*below - 2 + 2*log(half)
+         a1 = 0.5_wp*(u**2 - 1)*(above - below) - u
+      end if
+   end subroutine evaluate_moments
 
    !> Wavenumbers q(0:nx/2, 0:ny-1) [1/m] of a periodic cell `length_x` x `length_y` in the order of
    !> the FFT; `ny` = 1 is a line.
@@ -234,17 +225,6 @@ contains
       image_share = 0.5_wp*erfc(steepness*(2.0_wp*abs(waves/(images + 1)) - 1.0_wp))
       if (abs(waves) > 0.0_wp) image_share = image_share*(sin(pi*waves)/(pi*waves))
    end function image_share
-
-   !> Kernel of an open line (0:n-1, 0:0) [m]: deflection at element distance j under unit pressure
-   !> on one element of width `dx` [m], by the logarithm integrated exactly; up to a constant, x in
-   !> the unit of `dx`.
-   pure function open_line_kernel(n, dx) result(kernel)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: dx
-      real(wp) :: kernel(0:n - 1, 0:0)
-
-      kernel(:, 0) = -line_deflection_coefficients(n - 1, dx)
-   end function open_line_kernel
 
    !> Kernel of an open area (0:nx-1, 0:ny-1) [m]: deflection at element distance (i, j) under unit
    !> pressure on one rectangle `dx` x `dy` [m] (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929,

@@ -13,7 +13,7 @@ module lubricant
    implicit none (type, external)
    private
 
-   public :: barus_viscosities, dowson_higginson_densities, eased_fluid, evaluate_stress, &
+   public :: dowson_higginson_densities, eased_fluid, evaluate_stress, &
       evaluate_stress_rise, faster_fluid, flow_shapes, fluid_density, fluid_viscosity, &
       limited_stress, ln_slip, roelands_viscosities, slide_to_roll, sliding_number, thins, &
       wall_stress
@@ -80,6 +80,8 @@ module lubricant
 contains
 
    !> Computes ln(mu/mu_0) and, if present, its derivative by P at the pressures `p` (n) >= 0 [-].
+   !> C. Barus' law, alpha p (Am. J. Sci. 45, 1893, 87), the limit z = 1 of (2.26), is realistic
+   !> below about 0.3 GPa.
    pure subroutine fluid_viscosity(fluid, p, ln_mu, dln_mu)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: p(:)
@@ -90,7 +92,8 @@ contains
       case (viscosity_roelands)
          call roelands_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu, dln_mu)
       case (viscosity_barus)
-         call barus_viscosities(p, fluid%alpha_bar, ln_mu, dln_mu)
+         ln_mu = fluid%alpha_bar*p
+         if (present(dln_mu)) dln_mu = fluid%alpha_bar
       case (viscosity_constant)
          ln_mu = 0.0_wp
          if (present(dln_mu)) dln_mu = 0.0_wp
@@ -116,20 +119,6 @@ contains
          error stop 'fluid_density: a law without its case'
       end select
    end subroutine fluid_density
-
-   !> Barus' law on arrays (n):  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the
-   !> limit z = 1 of (2.26).
-   !>
-   !> `p` >= 0; `alpha` >= 0; realistic below about 0.3 GPa. Results as in `roelands_viscosities`.
-   pure subroutine barus_viscosities(p, alpha, ln_mu, dln_mu)
-      real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(in) :: alpha
-      real(wp), intent(out), contiguous :: ln_mu(:)
-      real(wp), intent(out), contiguous, optional :: dln_mu(:)
-
-      ln_mu = alpha*p
-      if (present(dln_mu)) dln_mu = alpha
-   end subroutine barus_viscosities
 
    !> Roelands' law (2.26), (2.61) on arrays (n), in one loop that the compiler vectorises:
    !> ln(mu/mu_0) = (alpha P0/z) [ (1 + p/P0)^z - 1 ].

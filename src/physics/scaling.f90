@@ -5,7 +5,6 @@ module scaling
       point_lambda
    use eyring, only: eyring_t, ln_b_of_no_sliding
    use film_heating, only: heating_t
-   use flow_law, only: flow_law_t
    use hertz, only: bodies_t, line_half_width, line_peak_pressure
    use kinds, only: not_known, pi, wp
    use lubricant, only: density_constant, density_dowson_higginson, dowson_higginson_c1, fluid_t, &
@@ -15,8 +14,7 @@ module scaling
    implicit none (type, external)
    private
 
-   public :: new_heating, new_moes_scaling, new_point_moes_scaling, &
-      new_point_scaling, new_scaling, scaled_fluid
+   public :: new_heating, new_moes_scaling, new_scaling, scaled_fluid
 
    !> u1 + u2 over the mean speed: M falls with its power 3/4, L rises with its power 1/4.
    real(wp), parameter, public :: sum_per_mean = 2.0_wp
@@ -74,123 +72,97 @@ module scaling
 
 contains
 
-   !> Sets the scaling of a contact given in SI.
+   !> Sets the scaling of a line contact given in SI, or of a point contact with D = Rx/Ry =
+   !> `radius_ratio`, whose Rx the `bodies` have.
    !>
    !> lambda = 6 u_s R^2 mu_0/(p_h b^3), the left form of (2.55); the right one lacks a factor 1/8
-   !> in print (3 pi^2 mu_0 u_s R E'/(8 w^2)). `load_per_length` w [N/m] > 0; ranges of `bodies` and
-   !> `lubricant` as in their types.
-   pure subroutine new_scaling(scaling, bodies, lubricant, load_per_length)
+   !> in print (3 pi^2 mu_0 u_s R E'/(8 w^2)). Of a point contact a = Rx (3 W/(pi^2 C kappa))^(1/3),
+   !> W = w/(E' Rx^2), p_h = (pi/2) C E' a/Rx. `load` w > 0 [N/m], [N] of a point contact; ranges of
+   !> `bodies` and `lubricant` as in their types.
+   pure subroutine new_scaling(scaling, bodies, lubricant, load, radius_ratio)
       type(scaling_t), intent(out) :: scaling
       type(bodies_t), intent(in) :: bodies
       type(lubricant_t), intent(in) :: lubricant
-      real(wp), intent(in) :: load_per_length
-
-      scaling%is_dimensional = .true.
-      scaling%reduced_radius = bodies%reduced_radius
-      scaling%reduced_modulus = bodies%reduced_modulus
-      scaling%load_per_length = load_per_length
-      scaling%half_width = line_half_width(load_per_length, bodies%reduced_radius, &
-         bodies%reduced_modulus)
-      scaling%hertz_pressure = line_peak_pressure(load_per_length, bodies%reduced_radius, &
-         bodies%reduced_modulus)
-      scaling%film = scaling%half_width**2/bodies%reduced_radius
-      scaling%speed_sum = bodies%speed_1 + bodies%speed_2
-      scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
-      scaling%slope = scaling%half_width/bodies%reduced_radius
-      scaling%shear_stress = scaling%hertz_pressure*scaling%slope
-      scaling%power = scaling%shear_stress*scaling%half_width*scaling%speed_sum
-      scaling%slide_to_roll = 2.0_wp*(bodies%speed_2 - bodies%speed_1)/scaling%speed_sum
-      scaling%viscosity = lubricant%viscosity
-      scaling%lambda = 6.0_wp*scaling%speed_sum*bodies%reduced_radius**2*lubricant%viscosity &
-                       /(scaling%hertz_pressure*scaling%half_width**3)
-      if (lubricant%viscosity_law /= viscosity_constant) then
-         scaling%alpha_bar = lubricant%pressure_viscosity*scaling%hertz_pressure
-      end if
-      scaling%moes_m = moes_m_mean_from_sum(moes_m_sum_from_lambda(scaling%lambda))
-      scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
-      scaling%film_moes = 8.0_wp*scaling%moes_m/pi
-   end subroutine new_scaling
-
-   !> Sets the scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean
-   !> speed; the only known SI scale is p_h = alpha_bar/alpha, for laws that need it.
-   !>
-   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Only the laws, alpha, P0 and z
-   !> of `lubricant` are used.
-   pure subroutine new_moes_scaling(scaling, moes_m_mean, moes_l_mean, lubricant)
-      type(scaling_t), intent(out) :: scaling
-      real(wp), intent(in) :: moes_m_mean, moes_l_mean
-      type(lubricant_t), intent(in) :: lubricant
-
-      scaling%moes_m = moes_m_mean
-      scaling%moes_l = moes_l_mean
-      scaling%film_moes = 8.0_wp*scaling%moes_m/pi
-      scaling%slide_to_roll = not_known()
-      scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
-      scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
-      if (lubricant%pressure_viscosity > 0.0_wp) then
-         scaling%hertz_pressure = scaling%alpha_bar/lubricant%pressure_viscosity
-      end if
-   end subroutine new_moes_scaling
-
-   !> Sets the scaling of a point contact given in SI: `bodies` with Rx, D = Rx/Ry = `radius_ratio`,
-   !> `load` [N]: a = Rx (3 W/(pi^2 C kappa))^(1/3), W = w/(E' Rx^2), p_h = (pi/2) C E' a/Rx.
-   pure subroutine new_point_scaling(scaling, bodies, radius_ratio, lubricant, load)
-      type(scaling_t), intent(out) :: scaling
-      type(bodies_t), intent(in) :: bodies
-      real(wp), intent(in) :: radius_ratio, load
-      type(lubricant_t), intent(in) :: lubricant
+      real(wp), intent(in) :: load
+      real(wp), intent(in), optional :: radius_ratio
       real(wp) :: speed
 
-      scaling%ellipse = new_ellipse(radius_ratio)
       scaling%is_dimensional = .true.
       scaling%reduced_radius = bodies%reduced_radius
       scaling%reduced_modulus = bodies%reduced_modulus
       scaling%load_per_length = load
-      scaling%half_width = (3*load*bodies%reduced_radius/(pi**2*scaling%ellipse%compliance &
-         *scaling%ellipse%ratio*bodies%reduced_modulus))**(1.0_wp/3.0_wp)
-      scaling%slope = scaling%half_width/bodies%reduced_radius
-      scaling%hertz_pressure = 0.5_wp*pi*scaling%ellipse%compliance*bodies%reduced_modulus &
-         *scaling%slope
-      scaling%film = scaling%half_width*scaling%slope
       scaling%speed_sum = bodies%speed_1 + bodies%speed_2
-      scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
-      scaling%shear_stress = scaling%hertz_pressure*scaling%slope
-      scaling%power = scaling%shear_stress*scaling%half_width**2*scaling%speed_sum
       scaling%slide_to_roll = 2.0_wp*(bodies%speed_2 - bodies%speed_1)/scaling%speed_sum
       scaling%viscosity = lubricant%viscosity
-      scaling%lambda = 6.0_wp*scaling%speed_sum*lubricant%viscosity &
-         /(scaling%hertz_pressure*scaling%half_width*scaling%slope**2)
+      if (present(radius_ratio)) then
+         scaling%ellipse = new_ellipse(radius_ratio)
+         scaling%half_width = (3*load*bodies%reduced_radius/(pi**2*scaling%ellipse%compliance &
+            *scaling%ellipse%ratio*bodies%reduced_modulus))**(1.0_wp/3.0_wp)
+         scaling%slope = scaling%half_width/bodies%reduced_radius
+         scaling%hertz_pressure = 0.5_wp*pi*scaling%ellipse%compliance*bodies%reduced_modulus &
+            *scaling%slope
+         scaling%film = scaling%half_width*scaling%slope
+         scaling%lambda = 6.0_wp*scaling%speed_sum*lubricant%viscosity &
+            /(scaling%hertz_pressure*scaling%half_width*scaling%slope**2)
+      else
+         scaling%half_width = line_half_width(load, bodies%reduced_radius, bodies%reduced_modulus)
+         scaling%slope = scaling%half_width/bodies%reduced_radius
+         scaling%hertz_pressure = line_peak_pressure(load, bodies%reduced_radius, &
+            bodies%reduced_modulus)
+         scaling%film = scaling%half_width**2/bodies%reduced_radius
+         scaling%lambda = 6.0_wp*scaling%speed_sum*bodies%reduced_radius**2*lubricant%viscosity &
+            /(scaling%hertz_pressure*scaling%half_width**3)
+      end if
+      scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
+      scaling%shear_stress = scaling%hertz_pressure*scaling%slope
+      scaling%power = scaling%shear_stress*scaling%half_width**merge(2, 1, present(radius_ratio)) &
+         *scaling%speed_sum
       if (lubricant%viscosity_law /= viscosity_constant) scaling%alpha_bar = &
          lubricant%pressure_viscosity*scaling%hertz_pressure
-      ! U of the mean speed
-      speed = 0.5_wp*lubricant%viscosity*scaling%speed_sum/(bodies%reduced_modulus &
-         *bodies%reduced_radius)
-      scaling%moes_m = load/(bodies%reduced_modulus*bodies%reduced_radius**2)*speed**(-0.75_wp)
-      scaling%moes_l = scaling%alpha_bar/scaling%hertz_pressure*bodies%reduced_modulus &
-         *speed**0.25_wp
-      scaling%film_moes = scaling%slope**2/sqrt(speed)
-   end subroutine new_point_scaling
+      if (present(radius_ratio)) then   ! U of the mean speed
+         speed = 0.5_wp*lubricant%viscosity*scaling%speed_sum/(bodies%reduced_modulus &
+            *bodies%reduced_radius)
+         scaling%moes_m = load/(bodies%reduced_modulus*bodies%reduced_radius**2)*speed**(-0.75_wp)
+         scaling%moes_l = scaling%alpha_bar/scaling%hertz_pressure*bodies%reduced_modulus &
+            *speed**0.25_wp
+         scaling%film_moes = scaling%slope**2/sqrt(speed)
+      else
+         scaling%moes_m = moes_m_mean_from_sum(moes_m_sum_from_lambda(scaling%lambda))
+         scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
+         scaling%film_moes = 8.0_wp*scaling%moes_m/pi
+      end if
+   end subroutine new_scaling
 
-   !> Sets the scaling of a smooth Newtonian point contact given by D = `radius_ratio` and Moes'
-   !> numbers, mean speed; as `new_moes_scaling`.
-   pure subroutine new_point_moes_scaling(scaling, radius_ratio, moes_m_mean, moes_l_mean, &
-      lubricant)
+   !> Sets the scaling of a smooth Newtonian line contact given by Moes' numbers of (2.53, 2.54),
+   !> mean speed, or of a point contact with D = `radius_ratio`; the only known SI scale is p_h =
+   !> alpha_bar/alpha, for laws that need it.
+   !>
+   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Only the laws, alpha, P0 and z
+   !> of `lubricant` are used.
+   pure subroutine new_moes_scaling(scaling, moes_m_mean, moes_l_mean, lubricant, radius_ratio)
       type(scaling_t), intent(out) :: scaling
-      real(wp), intent(in) :: radius_ratio, moes_m_mean, moes_l_mean
+      real(wp), intent(in) :: moes_m_mean, moes_l_mean
       type(lubricant_t), intent(in) :: lubricant
+      real(wp), intent(in), optional :: radius_ratio
       real(wp) :: m
 
-      m = moes_m_mean*sum_per_mean**(-0.75_wp)
-      scaling%ellipse = new_ellipse(radius_ratio)
       scaling%moes_m = moes_m_mean
       scaling%moes_l = moes_l_mean
       scaling%slide_to_roll = not_known()
-      scaling%lambda = point_lambda(scaling%ellipse, m)
-      scaling%alpha_bar = point_alpha_bar(scaling%ellipse, m, moes_l_mean*sum_per_mean**0.25_wp)
-      scaling%film_moes = point_film_unit(scaling%ellipse, m)*sqrt(sum_per_mean)
+      if (present(radius_ratio)) then
+         m = moes_m_mean*sum_per_mean**(-0.75_wp)
+         scaling%ellipse = new_ellipse(radius_ratio)
+         scaling%lambda = point_lambda(scaling%ellipse, m)
+         scaling%alpha_bar = point_alpha_bar(scaling%ellipse, m, moes_l_mean*sum_per_mean**0.25_wp)
+         scaling%film_moes = point_film_unit(scaling%ellipse, m)*sqrt(sum_per_mean)
+      else
+         scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
+         scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
+         scaling%film_moes = 8.0_wp*scaling%moes_m/pi
+      end if
       if (lubricant%pressure_viscosity > 0.0_wp) scaling%hertz_pressure = scaling%alpha_bar &
          /lubricant%pressure_viscosity
-   end subroutine new_point_moes_scaling
+   end subroutine new_moes_scaling
 
    !> Data of a contact with these scales, bodies and thermal constants.
    pure function new_heating(scaling, bodies, effusivity, conductivity) result(heating)
@@ -215,7 +187,7 @@ contains
       type(lubricant_t), intent(in) :: lubricant
       type(bodies_t), intent(in) :: bodies
       type(fluid_t) :: fluid
-      real(wp) :: ln_b_scale, sliding
+      real(wp) :: sliding
 
       fluid%viscosity_law = lubricant%viscosity_law
       if (scaling%alpha_bar <= 0.0_wp) fluid%viscosity_law = viscosity_constant
@@ -235,28 +207,18 @@ contains
       fluid%stress_limit = lubricant%limit_ratio/scaling%slope
       fluid%is_cut = lubricant%is_cut
       if (lubricant%rheology == rheology_newtonian) return
-      ln_b_scale = ln_b_of_no_sliding
+      select case (lubricant%rheology)
+      case (rheology_eyring)
+         allocate (eyring_t :: fluid%rheology)
+      case default
+         error stop 'scaled_fluid: a law without its case'
+      end select
+      fluid%rheology%sigma_scale = scaling%half_width*scaling%hertz_pressure &
+         /(2.0_wp*scaling%reduced_radius*lubricant%stress_scale)
+      fluid%rheology%ln_b_scale = ln_b_of_no_sliding
       sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%stress_scale &
          *scaling%film)
-      if (sliding > 0.0_wp) ln_b_scale = log(sliding)
-      call new_flow_law(lubricant%rheology, scaling%half_width*scaling%hertz_pressure &
-         /(2.0_wp*scaling%reduced_radius*lubricant%stress_scale), ln_b_scale, fluid%rheology)
+      if (sliding > 0.0_wp) fluid%rheology%ln_b_scale = log(sliding)
    end function scaled_fluid
-
-   !> Allocates the law of a shear-thinning rheology, in the scales of `flow_law_t`.
-   pure subroutine new_flow_law(rheology, sigma_scale, ln_b_scale, law)
-      integer, intent(in) :: rheology
-      real(wp), intent(in) :: sigma_scale, ln_b_scale
-      class(flow_law_t), allocatable, intent(inout) :: law
-
-      select case (rheology)
-      case (rheology_eyring)
-         allocate (eyring_t :: law)
-      case default
-         error stop 'new_flow_law: a law without its case'
-      end select
-      law%sigma_scale = sigma_scale
-      law%ln_b_scale = ln_b_scale
-   end subroutine new_flow_law
 
 end module scaling

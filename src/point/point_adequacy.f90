@@ -70,7 +70,7 @@ contains
       adequacy%accuracy = accuracy_for(run%settings%target, summary)
       call listener%on_stage('measuring what each ingredient changes')
       list = ingredients_of(contact, run%time%is_transient)
-      adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      adequacy%rows = new_influence(list%name, list%text)
       steady = contact
       if (run%time%is_transient) then
          adequacy%rows%unknown = no_passage
@@ -81,7 +81,7 @@ contains
          adequacy%rows%unknown = no_grids
          return
       end if
-      call choose_pair(run, steady, size(list), adequacy, pair, error)
+      call choose_pair(size(list))
       if (allocated(error)) return
       do i = 1, size(list)
          if (run%time%is_transient .and. is_of_surfaces(list(i))) cycle
@@ -92,42 +92,39 @@ contains
       end do
       report%converged = .not. listener%is_stopping
       report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
+   contains
+
+      !> The last pair of grids, up to half of the intervals, on which this many `solutions` fit
+      !> into the budget. Error: as above.
+      subroutine choose_pair(solutions)
+         integer, intent(in) :: solutions
+         integer :: g, intervals(2), k, last
+         real(wp) :: nodes(size(run%grids))
+
+         last = size(run%grids)
+         nodes = [(real(contact%domain%intervals, wp)*contact%domain%rows/4**(last - k), k=1, last)]
+         pair%budget = merge(share_in_time, share, run%time%is_transient)*dot_product(nodes, &
+            run%work(2, :last) + work_of_step*run%work(1, :last))
+         if (adequacy%is_full) pair%budget = huge(1.0_wp)
+         k = last - 2
+         do while (k > 1 .and. solutions*usual_work*sum(nodes(k:k + 1)) > pair%budget)
+            k = k - 1
+         end do
+         do g = 2, 1, -1
+            intervals = [contact%domain%intervals, contact%domain%rows]/2**(last - k - g + 1)
+            call new_hierarchy(pair%newtons(g)%hierarchy, steady, intervals(1), intervals(2), &
+               run%threads, error)
+            if (allocated(error)) return
+            pair%full(g) = run%grids(k + g - 1)
+            adequacy%at_rest(3 - g) = intervals(1)
+         end do
+         g = 2**(last - 2 - k)
+         pair%coarse = run%older(::g, ::g)
+         pair%fine = run%coarse(::g, ::g)
+         if (g == 1) pair%rise = run%coarse_h0 - run%older_h0
+      end subroutine choose_pair
+
    end subroutine measure_point_adequacy
-
-   !> The last pair of grids, up to half of the intervals, on which this many `solutions` fit into
-   !> the budget. Error: as above.
-   subroutine choose_pair(run, contact, solutions, adequacy, pair, error)
-      type(point_run_t), intent(in) :: run
-      type(point_contact_t), intent(in) :: contact
-      integer, intent(in) :: solutions
-      type(adequacy_t), intent(inout) :: adequacy
-      type(grid_pair_t), intent(inout) :: pair
-      type(error_t), allocatable, intent(out) :: error
-      integer :: g, intervals(2), k, last
-      real(wp) :: nodes(size(run%grids))
-
-      last = size(run%grids)
-      nodes = [(real(contact%domain%intervals, wp)*contact%domain%rows/4**(last - k), k=1, last)]
-      pair%budget = merge(share_in_time, share, run%time%is_transient)*dot_product(nodes, &
-         run%work(2, :last) + work_of_step*run%work(1, :last))
-      if (adequacy%is_full) pair%budget = huge(1.0_wp)
-      k = last - 2
-      do while (k > 1 .and. solutions*usual_work*sum(nodes(k:k + 1)) > pair%budget)
-         k = k - 1
-      end do
-      do g = 2, 1, -1
-         intervals = [contact%domain%intervals, contact%domain%rows]/2**(last - k - g + 1)
-         call new_hierarchy(pair%newtons(g)%hierarchy, contact, intervals(1), intervals(2), &
-            run%threads, error)
-         if (allocated(error)) return
-         pair%full(g) = run%grids(k + g - 1)
-         adequacy%at_rest(3 - g) = intervals(1)
-      end do
-      g = 2**(last - 2 - k)
-      pair%coarse = run%older(::g, ::g)
-      pair%fine = run%coarse(::g, ::g)
-      if (g == 1) pair%rise = run%coarse_h0 - run%older_h0
-   end subroutine choose_pair
 
    !> One ingredient, of which `others` follow: on the coarser grid first, which may show that it is
    !> needed.

@@ -65,53 +65,51 @@ contains
             before = wall_seconds()
             if (allocated(run%time%resume_from)) report = run%time%resume_from%report
             report%numbers%levels = size(run%newton%hierarchy%levels)
-            call march_point(run, contact, listener, state, report)
+            call march_point()
             seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - before
          else if (report%converged) then
             call check_breakdown(state%x, state%film_thickness, run%settings, 0, 0.0_wp, report, &
                state%y)
          end if
       end associate
+
+   contains
+
+      !> Marches from the steady solution of `run`, or from where an earlier run stopped (module
+      !> time_march).
+      subroutine march_point()
+         type(point_marcher_t), target :: self
+
+         self%run => run
+         self%point => contact
+         self%contact => contact
+         self%film => self%predicted
+         self%settings = run%settings
+         self%time = run%time
+         associate (level => run%newton%hierarchy%levels(1), history => self%history)
+            call listener%on_stage('steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
+               //' intervals')
+            allocate (level%old_squeeze, mold=level%film)
+            if (allocated(run%time%resume_from)) then
+               history = run%time%resume_from
+               level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
+               level%rigid_displacement = history%rigid_displacement(1)
+               if (history%direction*level%direction < 0.0_wp) call turn_nodes(level)
+            end if
+            call set_point_moment(contact, history%step*run%time%time_step)
+            call set_surfaces(level, contact, history%step*run%time%time_step)
+            call set_point_film(level)
+            if (history%size == 0) then
+               call self%end_step(0, .false., report)
+               if (.not. report%converged) return
+               call remember(history, contact, level, 0.0_wp)
+            end if
+            call self%fill(history%step*run%time%time_step, state, has_stresses=.false.)
+         end associate
+         call march(self, listener, state, report)
+      end subroutine march_point
+
    end subroutine solve_point
-
-   !> Marches from the steady solution of `run`, or from where an earlier run stopped (module
-   !> time_march).
-   subroutine march_point(run, contact, listener, state, report)
-      type(point_run_t), intent(inout), target :: run
-      type(point_contact_t), intent(inout), target :: contact
-      class(listener_t), intent(inout), target :: listener
-      type(line_state_t), intent(inout) :: state
-      type(report_t), intent(inout) :: report
-      type(point_marcher_t), target :: self
-
-      self%run => run
-      self%point => contact
-      self%contact => contact
-      self%film => self%predicted
-      self%settings = run%settings
-      self%time = run%time
-      associate (level => run%newton%hierarchy%levels(1), history => self%history)
-         call listener%on_stage('steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
-            //' intervals')
-         allocate (level%old_squeeze, mold=level%film)
-         if (allocated(run%time%resume_from)) then
-            history = run%time%resume_from
-            level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
-            level%rigid_displacement = history%rigid_displacement(1)
-            if (history%direction*level%direction < 0.0_wp) call turn_nodes(level)
-         end if
-         call set_point_moment(contact, history%step*run%time%time_step)
-         call set_surfaces(level, contact, history%step*run%time%time_step)
-         call set_point_film(level)
-         if (history%size == 0) then
-            call self%end_step(0, .false., report)
-            if (.not. report%converged) return
-            call remember(history, contact, level, 0.0_wp)
-         end if
-         call self%fill(history%step*run%time%time_step, state, has_stresses=.false.)
-      end associate
-      call march(self, listener, state, report)
-   end subroutine march_point
 
    !> Records a film below its floor.
    subroutine end_step(self, step, is_last, report)

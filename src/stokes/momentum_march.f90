@@ -1,17 +1,19 @@
-!> Time steps of a line contact by the full momentum equations of the film, after those of the
-!> Reynolds equation: the same steps, grid and surfaces, another history of H and rho H.
+!> The full momentum equations of the film of a line contact, after the Reynolds equation: at rest,
+!> or in the same time steps on the same grid and surfaces, with another history of H and rho H.
 !>
-!> It starts from the smooth steady film of the full equations, which the surfaces then enter as
-!> they enter that of the Reynolds equation. Every step begins with its last solution plus the
+!> A march starts from the smooth steady film of the full equations, which the surfaces then enter
+!> as they enter that of the Reynolds equation. Every step begins with its last solution plus the
 !> change of the Reynolds solution since; with delta = 0 it is the march of the Reynolds equation.
 module momentum_march
    use errors, only: error_t
    use film_fields, only: film_fields_t, stress_rise, copy_fields
+   use film_shear, only: film_limits
+   use iteration_report, only: phase_steady, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, without_surfaces
    use line_level, only: line_level_t, set_film
    use line_state, only: line_state_t
-   use film_state, only: film_state_t
+   use line_summary, only: line_summary_t, summary_of
    use momentum_solver, only: missing_reason, pose_level, pose_momentum, set_walls, &
       solve_by_continuation, walls_t
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
@@ -20,14 +22,17 @@ module momentum_march
    use listener, only: follower_t
    use march_state, only: excess_t, max_excesses, momentum_history_t, next_count, time_part_t, &
       weights_of
+   use quantities, only: h_central, h_min, p_max
+   use state_output, only: fill_properties
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: momentum_march_t
+   public :: momentum_march_t, solve_film_momentum
 
-   !> Bounds on the last Newton step, of the start and of a time step; the latter also on the
-   !> predicted remainder after it.
-   real(wp), parameter :: start_tolerance = 1.0e-9_wp, step_tolerance = 1.0e-6_wp
+   !> Bounds on the last Newton step, of a contact at rest and of a time step; the latter also on
+   !> the predicted remainder after it.
+   real(wp), parameter :: rest_tolerance = 1.0e-9_wp, step_tolerance = 1.0e-6_wp
    !> Most Newton steps from a first approximation by the history.
    integer, parameter :: direct_steps = 5
 
@@ -49,6 +54,73 @@ module momentum_march
 
 contains
 
+   !> Solves the momentum equations of a contact at rest on `layers` layers from `state`, a
+   !> converged solution of the Reynolds equation by the kappa scheme. `state` becomes the solution,
+   !> with the mean pressure across the film; without one it stays, and the report gives the reason.
+   !> Error: no memory.
+   subroutine solve_film_momentum(contact, walls, layers, state, fields, report, error)
+      type(line_contact_t), intent(in) :: contact
+      type(walls_t), intent(in) :: walls
+      integer, intent(in) :: layers
+      type(line_state_t), intent(inout) :: state
+      type(film_fields_t), intent(out) :: fields
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(momentum_march_t) :: self
+      character(:), allocatable :: reason
+      real(wp) :: start
+
+      start = wall_seconds()
+      self%walls = walls
+      self%layers = layers
+      call pose(self, contact, state, error)
+      if (allocated(error)) return
+      call solve(self, rest_tolerance, reason)
+      self%history%steps = self%newton%steps
+      report%converged = .not. allocated(reason)
+      if (report%converged) then
+         fields = self%fields()
+         call copy_state(contact, self%level, state, fields)
+      else
+         report%reason = reason
+      end if
+      report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
+      report%cost%phase_seconds(phase_steady) = report%cost%phase_seconds(phase_steady) &
+         + wall_seconds() - start
+   end subroutine solve_film_momentum
+
+   !> Copies pressure, film and H0 into `state`, and sets the differences from the old ones.
+   pure subroutine copy_state(contact, level, state, fields)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(in) :: level
+      type(line_state_t), intent(inout) :: state
+      type(film_fields_t), intent(inout) :: fields
+      type(line_summary_t) :: before, after
+
+      before = summary_of(state)
+      state%pressure(:) = level%state%pressure
+      state%film_thickness(:) = level%state%film
+      state%rigid_displacement = level%state%rigid_displacement
+      call fill_properties(contact, state)
+      state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, level%x, &
+         state%pressure, state%film_thickness)
+      after = summary_of(state)
+      fields%h_min = relative(h_min)
+      fields%h_central = relative(h_central)
+      fields%p_max = relative(p_max)
+      fields%pressure_change = maxval(abs(state%pressure - fields%reynolds_pressure))
+
+   contains
+
+      !> Relative difference of a quantity.
+      pure real(wp) function relative(quantity)
+         integer, intent(in) :: quantity
+
+         relative = after%of(quantity)%value/before%of(quantity)%value - 1
+      end function relative
+
+   end subroutine copy_state
+
    !> Begins from `state`, that of the Reynolds equation at T = 0, or resumes from `earlier`, with
    !> `state` that of its time. Error: no memory, or no solution.
    subroutine start(self, contact, state, reason)
@@ -56,16 +128,20 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       character(:), allocatable, intent(out) :: reason
+      type(error_t), allocatable :: error
       real(wp) :: heights(size(state%x), 2)
 
-      call pose(self, contact, state, reason)
-      if (allocated(reason)) return
+      call pose(self, without_surfaces(contact), state, error)
+      if (allocated(error)) then
+         reason = error%message
+         return
+      end if
       if (allocated(self%earlier)) then
          call resume(self)
          deallocate (self%earlier)
          return
       end if
-      call solve(self, start_tolerance, reason)
+      call solve(self, rest_tolerance, reason)
       self%history%steps = self%newton%steps
       if (allocated(reason)) return
       self%newton%largest_rest = step_tolerance
@@ -76,27 +152,17 @@ contains
       call remember(self)
    end subroutine start
 
-   !> Poses the smooth contact; first approximation is the pressure of `state`. Error: no memory.
-   subroutine pose(self, contact, state, reason)
+   !> Poses the contact at T = 0; first approximation is the pressure of `state`. Error: no memory.
+   subroutine pose(self, contact, state, error)
       type(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
-      character(:), allocatable, intent(out) :: reason
-      type(line_state_t) :: smooth
-      type(error_t), allocatable :: error
-      real(wp) :: heights(size(state%x), 2)
+      type(error_t), allocatable, intent(out) :: error
 
-      smooth = state
-      smooth%roughness_1 = 0.0_wp
-      smooth%roughness_2 = 0.0_wp
-      call pose_level(contact, smooth, self%level, error)
-      if (allocated(error)) then
-         reason = error%message
-         return
-      end if
+      call pose_level(contact, state, self%level, error)
+      if (allocated(error)) return
       self%history%reynolds = self%level%state
-      heights = 0.0_wp
-      call pose_momentum(self%problem, contact, self%walls, self%level, self%layers, heights)
+      call pose_momentum(self%problem, contact, self%walls, self%level, self%layers)
       call start_flow(self%problem, self%level, self%flow, self%newton%terms)
       associate (n => self%level%n, m => self%layers)
          allocate (self%problem%old%film(0:n), self%problem%old%lower(0:n), &

@@ -5,15 +5,14 @@
 !> apart that no row depends on two. Changes with U outside the band are neglected: they are of
 !> fourth order in delta. The change by the mean pressure of the Reynolds part is not here.
 module momentum_matrix
-   use linear_systems, only: band_matrix_t, clear_band, factor_band, new_band, solve_band
-   use errors, only: error_t
+   use linear_systems, only: band_matrix_t, new_band, solve_band
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, momentum_problem_t, new_flow
    use momentum_rows, only: momentum_rows_t, momentum_terms_t, rows_change
    implicit none (type, external)
    private
 
-   public :: factor_momentum, momentum_matrix_t, pack_rows, solve_momentum
+   public :: fill_momentum, momentum_matrix_t, pack_rows, solve_momentum
 
    !> Kinds of unknowns.
    integer, parameter :: kind_u = 1, kind_v = 2, kind_p = 3
@@ -39,24 +38,21 @@ module momentum_matrix
 
 contains
 
-   !> Fills and factors the matrix at a flow with given terms. `reach`: diagonals on both sides, by
-   !> default those of a column and its neighbour's velocities. Error: the matrix is singular.
-   subroutine factor_momentum(matrix, problem, flow, terms, error, reach, without_factors)
+   !> Fills the band, to be factored, at a flow with given terms. `reach`: diagonals on both sides,
+   !> by default those of a column and its neighbour's velocities.
+   subroutine fill_momentum(matrix, problem, flow, terms, reach)
       type(momentum_matrix_t), intent(inout) :: matrix
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
       type(momentum_terms_t), intent(inout) :: terms
-      type(error_t), allocatable, intent(out) :: error
       integer, intent(in), optional :: reach
-      logical, intent(in), optional :: without_factors
       integer :: column, kind, layer, wide
       real(wp) :: no_mean(0:problem%n)
-      logical :: is_plain
 
       wide = column_size(problem) + problem%layers + margin
       if (present(reach)) wide = reach
       if (matrix%band%n == order_of(problem) .and. matrix%band%lower == wide) then
-         call clear_band(matrix%band)
+         matrix%band%entries = 0.0_wp
       else
          call new_band(matrix%band, order_of(problem), wide, wide)
          if (allocated(matrix%rows%x)) deallocate (matrix%rows%x, matrix%rows%z, matrix%rows%mass)
@@ -73,10 +69,7 @@ contains
             end do
          end do
       end do
-      is_plain = .false.
-      if (present(without_factors)) is_plain = without_factors
-      if (.not. is_plain) call factor_band(matrix%band, error)   ! error: the caller looks
-   end subroutine factor_momentum
+   end subroutine fill_momentum
 
    !> Solves A change = rows, held columns included; V of the walls stays as it is.
    subroutine solve_momentum(matrix, problem, rows, change)

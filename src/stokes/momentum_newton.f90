@@ -19,8 +19,9 @@ module momentum_newton
    use gmres, only: gmres_t, krylov_system_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t, load_defect, set_film
+   use linear_systems, only: factor_band
    use march_state, only: newton_cost_t
-   use momentum_matrix, only: factor_momentum, momentum_matrix_t, solve_momentum
+   use momentum_matrix, only: fill_momentum, momentum_matrix_t, solve_momentum
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
    use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t, &
       rows_change
@@ -212,7 +213,8 @@ contains
       end if
       is_new = .not. allocated(newton%factored_set)
       if (.not. is_new) return
-      call factor_momentum(newton%matrix, problem, flow, newton%terms, error)
+      call fill_momentum(newton%matrix, problem, flow, newton%terms)
+      call factor_band(newton%matrix%band, error)
       if (allocated(error)) return
       newton%factorisations = newton%factorisations + 1
       newton%factored_set = problem%is_held

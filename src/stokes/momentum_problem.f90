@@ -20,12 +20,6 @@ module momentum_problem
    public :: differentiate_geometry, evaluate_geometry, film_flow_t, film_geometry_t, &
       layer_centres, layer_edges, mean_pressure, momentum_problem_t, new_flow
 
-   !> Flow at the inlet, where P is given: nothing across the film changes along it, dV/dX = 0; oil
-   !> enters along the lines of constant zeta, V = 0; or, with dV/dX = 0, the velocities at the
-   !> first face have the profile of the thin film, and the middle layer the balance of momentum.
-   integer, parameter :: inlet_even = 1
-   integer, parameter, public :: inlet_parallel = 2, inlet_thin = 3
-
    !> Grid and numbers of the equations.
    type :: momentum_equations_t
       !> Intervals in X, layers across the film.
@@ -60,19 +54,12 @@ module momentum_problem
       !> Columns whose pressure is given (both ends, and cavitated ones), and that pressure.
       logical, allocatable :: is_held(:)
       real(wp), allocatable :: held_pressure(:)
-      !> One of the inlets above.
-      integer :: inlet = inlet_even
-      !> Shares of the layers (layers) in the pressure that loads the bodies; not allocated: the
-      !> mean.
-      real(wp), allocatable :: loading_shares(:)
    end type momentum_problem_t
 
    !> Unknowns U (layers, n), V (0:layers, 0:n), P (layers, 0:n), and the film H (0:n); H0 is that
    !> of the level.
    type, extends(excess_t) :: film_flow_t
       real(wp), allocatable :: film(:)
-      !> Shares of the layers in the mean of P (layers).
-      real(wp), allocatable, private :: shares(:)
    end type film_flow_t
 
    !> At nodes (0:n) and faces (1:n): film, slopes dz1/dX and dH/dX, speeds of the walls along x; at
@@ -92,17 +79,16 @@ contains
 
       associate (m => problem%layers, n => problem%n)
          allocate (flow%u(m, n), flow%v(0:m, 0:n), flow%p(m, 0:n), flow%film(0:n), source=0.0_wp)
-         allocate (flow%shares(m), source=1.0_wp/m)
       end associate
-      if (allocated(problem%loading_shares)) flow%shares(:) = problem%loading_shares
    end subroutine new_flow
 
-   !> Mean pressure across the film (0:n), as it loads the bodies.
+   !> Mean pressure across the film (0:n), which loads the bodies.
    pure function mean_pressure(flow) result(mean)
       type(film_flow_t), intent(in) :: flow
-      real(wp) :: mean(0:ubound(flow%p, 2))
+      real(wp) :: mean(0:ubound(flow%p, 2)), shares(size(flow%p, 1))
 
-      mean = matmul(flow%shares, flow%p)
+      shares = 1.0_wp/size(shares)
+      mean = matmul(shares, flow%p)
    end function mean_pressure
 
    !> zeta of the middles of the layers (m).

@@ -18,8 +18,7 @@ module momentum_rows
       film_stresses_t, new_kinematics, new_stresses, stress_change_t
    use kinds, only: wp
    use momentum_problem, only: differentiate_geometry, evaluate_geometry, film_flow_t, &
-      film_geometry_t, inlet_parallel, inlet_thin, layer_centres, layer_edges, mean_pressure, &
-      momentum_problem_t
+      film_geometry_t, layer_centres, layer_edges, mean_pressure, momentum_problem_t
    use reynolds_part, only: change_of_profile, evaluate_reynolds_part, reynolds_part_t, &
       wedge_change
    implicit none (type, external)
@@ -82,8 +81,6 @@ contains
       if (problem%inertia > 0.0_wp) call add_inertia(problem, flow, terms, rows)
       call evaluate_mass(problem, flow, terms, rows%mass)
       call hold_columns(problem, flow%p, flow%v, problem%held_pressure, rows)
-      if (problem%inlet == inlet_thin) call shape_inlet(flow%u(:, 1) - terms%reynolds%u(:, 1), &
-         rows%x(:, 1))
    end subroutine evaluate_rows
 
    !> Adds the inertia of the flow. (`rows_change` neglects its change: it is a millionth of the
@@ -214,8 +211,7 @@ contains
          rows%mass(:, i) = p(:, i) - held_pressure(i)
          rows%z(:, i) = v(1:problem%layers - 1, i)
       end do
-      rows%z(:, 0) = v(1:problem%layers - 1, 0)
-      if (problem%inlet /= inlet_parallel) rows%z(:, 0) = rows%z(:, 0) - v(1:problem%layers - 1, 1)
+      rows%z(:, 0) = v(1:problem%layers - 1, 0) - v(1:problem%layers - 1, 1)
    end subroutine hold_columns
 
    !> Computes the change of the rows with a change of the flow. `d_mean` (0:n) is that of the mean
@@ -226,7 +222,7 @@ contains
       type(momentum_terms_t), intent(inout) :: terms
       real(wp), intent(in) :: d_mean(0:)
       type(momentum_rows_t), intent(inout) :: rows
-      real(wp) :: held(0:problem%n), thin(problem%layers, 1)
+      real(wp) :: held(0:problem%n)
 
       held = 0.0_wp
       call new_storage(problem, terms, rows)
@@ -240,23 +236,7 @@ contains
       call change_momentum(problem, flow, terms, change, rows)
       call change_mass(problem, flow, terms, change, d_mean, rows%mass)
       call hold_columns(problem, change%p, change%v, held, rows)
-      if (problem%inlet /= inlet_thin) return
-      call change_of_profile(terms%reynolds%u_by(:, :, 1:1), d_mean(0:1), change%film(0:1), thin)
-      call shape_inlet(change%u(:, 1) - thin(:, 1), rows%x(:, 1))
    end subroutine rows_change
-
-   !> Sets the rows at the first face except that of the middle layer: the excess of U over the thin
-   !> film is the same in all layers.
-   pure subroutine shape_inlet(excess, rows)
-      real(wp), intent(in) :: excess(:)
-      real(wp), intent(inout) :: rows(:)
-      integer :: m, middle
-
-      m = size(rows)
-      middle = (m + 1)/2
-      rows(:middle - 1) = excess(:middle - 1) - excess(2:middle)
-      rows(middle + 1:) = excess(middle + 1:) - excess(middle:m - 1)
-   end subroutine shape_inlet
 
    !> Computes the changes of the rows of momentum.
    pure subroutine change_momentum(problem, flow, terms, change, rows)

@@ -1,6 +1,6 @@
 !> Poses the full momentum equations of the film of a line contact on a level of its solution, and
-!> solves them from a solution of the Reynolds equation on the same grid, by Newton's method or, if
-!> that fails, by continuation.
+!> solves them from a first approximation, by Newton's method or, if that fails, by continuation
+!> from the solution of the Reynolds equation.
 !>
 !> delta^2, the square of the slope scale, grows from 0, where the solution is that of the Reynolds
 !> equation, to its value; each solution is the first approximation of the next.
@@ -8,28 +8,20 @@ module momentum_solver
    use errors, only: error_t
    use eyring, only: eyring_t
    use features, only: surface_height
-   use film_fields, only: film_fields_t, stress_rise, copy_fields
-   use iteration_report, only: phase_steady, report_t
    use kinds, only: wp
-   use film_shear, only: film_limits
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: new_level_of
+   use line_hierarchy, only: new_level_of, roughness_at
    use line_level, only: carried_load, line_level_t, set_film, set_plain_problem
    use line_state, only: line_state_t
    use film_state, only: film_state_t
-   use line_summary, only: line_summary_t, summary_of
    use lubricant, only: fluid_t
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, momentum_problem_t
-   use quantities, only: h_central, h_min, p_max
-   use state_output, only: fill_properties
    use text, only: to_text
-   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: missing_reason, pose_level, pose_momentum, set_walls, solve_by_continuation, &
-      solve_film_momentum, walls_t
+   public :: missing_reason, pose_level, pose_momentum, set_walls, solve_by_continuation, walls_t
 
    !> Data missing in a dimensionless contact: delta = b/R, the share R/R1 of surface 1, the lower
    !> one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
@@ -39,9 +31,6 @@ module momentum_solver
       real(wp) :: inertia = 0.0_wp
    end type walls_t
 
-   !> Bound on the last step.
-   real(wp), parameter :: tolerance = 1.0e-9_wp
-
    !> Most Newton steps, without continuation and in one part of it.
    integer, parameter :: direct_steps = 10, part_steps = 12
    !> First and smallest growth of delta^2 in a part, relative to its value.
@@ -49,7 +38,8 @@ module momentum_solver
 
 contains
 
-   !> Sets up the level of a state: its pressure, film and H0, and the load of its pressure.
+   !> Sets up the level of a state at T = 0: its pressure, film and H0, and the load of its
+   !> pressure.
    subroutine pose_level(contact, state, level, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
@@ -58,7 +48,7 @@ contains
 
       call new_level_of(contact, size(state%x) - 1, level, error)
       if (allocated(error)) return
-      call set_plain_problem(level, state%roughness_1 + state%roughness_2)
+      call set_plain_problem(level, roughness_at(contact, level, 0.0_wp))
       level%is_kappa = .true.
       level%state%pressure(:) = state%pressure
       level%state%rigid_displacement = state%rigid_displacement
@@ -70,16 +60,14 @@ contains
    !> Poses the problem on `layers` layers for the steady contact posed on `level`, whose pressure
    !> is the first approximation: it decides which columns are cavitated.
    !>
-   !> Each body has its curvature and roughness, and half of the deformation: z1 = -H/2 + (1/2 -
-   !> R/R1) X^2/2 + (Psi_1 - Psi_2)/2. `heights` are Psi_1 and Psi_2 at the nodes (0:n, 2), by
-   !> default those of the contact at T = 0.
-   pure subroutine pose_momentum(problem, contact, walls, level, layers, heights)
+   !> Each body has its curvature and roughness, that of T = 0, and half of the deformation: z1 =
+   !> -H/2 + (1/2 - R/R1) X^2/2 + (Psi_1 - Psi_2)/2.
+   pure subroutine pose_momentum(problem, contact, walls, level, layers)
       type(momentum_problem_t), intent(out) :: problem
       type(line_contact_t), intent(in) :: contact
       type(walls_t), intent(in) :: walls
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: layers
-      real(wp), intent(in), optional :: heights(0:, :)
 
       problem%n = level%n
       problem%layers = layers
@@ -94,12 +82,8 @@ contains
       problem%shear_scale = eyring_scale(level%fluid, level%lambda)
       problem%lower_share = -0.5_wp
       allocate (problem%lower_shape(0:level%n), problem%wave_slope(level%n, 2))
-      if (present(heights)) then
-         call set_walls(problem, walls, level, heights)
-      else
-         call set_walls(problem, walls, level, reshape([surface_height(contact%surface_1, level%x, &
-            0.0_wp), surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
-      end if
+      call set_walls(problem, walls, level, reshape([surface_height(contact%surface_1, level%x, &
+         0.0_wp), surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
       allocate (problem%held_pressure(0:level%n), source=0.0_wp)
       allocate (problem%is_held(0:level%n), source=level%state%pressure <= 0.0_wp)
       problem%is_held([0, level%n]) = .true.
@@ -136,81 +120,6 @@ contains
       problem%wave_slope(:, 1) = (heights(1:, 1) - heights(:n - 1, 1))/level%dx
       problem%wave_slope(:, 2) = (heights(:n - 1, 2) - heights(1:, 2))/level%dx
    end subroutine set_walls
-
-   !> Solves the momentum equations on `layers` layers from `state`, a converged steady solution of
-   !> the Reynolds equation by the kappa scheme. `state` becomes the solution, with the mean
-   !> pressure across the film; without one it stays, and the report gives the reason. Error: no
-   !> memory.
-   subroutine solve_film_momentum(contact, walls, layers, state, fields, report, error)
-      type(line_contact_t), intent(in) :: contact
-      type(walls_t), intent(in) :: walls
-      integer, intent(in) :: layers
-      type(line_state_t), intent(inout) :: state
-      type(film_fields_t), intent(out) :: fields
-      type(report_t), intent(inout) :: report
-      type(error_t), allocatable, intent(out) :: error
-      type(line_level_t), target :: level
-      type(momentum_problem_t), target :: problem
-      type(film_flow_t), target :: flow
-      type(momentum_newton_t), target :: newton
-      type(film_state_t) :: reynolds
-      real(wp) :: start
-
-      start = wall_seconds()
-      call pose_level(contact, state, level, error)
-      if (allocated(error)) return
-      call pose_momentum(problem, contact, walls, level, layers)
-      call start_flow(problem, level, flow, newton%terms)
-      fields%stress_rise = stress_rise(problem, newton%terms)
-      fields%reynolds_pressure = state%pressure
-      fields%reynolds_film = state%film_thickness
-      reynolds = level%state
-      if (fields%stress_rise < 1.0_wp) call solve_by_continuation(newton, problem, level, flow, &
-         reynolds, tolerance)
-      report%converged = newton%is_converged
-      fields%newton_cost_t = newton%newton_cost_t
-      if (newton%is_converged) then
-         call copy_fields(problem, flow, newton%terms, fields)
-         call copy_state(contact, level, state, fields)
-      else
-         report%reason = missing_reason(newton, fields%stress_rise)
-      end if
-      report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
-      report%cost%phase_seconds(phase_steady) = report%cost%phase_seconds(phase_steady) &
-         + wall_seconds() - start
-   end subroutine solve_film_momentum
-
-   !> Copies pressure, film and H0 into `state`, and sets the differences from the old ones.
-   pure subroutine copy_state(contact, level, state, fields)
-      type(line_contact_t), intent(in) :: contact
-      type(line_level_t), intent(in) :: level
-      type(line_state_t), intent(inout) :: state
-      type(film_fields_t), intent(inout) :: fields
-      type(line_summary_t) :: before, after
-
-      before = summary_of(state)
-      state%pressure(:) = level%state%pressure
-      state%film_thickness(:) = level%state%film
-      state%rigid_displacement = level%state%rigid_displacement
-      call fill_properties(contact, state)
-      state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, level%x, &
-         state%pressure, state%film_thickness)
-      after = summary_of(state)
-      fields%h_min = relative(h_min)
-      fields%h_central = relative(h_central)
-      fields%p_max = relative(p_max)
-      fields%pressure_change = maxval(abs(state%pressure - fields%reynolds_pressure))
-
-   contains
-
-      !> Relative difference of a quantity.
-      pure real(wp) function relative(quantity)
-         integer, intent(in) :: quantity
-
-         relative = after%of(quantity)%value/before%of(quantity)%value - 1
-      end function relative
-
-   end subroutine copy_state
 
    !> Solves from `flow`, whose mean pressure is that of the level, to a step below `tolerance`; if
    !> that fails, by continuation from `reynolds`, the solution of the Reynolds equation.
