@@ -1,11 +1,23 @@
 """The cases of golden.py: small namelists whose results, texts and statuses are stored in full.
 
-Each case is a list of steps in an empty folder. A step is a command line, in which `asperity` is the program, or
+Each case is a list of steps in an empty folder. A step is a line of shell, in which `asperity` is the program, or
 `stop NAME.nml`: run it, and end it by SIGTERM after its first checkpoint. `files` are written before.
 """
 
 import math
+import pathlib
 import random
+import sys
+import tempfile
+
+import test_bad_input
+import test_good_input
+import test_validity
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE / "fuzz"))
+
+import valid_cases
 
 LUBRICANT = """&lubricant viscosity = 0.14, roelands_z = 0.6, roelands_p0 = 1.98e8, rheology = 'eyring', eyring_stress = 3.3e6 /
 """
@@ -269,6 +281,117 @@ MORE = {
         ["stop a.nml", "asperity a.nml --resume --quiet"],
     ),
 }
+
+SMALL = PLAIN.replace("128", "64") + NO_BARS + NO_ADEQUACY
+FILES = {"a.nml": SMALL, "b.nml": SMALL.replace("1e5", "2e5"), "dry.nml": ONE["line_elastic"], "bad.nml": ONE["refused"]}
+MORE |= {
+    # usage, in front of what is good
+    "usage": (
+        FILES,
+        [f"asperity {words} a.nml" for words in ("--nothing", "--template b.nml", "--threads 0", "--set a=1", "--check --keys")]
+        + [f"asperity {words}" for words in ("table a.h5 --format xml", "a.nml --profiles", "a.nml --summary a.h5 --output b")],
+    ),
+    # standard output that is lost
+    "lost": (
+        FILES,
+        [
+            "asperity a.nml dry.nml --quiet",
+            "asperity table a.h5 dry.h5 > /dev/full",
+            "asperity table a.h5 dry.h5 --format csv > /dev/full",
+            "asperity table a.h5 dry.h5 --format json > /dev/full",
+            "asperity table a.h5 --profiles > /dev/full",
+            "asperity table a.h5 --profiles",
+            "asperity table dry.h5 --profiles",
+            "asperity table none.h5 --profiles",
+            "asperity --check a.nml dry.nml > /dev/full",
+            "asperity bad.nml a.nml --keep-going --outcomes > /dev/full",
+            "asperity b.nml a.nml --outcomes > /dev/full",
+            "asperity --keys > /dev/full; rm *.h5",
+        ],
+    ),
+    # results without room, or where something else is
+    "no_room": (
+        FILES | {"c.nml": BUSY, "d.nml": ONE["area"]},
+        [
+            "mkdir a.h5; asperity a.nml b.nml",
+            "rmdir a.h5; mkdir a.h5.part; asperity a.nml b.nml",
+            "rmdir a.h5.part; echo > a.h5; asperity a.nml dry.nml",
+            "ulimit -f 2; asperity b.nml",
+            "ulimit -f 20; asperity dry.nml",
+            "ulimit -f 20; asperity c.nml --quiet",
+            "ulimit -f 100; asperity d.nml --quiet",
+            "mkdir c.h5.ckpt.tmp; asperity c.nml --quiet",
+            "ulimit -v 200000; asperity d.nml a.nml --set domain.intervals=8192",
+            "asperity a.nml --output dry.nml; rm -r *.h5*",
+        ],
+    ),
+    # going on with what is not of this case
+    "not_resumed": (
+        {"a.nml": BUSY, "b.nml": BUSY},
+        [
+            "stop a.nml",
+            "asperity a.nml --resume --set lubricant.viscosity=0.2",
+            "for i in h5.part h5.ckpt; do cp a.$i b.$i; done; echo >> b.h5.ckpt; asperity b.nml --resume",
+            "cp a.h5.ckpt b.h5.ckpt; echo 1 > b.h5.part; asperity b.nml --resume",
+            "rm b.h5.part; asperity b.nml --resume",
+            "rm b.h5.ckpt; asperity b.nml --resume --set time.end_time=0.5",
+            "asperity a.nml --resume --quiet; asperity a.nml --resume",
+            "asperity a.nml --resume --set time.end_time=0.5",
+            "rm *.h5*",
+        ],
+    ),
+    "with_heights": (
+        {"a.nml": ONE["file_in_oil"], "b.nml": ONE["tilted_files"]},
+        [
+            "asperity a.nml b.nml --quiet; asperity a.nml b.nml --resume",
+            "sed -i 's/^2.000,.*/2.000,1.0/' a.csv; asperity a.nml b.nml --resume",
+            "sed -i 's/^4.000,/3.000,/' a.csv; asperity a.nml",
+            "sed -i 's/^9.*/x,y/' b.csv; asperity b.nml",
+            "rm a.csv; mkdir a.csv; asperity a.nml b.nml; rmdir a.csv; cp a.h5 a.csv; asperity a.nml; rm *.h5",
+        ],
+    ),
+    # rows of a table in place of results
+    "summary": (
+        FILES,
+        [
+            "asperity a.nml b.nml --summary s.csv --quiet",
+            "asperity a.nml b.nml --summary s.csv --resume",
+            "asperity a.nml dry.nml --summary s.csv",
+            "truncate -s -3 s.csv; asperity a.nml b.nml --summary s.csv --resume",
+            "sed -i '1s/case/cases/' s.csv; asperity a.nml --summary s.csv",
+            "mkdir t.csv; asperity a.nml --summary t.csv",
+            "rm s.csv",
+        ],
+    ),
+    # every finding; every form that is none; every limit of the model
+    "bad_input": (
+        {f"{name.replace(':', '_')}.nml": "\n".join(lines) + "\n" for name, (lines, _) in test_bad_input.CORPUS.items()},
+        ["asperity --check *.nml"],
+    ),
+    "good_input": (
+        {f"{name}.nml": text for name, text in test_good_input.FORMS.items()},
+        [f"asperity --check *.nml --keep-going --set {entry}" for entry in ("time.time_step=1e-5", "lubricant.viscosity=1e3")],
+    ),
+    "beyond": (
+        {f"{name}.nml": scenes[0] for name, scenes in test_validity.SCENES.items()},
+        ["asperity *.nml --verbose --keep-going --set domain.intervals=64; rm *.h5"],
+    ),
+}
+
+
+def drawn(kind, count, left_out=()):
+    """Random cases, valid or not, of a kind of valid_cases.py."""
+    for number in set(range(count)) - set(left_out):
+        with tempfile.TemporaryDirectory() as place:
+            folder, name = pathlib.Path(place), f"{kind.__name__}_{number}"
+            files = {f"{name}.nml": kind(random.Random(f"golden {kind.__name__} {number}"), folder)}
+            files |= {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+        yield name, (files, [f"asperity {name}.nml --verbose"])
+
+
+MORE |= drawn(valid_cases.lubricated, 60)
+MORE |= drawn(valid_cases.point, 50, (14, 26, 40, 45))
+MORE |= drawn(valid_cases.dry, 20)
 
 # Cases whose instructions are counted: a steady contact, a climb, passages, momentum, lines and areas.
 COUNTED = ("smooth", "target", "ridge_slow", "auto_lean", "moving_upper", "line", "area", "sphere")
