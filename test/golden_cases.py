@@ -14,8 +14,7 @@ import test_bad_input
 import test_good_input
 import test_validity
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.append(str(HERE / "fuzz"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parent / "fuzz"))
 
 import valid_cases
 
@@ -376,6 +375,42 @@ MORE |= {
         {f"{name}.nml": scenes[0] for name, scenes in test_validity.SCENES.items()},
         ["asperity *.nml --verbose --keep-going --set domain.intervals=64; rm *.h5"],
     ),
+}
+
+# Memory that FFTW does not get, at the first, third ... array of a case: (cases, the last array)
+FAILS = """#include <stdlib.h>
+void *memalign(size_t alignment, size_t size) {
+   static int number;
+   return size % 512 == 0 && ++number == atoi(getenv("FAILS")) ? NULL : aligned_alloc(alignment, size);
+}
+"""
+STARVED = {
+    "line": (PLAIN.replace("128", "64"), 20),
+    "passage": (ONE["ridge_slow"].replace("128", "64"), 40),
+    "full": (ONE["one_step"].replace(NO_ADEQUACY, "&output adequacy = 'full' /\n"), 60),
+    "auto": (ONE["auto_lean"], 34),
+    "rest": (ONE["auto_rest"], 18),
+    "target": (ONE["target_in_time"], 50),
+    "momentum": (ONE["stokes"], 50),
+    "moving": (ONE["moving_lower"], 70),
+    "cut": (ONE["outlet_cut"], 24),
+    "graded": (ONE["graded_cut"], 14),
+    "dry": (ONE["line"], 6),
+    "area": (ONE["area_plastic"], 40),
+    "sphere": (ONE["sphere"], 20),
+    "point": (DENTED[: DENTED.index("&surface_1")] + "&domain intervals_x = 32 /\n", 20),
+    "point_time": (DENTED + time(0.1, 0.05), 6),
+    "point_target": (DENTED[: DENTED.index("&surface_1")] + "&accuracy target = 0.05 /\n", 20),
+}
+MORE |= {
+    f"starved_{name}": (
+        {"a.nml": text, "fails.c": FAILS},
+        [
+            "gcc -shared -fPIC fails.c -o fails.so; export LD_PRELOAD=./fails.so FAILS; for FAILS in $(seq 1 2 "
+            f"{most}); do asperity a.nml --quiet 2>&1 | grep -a '^asperity:' || echo none; done; rm -f fails.so *.h5*"
+        ],
+    )
+    for name, (text, most) in STARVED.items()
 }
 
 
