@@ -200,7 +200,8 @@ def count(program, store):
 
 
 def main():
-    np.seterr(over="ignore", invalid="ignore")  # sums of numbers as large as there are
+    quiet = {"over": "ignore", "invalid": "ignore"}  # sums of numbers as large as there are
+    np.seterr(**quiet)
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=os.environ.get("ASPERITY", "build/bin/asperity"))
     parser.add_argument("--store", action="store_true", help="keep what the program makes today")
@@ -217,7 +218,7 @@ def main():
     stored = read()
     names = chosen.names or [*ONE, *MORE]
     failed = 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count(), initializer=lambda: np.seterr(**quiet)) as pool:
         for name, found in zip(names, pool.map(lambda name: flat(name, outcome(program, name)), names), strict=True):
             lines = differences(stored.get(name, {}), found)
             stored[name] = found

@@ -7,6 +7,7 @@ Each case is a list of steps in an empty folder. A step is a line of shell, in w
 import math
 import pathlib
 import random
+import re
 import sys
 import tempfile
 
@@ -94,6 +95,7 @@ VARYING = (
     + SAVING
 )
 LOADS = "time [s],load [N],speed_1 [m/s],speed_2 [m/s]\n0,2,2,1.6\n6e-4,4,0.8,0.6\n1e-3,2,2,1.6\n"
+POINT = DENTED[: DENTED.index("&surface_1")]
 NO_ADEQUACY = "&output adequacy = .false. /\n"
 GRADED = "&domain grid = 'graded' /\n" + NO_ADEQUACY
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
@@ -216,6 +218,30 @@ ONE = {
     + "&surface_2 shape = 'file', file = 'a.csv', cutoff_short = 2e-5 /\n"
     + time(0.2, 0.05)
     + NO_ADEQUACY,
+    # points
+    "point": POINT + "&domain intervals_x = 32 /\n",
+    "point_target": POINT + TARGET.replace("0.02", "0.05"),
+    "point_ellipse": POINT.replace("radius_x_1 = 0.01", "radius_x_1 = 0.01, radius_y_1 = 0.02, radius_y_2 = -0.1")
+    + "&domain intervals_x = 32, y_half_width = 5.0 /\n",
+    "point_passage": DENTED + time(0.1, 0.05),
+    # keys of few cases
+    "full": PLAIN + feature(2) + time(0.05, 0.05) + "&output adequacy = 'full' /\n",
+    "no_end": PLAIN.replace("128", "64") + feature(1, position=-1.2) + "&time transient = .true. /\n" + NO_ADEQUACY,
+    "auto_thresholds": CASE_1.replace("'ehl_line'", "'ehl_line', model = 'auto'")
+    + feature(2, 2e-10, -2.5)
+    + "&time transient = .true., duration = 1e-4 /\n&output film_thresholds = 1e-7 /\n"
+    + TARGET,
+    "no_copies": MOVING + "&film layers = 5 /\n&output si_copies = .false. /\n",
+    "oil_sheet": CASE_1.replace("viscosity = 0.14", "viscosity_grade = 46, viscosity_index = 150, temperature = 60")
+    + "&asperities law = 'exponential', rms_height = 2e-7, contact_pressure = 1e9, decay_length = 5e-8, boundary_friction=0.1 /\n",
+    "oil_points": PLAIN.replace("viscosity = 0.14", "kinematic_viscosity = 404, 28, temperature = 60, cavitation = 'reynolds'"),
+    "sweeps": PLAIN + "&solver method = 'fas_block_jacobi', pre_sweeps = 2, post_sweeps = 3, coarse_sweeps = 20 /\n",
+    "line_kurtosis": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES + ", kurtosis = 4.0", NO_ADEQUACY),
+    "line_skewness": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES + ", skewness = 0.3", NO_ADEQUACY),
+    "file_arrives": PLAIN.replace("128", "64")
+    + "&surface_2 shape = 'file', file = 'a.csv', entry_length = 0.5, cutoff_short = 2e-5, x_unit = 'um' /\n"
+    + time(0.4, 0.05)
+    + NO_ADEQUACY,
     # refused
     "refused": PLAIN.replace("load_per_length = 1e5", "load_per_length = -1e5, lod = 3").replace("128", "100")
     + feature(2).replace("'feature'", "'ridge'")
@@ -295,13 +321,8 @@ MORE |= {
         FILES,
         [
             "asperity a.nml dry.nml --quiet",
-            "asperity table a.h5 dry.h5 > /dev/full",
-            "asperity table a.h5 dry.h5 --format csv > /dev/full",
-            "asperity table a.h5 dry.h5 --format json > /dev/full",
-            "asperity table a.h5 --profiles > /dev/full",
-            "asperity table a.h5 --profiles",
-            "asperity table dry.h5 --profiles",
-            "asperity table none.h5 --profiles",
+            "for i in text csv json; do asperity table a.h5 dry.h5 --format $i > /dev/full || echo $?; done",
+            "for i in a dry none; do asperity table $i.h5 --profiles > /dev/full || asperity table $i.h5 --profiles; done",
             "asperity --check a.nml dry.nml > /dev/full",
             "asperity bad.nml a.nml --keep-going --outcomes > /dev/full",
             "asperity b.nml a.nml --outcomes > /dev/full",
@@ -332,7 +353,7 @@ MORE |= {
             "asperity a.nml --resume --set lubricant.viscosity=0.2",
             "for i in h5.part h5.ckpt; do cp a.$i b.$i; done; echo >> b.h5.ckpt; asperity b.nml --resume",
             "cp a.h5.ckpt b.h5.ckpt; echo 1 > b.h5.part; asperity b.nml --resume",
-            "rm b.h5.part; asperity b.nml --resume",
+            "rm b.h5.part; asperity table a.h5 a.h5.part | sed 's/: [0-9].*: /: /'; asperity b.nml --resume",
             "rm b.h5.ckpt; asperity b.nml --resume --set time.end_time=0.5",
             "asperity a.nml --resume --quiet; asperity a.nml --resume",
             "asperity a.nml --resume --set time.end_time=0.5",
@@ -377,40 +398,24 @@ MORE |= {
     ),
 }
 
-# Memory that FFTW does not get, at the first, third ... array of a case: (cases, the last array)
+# Memory that FFTW does not get, at the first, third ... array of a case, up to the last one.
 FAILS = """#include <stdlib.h>
 void *memalign(size_t alignment, size_t size) {
    static int number;
    return size % 512 == 0 && ++number == atoi(getenv("FAILS")) ? NULL : aligned_alloc(alignment, size);
 }
 """
-STARVED = {
-    "line": (PLAIN.replace("128", "64"), 20),
-    "passage": (ONE["ridge_slow"].replace("128", "64"), 40),
-    "full": (ONE["one_step"].replace(NO_ADEQUACY, "&output adequacy = 'full' /\n"), 60),
-    "auto": (ONE["auto_lean"], 34),
-    "rest": (ONE["auto_rest"], 18),
-    "target": (ONE["target_in_time"], 50),
-    "momentum": (ONE["stokes"], 50),
-    "moving": (ONE["moving_lower"], 70),
-    "cut": (ONE["outlet_cut"], 24),
-    "graded": (ONE["graded_cut"], 14),
-    "dry": (ONE["line"], 6),
-    "area": (ONE["area_plastic"], 40),
-    "sphere": (ONE["sphere"], 20),
-    "point": (DENTED[: DENTED.index("&surface_1")] + "&domain intervals_x = 32 /\n", 20),
-    "point_time": (DENTED + time(0.1, 0.05), 6),
-    "point_target": (DENTED[: DENTED.index("&surface_1")] + "&accuracy target = 0.05 /\n", 20),
-}
+STARVED = "smooth 24 ridge_slow 40 full 60 auto_lean 34 auto_rest 18 target_in_time 50 stokes 50 moving_lower 70 outlet_cut 24"
+STARVED += " graded_cut 14 line 6 line_target 6 area_plastic 40 sphere 20 point 20 point_passage 6 point_target 20"
 MORE |= {
     f"starved_{name}": (
-        {"a.nml": text, "fails.c": FAILS},
+        {"a.nml": ONE[name], "fails.c": FAILS},
         [
             "gcc -shared -fPIC fails.c -o fails.so; export LD_PRELOAD=./fails.so FAILS; for FAILS in $(seq 1 2 "
-            f"{most}); do asperity a.nml --quiet 2>&1 | grep -a '^asperity:' || echo none; done; rm -f fails.so *.h5*"
+            f"{last}); do asperity a.nml --quiet 2>&1 | grep -a '^asperity:' || echo none; done; rm -f fails.so *.h5*"
         ],
     )
-    for name, (text, most) in STARVED.items()
+    for name, last in re.findall(r"(\w+) (\d+)", STARVED)
 }
 
 
@@ -424,7 +429,7 @@ def drawn(kind, count, left_out=()):
         yield name, (files, [f"asperity {name}.nml --verbose"])
 
 
-MORE |= drawn(valid_cases.lubricated, 60)
+MORE |= drawn(valid_cases.lubricated, 90)
 MORE |= drawn(valid_cases.point, 50, (14, 26, 40, 45))
 MORE |= drawn(valid_cases.dry, 20)
 
