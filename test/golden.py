@@ -200,8 +200,7 @@ def count(program, store):
 
 
 def main():
-    quiet = {"over": "ignore", "invalid": "ignore"}  # sums of numbers as large as there are
-    np.seterr(**quiet)
+    np.seterr(over="ignore", invalid="ignore")  # sums of numbers as large as there are
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=os.environ.get("ASPERITY", "build/bin/asperity"))
     parser.add_argument("--store", action="store_true", help="keep what the program makes today")
@@ -218,7 +217,9 @@ def main():
     stored = read()
     names = chosen.names or [*ONE, *MORE]
     failed = 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count(), initializer=lambda: np.seterr(**quiet)) as pool:
+    with concurrent.futures.ThreadPoolExecutor(
+        os.cpu_count(), initializer=lambda: np.seterr(over="ignore", invalid="ignore")
+    ) as pool:
         for name, found in zip(names, pool.map(lambda name: flat(name, outcome(program, name)), names), strict=True):
             lines = differences(stored.get(name, {}), found)
             stored[name] = found

@@ -234,8 +234,8 @@ ONE = {
     "no_copies": MOVING + "&film layers = 5 /\n&output si_copies = .false. /\n",
     "oil_sheet": CASE_1.replace("viscosity = 0.14", "viscosity_grade = 46, viscosity_index = 150, temperature = 60")
     + "&asperities law = 'exponential', rms_height = 2e-7, contact_pressure = 1e9, decay_length = 5e-8, boundary_friction=0.1 /\n",
-    "oil_points": PLAIN.replace("viscosity = 0.14", "kinematic_viscosity = 404, 28, temperature = 60, cavitation = 'reynolds'"),
-    "sweeps": PLAIN + "&solver method = 'fas_block_jacobi', pre_sweeps = 2, post_sweeps = 3, coarse_sweeps = 20 /\n",
+    "oil_points": PLAIN.replace("viscosity = 0.14", "kinematic_viscosity = 404, 28, temperature = 60, cavitation = 'reynolds'")
+    + "&solver method = 'fas_block_jacobi', pre_sweeps = 2, post_sweeps = 3, coarse_sweeps = 20 /\n",
     "line_kurtosis": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES + ", kurtosis = 4.0", NO_ADEQUACY),
     "line_skewness": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES + ", skewness = 0.3", NO_ADEQUACY),
     "file_arrives": PLAIN.replace("128", "64")
@@ -356,8 +356,7 @@ MORE |= {
         [
             "asperity a.nml b.nml --quiet; asperity a.nml b.nml --resume",
             "sed -i 's/^2.000,.*/2.000,1.0/' a.csv; asperity a.nml b.nml --resume",
-            "sed -i 's/^4.000,/3.000,/' a.csv; asperity a.nml",
-            "sed -i 's/^9.*/x,y/' b.csv; asperity b.nml",
+            "sed -i 's/^4.000,/3.000,/' a.csv; sed -i 's/^9.*/x,y/' b.csv; asperity a.nml b.nml",
             "rm a.csv; mkdir a.csv; asperity a.nml b.nml; rmdir a.csv; cp a.h5 a.csv; asperity a.nml; rm *.h5",
         ],
     ),
@@ -372,7 +371,6 @@ MORE |= {
             "mkdir t.csv; asperity a.nml --summary t.csv; rm s.csv",
         ],
     ),
-    # every finding; every form that is none; every limit of the model
     "bad_input": (
         {f"{name.replace(':', '_')}.nml": "\n".join(lines) + "\n" for name, (lines, _) in test_bad_input.CORPUS.items()},
         ["ulimit -v 6000000; asperity --check *.nml"],
