@@ -217,9 +217,7 @@ def main():
     stored = read()
     names = chosen.names or [*ONE, *MORE]
     failed = 0
-    with concurrent.futures.ThreadPoolExecutor(
-        os.cpu_count(), initializer=lambda: np.seterr(over="ignore", invalid="ignore")
-    ) as pool:
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count(), "", np.seterr, (None, None, "ignore", None, "ignore")) as pool:
         for name, found in zip(names, pool.map(lambda name: flat(name, outcome(program, name)), names), strict=True):
             lines = differences(stored.get(name, {}), found)
             stored[name] = found
