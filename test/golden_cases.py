@@ -279,7 +279,7 @@ MORE = {
         ],
     ),
     "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
-    "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
+    "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet --threads 2"]),
     "stopped_point": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_point_not": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["asperity a.nml --quiet"]),
     "stopped_point_history": ({"a.nml": VARYING, "h.csv": LOADS}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
@@ -376,7 +376,7 @@ MORE |= {
         ["ulimit -v 6000000; asperity --check *.nml"],
     ),
     "good_input": (
-        {f"{name}.nml": text for name, text in test_good_input.FORMS.items()},
+        {f"{name}.nml": text for name, text in (test_good_input.FORMS | ONE).items()},
         [f"asperity --check *.nml --keep-going --set {entry}" for entry in ("time.time_step=1e-5", "lubricant.viscosity=1e3")],
     ),
     "beyond": (
