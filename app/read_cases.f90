@@ -160,8 +160,8 @@ contains
          lines = time_text(cases(i), minute)
          if (lines /= '') lines = '; '//lines
          lines = cases(i)%file//': no findings'//lines
-         call write_text(lines//unusual_text(cases(i))//new_line('a'), error)
-         if (allocated(error)) return
+         call write_text(lines//unusual_text(cases(i))//new_line('a'), &
+            error)   ! error: stays
       end do
       call print_text('', error)   ! error: handed up
    end subroutine report_good

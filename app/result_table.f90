@@ -81,12 +81,11 @@ contains
          call read_row(trim(files(i)), rows(i))
          if (.not. rows(i)%is_read) status = status_bad_input
          if (form /= 'json') cycle   ! columns and their widths come from all rows
-         call write_text(json_line(rows(i))//nl, error)
-         if (allocated(error)) return
+         call write_text(json_line(rows(i))//nl, error)   ! error: stays
       end do
-      if (form == 'csv') call write_csv(rows, error)   ! error: looked at below
-      if (form == 'text') call write_table(rows, error)   ! error: looked at below
-      if (.not. allocated(error)) call print_text('', error)   ! error: handed up
+      if (form == 'csv') call write_csv(rows, error)   ! error: stays
+      if (form == 'text') call write_table(rows, error)   ! error: stays
+      call print_text('', error)   ! error: handed up
    end subroutine print_results
 
    !> Prints the arrays of /solution over x in SI as CSV. Errors: no readable result, or an area
@@ -123,16 +122,15 @@ contains
       end do
       call reader%close(error)
       if (allocated(error)) return
-      call write_text(head(2:)//nl, error)   ! error: the loop looks
+      call write_text(head(2:)//nl, error)   ! error: stays
       do i = 1, size(values, 1)
-         if (allocated(error)) return
          head = ''
          do k = 1, columns
             head = head//','//exact(values(i, k), '')
          end do
-         call write_text(head(2:)//nl, error)   ! error: the loop looks
+         call write_text(head(2:)//nl, error)   ! error: stays
       end do
-      if (.not. allocated(error)) call print_text('', error)   ! error: handed up
+      call print_text('', error)   ! error: handed up
    end subroutine print_profiles
 
    !> The row of one file.
@@ -241,8 +239,7 @@ contains
                end if
             end associate
          end if
-         call write_text(trim(line)//nl, error)
-         if (allocated(error)) return
+         call write_text(trim(line)//nl, error)   ! error: stays
       end do
    end subroutine write_table
 
@@ -271,9 +268,8 @@ contains
             line = line//','//name//unit//','//name//'_error'//unit
          end associate
       end do
-      call write_text(line//nl, error)   ! error: the loop looks
+      call write_text(line//nl, error)   ! error: stays
       do i = 1, size(rows)
-         if (allocated(error)) return
          associate (row => rows(i))
             line = csv_cell(row%file)//','//csv_cell(row%problem)//','//state(row, '')//',' &
                //row%outcome//','//csv_cell(row%reason)
@@ -288,7 +284,7 @@ contains
                end associate
             end do
          end associate
-         call write_text(line//nl, error)   ! error: the loop looks
+         call write_text(line//nl, error)   ! error: stays
       end do
    end subroutine write_csv
 

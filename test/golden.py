@@ -102,9 +102,8 @@ def stop(program, folder, name):
 def run(program, folder, command):
     if command.startswith("stop "):
         return stop(program, folder, command.removeprefix("stop "))
-    words = [program, *shlex.split(command)[1:]]
-    limit = f"ulimit -t {PROCESSOR_SECONDS}; exec {shlex.join(words)}"
-    done = subprocess.run(["sh", "-c", limit], cwd=folder, capture_output=True, text=True, check=False)
+    script = f'ulimit -t {PROCESSOR_SECONDS}\nasperity() {{ {shlex.quote(program)} "$@"; }}\n{command}'
+    done = subprocess.run(["sh", "-c", script], cwd=folder, capture_output=True, text=True, check=False)
     return {
         "status": done.returncode,
         "out": printed(done.stdout, folder),
@@ -201,6 +200,7 @@ def count(program, store):
 
 
 def main():
+    np.seterr(over="ignore", invalid="ignore")  # sums of numbers as large as there are
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=os.environ.get("ASPERITY", "build/bin/asperity"))
     parser.add_argument("--store", action="store_true", help="keep what the program makes today")
@@ -217,7 +217,7 @@ def main():
     stored = read()
     names = chosen.names or [*ONE, *MORE]
     failed = 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count(), "", np.seterr, (None, None, "ignore", None, "ignore")) as pool:
         for name, found in zip(names, pool.map(lambda name: flat(name, outcome(program, name)), names), strict=True):
             lines = differences(stored.get(name, {}), found)
             stored[name] = found

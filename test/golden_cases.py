@@ -1,11 +1,23 @@
 """The cases of golden.py: small namelists whose results, texts and statuses are stored in full.
 
-Each case is a list of steps in an empty folder. A step is a command line, in which `asperity` is the program, or
+Each case is a list of steps in an empty folder. A step is a line of shell, in which `asperity` is the program, or
 `stop NAME.nml`: run it, and end it by SIGTERM after its first checkpoint. `files` are written before.
 """
 
 import math
+import pathlib
 import random
+import re
+import sys
+import tempfile
+
+import test_bad_input
+import test_good_input
+import test_validity
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent / "fuzz"))
+
+import valid_cases
 
 LUBRICANT = """&lubricant viscosity = 0.14, roelands_z = 0.6, roelands_p0 = 1.98e8, rheology = 'eyring', eyring_stress = 3.3e6 /
 """
@@ -83,6 +95,7 @@ VARYING = (
     + SAVING
 )
 LOADS = "time [s],load [N],speed_1 [m/s],speed_2 [m/s]\n0,2,2,1.6\n6e-4,4,0.8,0.6\n1e-3,2,2,1.6\n"
+POINT = DENTED[: DENTED.index("&surface_1")]
 NO_ADEQUACY = "&output adequacy = .false. /\n"
 GRADED = "&domain grid = 'graded' /\n" + NO_ADEQUACY
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
@@ -205,6 +218,30 @@ ONE = {
     + "&surface_2 shape = 'file', file = 'a.csv', cutoff_short = 2e-5 /\n"
     + time(0.2, 0.05)
     + NO_ADEQUACY,
+    # points
+    "point": POINT + "&domain intervals_x = 32 /\n",
+    "point_target": POINT + TARGET.replace("0.02", "0.05"),
+    "point_ellipse": POINT.replace("radius_x_1 = 0.01", "radius_x_1 = 0.01, radius_y_1 = 0.02, radius_y_2 = -0.1")
+    + "&domain intervals_x = 32, y_half_width = 5.0 /\n",
+    "point_passage": DENTED + time(0.1, 0.05),
+    # keys of few cases
+    "full": PLAIN + feature(2) + time(0.05, 0.05) + "&output adequacy = 'full' /\n",
+    "no_end": PLAIN.replace("128", "64") + feature(1, position=-1.2) + "&time transient = .true. /\n" + NO_ADEQUACY,
+    "auto_thresholds": CASE_1.replace("'ehl_line'", "'ehl_line', model = 'auto'")
+    + feature(2, 2e-10, -2.5)
+    + "&time transient = .true., duration = 1e-4 /\n&output film_thresholds = 1e-7 /\n"
+    + TARGET,
+    "no_copies": MOVING + "&film layers = 5 /\n&output si_copies = .false. /\n",
+    "oil_sheet": CASE_1.replace("viscosity = 0.14", "viscosity_grade = 46, viscosity_index = 150, temperature = 60")
+    + "&asperities law = 'exponential', rms_height = 2e-7, contact_pressure = 1e9, decay_length = 5e-8, boundary_friction=0.1 /\n",
+    "oil_points": PLAIN.replace("viscosity = 0.14", "kinematic_viscosity = 404, 28, temperature = 60, cavitation = 'reynolds'")
+    + "&solver method = 'fas_block_jacobi', pre_sweeps = 2, post_sweeps = 3, coarse_sweeps = 20 /\n",
+    "line_kurtosis": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES + ", kurtosis = 4.0", NO_ADEQUACY),
+    "line_skewness": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES + ", skewness = 0.3", NO_ADEQUACY),
+    "file_arrives": PLAIN.replace("128", "64")
+    + "&surface_2 shape = 'file', file = 'a.csv', entry_length = 0.5, cutoff_short = 2e-5, x_unit = 'um' /\n"
+    + time(0.4, 0.05)
+    + NO_ADEQUACY,
     # refused
     "refused": PLAIN.replace("load_per_length = 1e5", "load_per_length = -1e5, lod = 3").replace("128", "100")
     + feature(2).replace("'feature'", "'ridge'")
@@ -242,7 +279,7 @@ MORE = {
         ],
     ),
     "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
-    "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
+    "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet --threads 2"]),
     "stopped_point": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_point_not": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["asperity a.nml --quiet"]),
     "stopped_point_history": ({"a.nml": VARYING, "h.csv": LOADS}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
@@ -269,6 +306,119 @@ MORE = {
         ["stop a.nml", "asperity a.nml --resume --quiet"],
     ),
 }
+
+SMALL = PLAIN.replace("128", "64") + NO_BARS + NO_ADEQUACY
+FILES = {"a.nml": SMALL, "b.nml": SMALL.replace("1e5", "2e5"), "dry.nml": ONE["line_elastic"], "bad.nml": ONE["refused"]}
+MORE |= {
+    "usage": (
+        FILES,
+        [f"asperity {words} a.nml" for words in ("--nothing", "--template b.nml", "--threads 0", "--set a=1", "--check --keys")]
+        + [f"asperity {words}" for words in ("table a.h5 --format xml", "a.nml --profiles", "a.nml --summary a.h5 --output b")],
+    ),
+    "lost": (
+        FILES,
+        [
+            "asperity a.nml dry.nml --quiet",
+            "for i in text csv json; do asperity table a.h5 dry.h5 --format $i >/dev/full || echo $?; done",
+            "for i in a dry none; do asperity table $i.h5 --profiles > /dev/full || asperity table $i.h5 --profiles; done",
+            "for i in '--check a.nml dry' '--outcomes --keep-going bad.nml a'; do asperity $i.nml > /dev/full; done",
+            "asperity --keys > /dev/full; rm *.h5",
+        ],
+    ),
+    "no_room": (
+        FILES | {"c.nml": BUSY, "d.nml": ONE["area"]},
+        [
+            "mkdir a.h5; asperity a.nml b.nml",
+            "rmdir a.h5; mkdir a.h5.part; asperity a.nml b.nml",
+            "rmdir a.h5.part; echo > a.h5; asperity a.nml dry.nml",
+            "for i in b dry c d; do (ulimit -f 20; asperity $i.nml --quiet 2>&1 | sort -u); done",
+            "ulimit -f 100; asperity d.nml --quiet",
+            "mkdir c.h5.ckpt.tmp; asperity c.nml --quiet",
+            "ulimit -v 200000; asperity d.nml a.nml --set domain.intervals=8192",
+            "asperity a.nml --output dry.nml; rm -r *.h5*",
+        ],
+    ),
+    "not_resumed": (
+        {"a.nml": BUSY, "b.nml": BUSY},
+        [
+            "stop a.nml",
+            "asperity a.nml --resume --set lubricant.viscosity=0.2",
+            "for i in h5.part h5.ckpt; do cp a.$i b.$i; done; echo >> b.h5.ckpt; asperity b.nml --resume",
+            "cp a.h5.ckpt b.h5.ckpt; echo 1 > b.h5.part; asperity b.nml --resume",
+            "rm b.h5.part; asperity table a.h5 a.h5.part | sed 's/: [0-9].*: /: /'; asperity b.nml --resume",
+            "rm b.h5.ckpt; asperity b.nml --resume --set time.end_time=0.5",
+            "asperity a.nml --resume --quiet; asperity a.nml --resume",
+            "asperity a.nml --resume --set time.end_time=0.5; rm *.h5*",
+        ],
+    ),
+    "with_heights": (
+        {"a.nml": ONE["file_in_oil"], "b.nml": ONE["tilted_files"]},
+        [
+            "asperity a.nml b.nml --quiet; asperity a.nml b.nml --resume",
+            "sed -i 's/^2.000,.*/2.000,1.0/' a.csv; asperity a.nml b.nml --resume",
+            "sed -i 's/^4.000,/3.000,/' a.csv; sed -i 's/^9.*/x,y/' b.csv; asperity a.nml b.nml",
+            "rm a.csv; mkdir a.csv; asperity a.nml b.nml; rmdir a.csv; printf %99999d 1 > a.csv; asperity a.nml; rm *.h5",
+        ],
+    ),
+    "summary": (
+        FILES,
+        [
+            "asperity a.nml b.nml --summary s.csv --quiet",
+            "asperity a.nml b.nml --summary s.csv --resume",
+            "asperity a.nml dry.nml --summary s.csv",
+            "truncate -s -3 s.csv; asperity a.nml b.nml --summary s.csv --resume",
+            "sed -i '1s/case/cases/' s.csv; asperity a.nml --summary s.csv",
+            "mkdir t.csv; asperity a.nml --summary t.csv; rm s.csv",
+        ],
+    ),
+    "bad_input": (
+        {f"{name.replace(':', '_')}.nml": "\n".join(lines) + "\n" for name, (lines, _) in test_bad_input.CORPUS.items()},
+        ["ulimit -v 6000000; asperity --check *.nml"],
+    ),
+    "good_input": (
+        {f"{name}.nml": text for name, text in (test_good_input.FORMS | ONE).items()},
+        [f"asperity --check *.nml --keep-going --set {entry}" for entry in ("time.time_step=1e-5", "lubricant.viscosity=1e3")],
+    ),
+    "beyond": (
+        {f"{name}.nml": scenes[0] for name, scenes in test_validity.SCENES.items()},
+        ["asperity *.nml --verbose --keep-going --set domain.intervals=64; rm *.h5"],
+    ),
+}
+
+# Memory that FFTW does not get, at the first, third ... array of a case, up to the last one.
+FAILS = """#include <stdlib.h>
+void *memalign(size_t alignment, size_t size) {
+   static int number;
+   return (size % 512 == 0 || size % 1152 == 0) && ++number == atoi(getenv("FAILS")) ? NULL : aligned_alloc(alignment, size);
+}
+"""
+STARVED = "smooth 18 ridge_slow 50 full 52 auto_lean 40 auto_rest 22 target_in_time 36 stokes 26 moving_lower 38 outlet_cut 14"
+STARVED += " graded_cut 20 area_plastic 76 sphere 60 point 10 point_passage 10 point_target 20"
+MORE |= {
+    f"starved_{name}": (
+        {"a.nml": ONE[name], "fails.c": FAILS},
+        [
+            "gcc -shared -fPIC fails.c -o fails.so; export LD_PRELOAD=./fails.so FAILS; for FAILS in $(seq 1 2 "
+            f"{last}); do asperity a.nml --quiet 2>&1 | grep -a '^asperity:' || echo none; done; rm -f fails.so *.h5*"
+        ],
+    )
+    for name, last in re.findall(r"(\w+) (\d+)", STARVED)
+}
+
+
+def drawn(kind, count, left_out=()):
+    """Random cases, valid or not, of a kind of valid_cases.py."""
+    for number in set(range(count)) - set(left_out):
+        with tempfile.TemporaryDirectory() as place:
+            folder, name = pathlib.Path(place), f"{kind.__name__}_{number}"
+            files = {f"{name}.nml": kind(random.Random(f"golden {kind.__name__} {number}"), folder)}
+            files |= {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+        yield name, (files, [f"asperity {name}.nml --verbose"])
+
+
+MORE |= drawn(valid_cases.lubricated, 90)
+MORE |= drawn(valid_cases.point, 50, (14, 26, 40, 45))
+MORE |= drawn(valid_cases.dry, 20)
 
 # Cases whose instructions are counted: a steady contact, a climb, passages, momentum, lines and areas.
 COUNTED = ("smooth", "target", "ridge_slow", "auto_lean", "moving_upper", "line", "area", "sphere")

@@ -4,10 +4,11 @@
     mutants.py [first | fresh --seed N --count N] [--only TEXT] [--check | --list] [--every]
 
 `first` are the faults of tools/mutants.txt, each written by hand; `fresh` ones are made by rules from lines that the seed
-chooses. Each is planted into a copy of the tree, compiled alone (with what uses its module, if the module file changes) and
-linked; then what --judge says is asked: exit status 0 means that nothing was noticed. If so the unit tests run. With
---every both judge each fault. A fault that does not compile, or whose text is not exactly once in its file, is stale.
---check only looks for stale texts. Exit status 1 if a fault is stale or less than --asked of them are noticed.
+chooses, except texts, declarations and the arguments of huge, tiny and epsilon, of which only the kind counts. Each is planted
+into a copy of the tree, compiled alone (with what uses its module, if the module file changes) and linked; then what --judge
+says is asked: exit status 0 means that nothing was noticed. If so the unit tests run. With --every both judge each fault.
+A fault that does not compile, or whose text is not exactly once in its file, is stale. --check only looks for stale texts.
+Exit status 1 if a fault is stale or less than --asked of them are noticed.
 """
 
 import argparse
@@ -40,7 +41,7 @@ RULES = {
     "error not returned": (r"^ *if \(allocated\(error\)\) return$", ""),
     "and to or": (r" \.and\. ", " .or. "),
     "or to and": (r" \.or\. ", " .and. "),
-    "constant": (r"\b(?!0\.0+_wp)\d+\.\d+(e[-+]?\d+)?_wp\b", r"(1.01_wp*\g<0>)"),
+    "constant": (r"(?<!\btiny\()(?<!\bhuge\()(?<!\bepsilon\()\b(?!0\.0+_wp)\d+\.\d+(e[-+]?\d+)?_wp\b", r"(1.01_wp*\g<0>)"),
 }
 
 

@@ -241,10 +241,11 @@ contains
       call end_line()
    end subroutine write_line
 
-   !> Prints all of `text` and closes standard output. Error: some of it is lost.
+   !> Prints all of `text` and closes standard output, unless there is an error. Error: some of it
+   !> is lost.
    subroutine print_text(text, error)
       character(*), intent(in) :: text
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable, intent(inout) :: error
 
       call write_text(text, error)
       if (allocated(error)) return
@@ -252,19 +253,17 @@ contains
       if (c_close(standard_output) /= 0_c_int) call fail(error, output_error, lost)
    end subroutine print_text
 
-   !> Writes all of `text` and leaves standard output open. Error: some of it is lost.
+   !> Writes all of `text`, unless there is an error, and leaves standard output open. Error: some
+   !> of it is lost.
    subroutine write_text(text, error)
       character(*), intent(in) :: text
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable, intent(inout) :: error
       integer(c_size_t) :: done, written
 
       done = 0_c_size_t
-      do while (done < len(text))
+      do while (done < len(text) .and. .not. allocated(error))
          written = c_write(standard_output, text(done + 1:), len(text) - done)
-         if (written <= 0_c_size_t) then
-            call fail(error, output_error, lost)
-            return
-         end if
+         if (written <= 0_c_size_t) call fail(error, output_error, lost)
          done = done + written
       end do
    end subroutine write_text
