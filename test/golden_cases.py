@@ -331,7 +331,7 @@ MORE |= {
             "mkdir a.h5; asperity a.nml b.nml",
             "rmdir a.h5; mkdir a.h5.part; asperity a.nml b.nml",
             "rmdir a.h5.part; echo > a.h5; asperity a.nml dry.nml",
-            "for i in b dry c d; do (ulimit -f 20; asperity $i.nml --quiet 2>&1 | sort -u); done",
+            "rm a.h5; for i in 4 20 40; do (ulimit -f $i; asperity b.nml dry.nml c.nml d.nml a.nml --quiet 2>&1 | sort -u); done",
             "ulimit -f 100; asperity d.nml --quiet",
             "mkdir c.h5.ckpt.tmp; asperity c.nml --quiet",
             "ulimit -v 200000; asperity d.nml a.nml --set domain.intervals=8192",
@@ -357,7 +357,8 @@ MORE |= {
             "asperity a.nml b.nml --quiet; asperity a.nml b.nml --resume",
             "sed -i 's/^2.000,.*/2.000,1.0/' a.csv; asperity a.nml b.nml --resume",
             "sed -i 's/^4.000,/3.000,/' a.csv; sed -i 's/^9.*/x,y/' b.csv; asperity a.nml b.nml",
-            "rm a.csv; mkdir a.csv; asperity a.nml b.nml; rmdir a.csv; printf %99999d 1 > a.csv; asperity a.nml; rm *.h5",
+            "rm a.csv; mkdir a.csv; asperity a.nml b.nml; rmdir a.csv",
+            "mv a.h5 a.csv; asperity a.nml; printf %99999d 1 > a.csv; asperity a.nml; rm *.h5",
         ],
     ),
     "summary": (

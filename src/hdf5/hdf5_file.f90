@@ -5,8 +5,9 @@
 !> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No
 !> object carries a time stamp: equal contents make equal files.
 module hdf5_file
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_loc
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_loc, c_null_char
    use, intrinsic :: iso_fortran_env, only: int64, real32
+   use c_library, only: c_close, c_open
    use disk_file, only: any_mark, early_place, early_words, place_fault
    use errors, only: error_t, fail, output_error
    use file_bytes, only: open_positional_file, positional_file_t
@@ -19,6 +20,9 @@ module hdf5_file
    private
 
    public :: axis_t, axis_use_t, create_hdf5_file, hdf5_file_t
+
+   !> O_WRONLY + O_TRUNC.
+   integer(c_int), parameter :: truncate = 513_c_int
 
    !> A coordinate of datasets in a file (see `hdf5_axes`).
    type :: axis_t
@@ -165,7 +169,8 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Closes the file, once, and all in it; `error` is the first failure of its whole life.
+   !> Closes the file, once, and all in it, or empties one that has failed; `error` is the first
+   !> failure of its whole life.
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
@@ -176,9 +181,15 @@ contains
          if (.not. allocated(self%failure)) call h5fflush_f(self%id, h5f_scope_global_f, status)
          call self%check(status, 'writing to the disk')
          self%is_open = .false.
-         call close_object(self)
-         call h5fclose_f(self%id, status)
-         call self%check(status, 'closing the file')
+         if (allocated(self%failure)) then
+            ! The library would fail again, and keep objects of it that the next file has to close.
+            ! Left open it is no other file's; empty it needs no room on a full disk.
+            status = c_close(c_open(self%path//c_null_char, truncate))
+         else
+            call close_object(self)
+            call h5fclose_f(self%id, status)
+            call self%check(status, 'closing the file')
+         end if
       end if
       if (allocated(self%failure)) error = self%failure
    end subroutine close_file

@@ -337,6 +337,9 @@ contains
       call begin_activity('reading '//request%file(index(request%file, '/', back=.true.) + 1:))
       if (is_hdf5(request%file)) then
          allocate (set)
+         if (request%dataset == '') call fail(error, input_error, request%file//': is an HDF5 '// &
+            "file, and dataset is not given, expected the path of the heights in it, as '/z'")
+         if (allocated(error)) return
          call open_hdf5_heights(set, request, spacing, error)   ! error: below
          grid = set%grid
          call move_alloc(set, source)
