@@ -138,7 +138,7 @@ contains
       integer, intent(in), optional :: cycle
       real(wp), intent(in), optional :: residuals(2)
 
-      self%stage = words
+      if (.not. present(cycle)) self%stage = words
       call self%relay_t%on_stage('coarse run, '//words, cycle, residuals)
    end subroutine forward_coarse_run
 
