@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Checks the verdicts of /adequacy on random scenes against fine-grid runs with and without each ingredient.
 
-A scene is a steady contact, smooth or with ridges or waves at rest, a passage, or a steady point contact. The program runs it as a
-user would and reports the change by each ingredient, with an error bar and a verdict. The truth is the change between two fine
-runs: steady ones for a target of TARGET, passages with half the spacing and half the time step, points with half the spacing.
-Without the squeeze term it is the extreme of PLACES steady runs, of films and pressure where one surface is rough and the oil is
-Newtonian: there the rough surface stands still, and the other has both speeds. Rigid bodies are the stiffest of STIFFNESSES that
-has a solution, with places and times in metres and seconds; below the first of them only the need for elasticity is judged. The
-reported error of the time step is judged as the error bar of no change, against the same grid with FINER_STEP of the step.
+A scene is a steady contact, smooth or with ridges or waves at rest, a passage, a steady point contact, or dry (adequacy_dry.py);
+`scene`: those of input/scenes/. The program runs it as a user would and reports the change by each ingredient, with an error bar
+and a verdict. The truth is the change between two fine runs: steady ones for a target of TARGET, passages with half the spacing
+and half the time step, points with half the spacing. Without the squeeze term it is the extreme of PLACES steady runs, of films
+and pressure where one surface is rough and the oil is Newtonian: there the rough surface stands still, and the other has both
+speeds. Rigid bodies are the stiffest of STIFFNESSES that has a solution, with places and times in metres and seconds; below the
+first of them only the need for elasticity is judged. The reported error of the time step is judged as the error bar of no change,
+against the same grid with FINER_STEP of the step.
 
 Criteria and targets: bench/ingredients.py. --seed draws another sample, for fitting; the default one judges. Writes adequacy.csv
 and adequacy.txt.
@@ -19,13 +20,16 @@ import copy
 import math
 import random
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
+import adequacy_dry
+import f90nml
 import family_steady
 import h5py
 import ingredients
 import namelists
-from bench_program import new_parser
+from bench_program import ROOT, new_parser
+from family_shipped import groups_of
 from ingredients import NO_TRUTH, NUMERICAL, Row, bare, change_of, rows_of, run, verdict_of
 from namelists import Groups, merged
 
@@ -33,7 +37,6 @@ SEED = 884211
 TARGET, PLACES = 2e-4, 48
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
 FINER_STEP = 0.25
-COUNTS, QUICK = (45, 24, 24), (8, 4, 3)
 STILL = ("h_min", "h_central", "p_max")
 QUANTITIES = (*STILL, "friction_coefficient")
 # Of these everything in half-widths, and the times, are scaled with the half-width.
@@ -188,12 +191,11 @@ def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
     return reduced
 
 
-def judge(scene: tuple[str, Groups], squeeze: Callable[[Groups, dict], dict] | None = None) -> list[Row]:
-    """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth.
-
-    `squeeze` gives the true changes without the squeeze term, if not the frozen places.
-    """
+def judge(scene: tuple[str, Groups]) -> list[Row]:
+    """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth."""
     name, groups = scene
+    if groups.get("case", {}).get("problem", "").startswith("dry"):
+        return adequacy_dry.judge(scene)
     said = run(groups, told)
     if said is None:
         return []
@@ -205,12 +207,9 @@ def judge(scene: tuple[str, Groups], squeeze: Callable[[Groups, dict], dict] | N
     for ingredient, row in said["rows"].items():
         if ingredient in NUMERICAL:
             continue
-        if ingredient == "squeeze" and squeeze:
-            true, is_all = squeeze(groups, said), True
-        else:
-            leans = lean_runs(truth, ingredient, row["left_out"])
-            found, is_all = next((lean for lean in leans if lean[0]), ({}, False))
-            true = change_of(found, full, QUANTITIES)
+        leans = lean_runs(truth, ingredient, row["left_out"])
+        found, is_all = next((lean for lean in leans if lean[0]), ({}, False))
+        true = change_of(found, full, QUANTITIES)
         # of a part of an ingredient what all of it would change at that rate, as the program judges
         right = verdict_of((true[q] / row["left_out"] for q in row["judged_by"] if q in true), said["accuracy"])
         if not is_all:
@@ -220,19 +219,13 @@ def judge(scene: tuple[str, Groups], squeeze: Callable[[Groups, dict], dict] | N
     return rows
 
 
-def newtonian(groups: Groups) -> None:
-    """Takes Eyring's law away."""
-    del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
-
-
 def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     """A smooth contact over the range, every third one with ridges or a wave at rest."""
     m, l = 10 ** source.uniform(-1, 2.5), source.uniform(0.3, 20)  # noqa: E741
     # in a steady contact a rough surface stands still
     slide = source.uniform(0, 1.5)
-    groups = namelists.steel(m, l, slide if i % 3 else 2.0, 10 ** source.uniform(6, 9))
-    if source.random() < 0.3:
-        newtonian(groups)
+    stress = 10 ** source.uniform(6, 9)
+    groups = namelists.steel(m, l, slide if i % 3 else 2.0, None if source.random() < 0.3 else stress)
     if i % 3 == 0:
         half_width, film = namelists.scales(groups)
         height = film * 10 ** source.uniform(-3.5, -0.7)
@@ -247,9 +240,8 @@ def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
 def passage_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     """Ridges, a dent or a wave on one surface, or a ridge on each, through a contact of medium load."""
     slide = source.choice((-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3))
-    groups = namelists.steel(10 ** source.uniform(0, 1.5), source.uniform(2, 12), slide, 10 ** source.uniform(6.3, 8))
-    if source.random() < 0.4:
-        newtonian(groups)
+    m, l, stress = 10 ** source.uniform(0, 1.5), source.uniform(2, 12), 10 ** source.uniform(6.3, 8)  # noqa: E741
+    groups = namelists.steel(m, l, slide, None if source.random() < 0.4 else stress)
     half_width, film = namelists.scales(groups)
     height = film * 10 ** source.uniform(-3, -0.5)
     wave = source.uniform(0.5, 1.5) * half_width
@@ -275,15 +267,30 @@ def point_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     return f"point {i:03d}", groups
 
 
+# Of each kind how many, and with --quick; what draws one.
+DRAWS = {"steady": (45, 8, steady_scene), "passage": (24, 4, passage_scene), "point": (24, 3, point_scene)}
+
+
+def scenes_of(kind: str, seed: int, quick: bool) -> list[tuple[str, Groups]]:
+    """Name and groups of each."""
+    if kind == "dry":
+        return [adequacy_dry.scene(seed, i) for i in range(6 if quick else 40)]
+    if kind == "scene":
+        paths = sorted((ROOT / "input" / "scenes").glob("*.nml"))
+        return [(f"scene {path.stem}", groups_of(f90nml.read(path))) for path in paths]
+    many, few, draw = DRAWS[kind]
+    source = random.Random(f"{draw.__name__} {seed}")
+    return [draw(source, i) for i in range(few if quick else many)]
+
+
 def main() -> int:
     """Command line."""
-    parser = new_parser(__doc__, f"{QUICK} scenes", "results/adequacy", SEED, 1)
+    parser = new_parser(__doc__, "few scenes", "results/adequacy", SEED, 1)
+    kinds = (*DRAWS, "dry", "scene")
+    parser.add_argument("--kinds", nargs="+", choices=kinds, default=[*DRAWS], help=f"default: {', '.join(DRAWS)}")
     options = parser.parse_args()
-    scenes = []
-    for draw, count in zip((steady_scene, passage_scene, point_scene), QUICK if options.quick else COUNTS, strict=True):
-        source = random.Random(f"{draw.__name__} {options.seed}")
-        scenes += [draw(source, i) for i in range(count)]
-    return ingredients.judge_all(options, "adequacy", judge, scenes, ("steady", "passage", "point"), apart=("time_step",))
+    scenes = [scene for kind in options.kinds for scene in scenes_of(kind, options.seed, options.quick)]
+    return ingredients.judge_all(options, judge, scenes)
 
 
 if __name__ == "__main__":

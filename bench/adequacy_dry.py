@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Checks /adequacy of dry contacts: random rough lines, rough areas and parabolas against fine runs with and without an ingredient.
 
 The program runs each contact as a user would. The truth has the same heights on FINER times the nodes of a line, of an area:
@@ -9,7 +8,7 @@ The program runs each contact as a user would. The truth has the same heights on
     area         the mean of all profiles along x, as lines; its error bar is for 95 % of such means
     grid         the result itself: its change on the fine grid must lie within the estimate
 
-Criteria and targets: bench/ingredients.py. --seed draws another sample. Writes adequacy_dry.csv and adequacy_dry.txt.
+`adequacy.py --kinds dry` runs them.
 """
 
 from __future__ import annotations
@@ -18,26 +17,17 @@ import copy
 import math
 import random
 import re
-import sys
-import tempfile
-from functools import partial
-from pathlib import Path
 
 import h5py
 import ingredients
 import numpy as np
-from bench_program import new_parser
 from family_dry import PARABOLA, PROBLEMS, height_file, sizes
 from ingredients import Row, bare, change_of, rows_of, run, verdict_of
-from judge import FLOOR
 from namelists import Groups
 
-SEED = 640093
-COUNT, QUICK = 40, 6
 FINER = {"dry_line": 8, "dry_area": 4}
 QUANTITIES = ("contact_area_fraction", "mean_separation", "p_max")
 MODULUS, LENGTH = 231e9, 1e-3
-KINDS = ("rough line", "rough area", "rough line", "parabola")
 
 
 def contact(lines: int, nodes: int, bodies: dict, load: dict, surface: dict) -> Groups:
@@ -82,25 +72,26 @@ def told(file: h5py.File) -> dict:
     return found | {"spacing": float(file["solution/x"][1] - file["solution/x"][0])}
 
 
-def on_fine_grid(groups: Groups, heights: np.ndarray, spacing: float, path: Path, factor: int = 0) -> Groups:
-    """The same heights on a finer grid; rough ones are written to a file, which the program resamples by their series."""
+def on_fine_grid(groups: Groups, heights: np.ndarray, spacing: float) -> tuple[Groups, dict[str, bytes]]:
+    """The same heights on a finer grid; rough ones are in a file beside it, which the program resamples by their series."""
     truth = bare(groups)
     for key in truth["domain"]:
         if key.startswith("intervals"):
-            truth["domain"][key] *= factor or FINER[groups["case"]["problem"]]
-    if groups["surface_1"]["shape"] != "parabola":
-        path.write_bytes(height_file(heights, [spacing] * heights.ndim))
-        truth["surface_1"] = {"shape": "file", "file": str(path.resolve()), "dataset": "z"}
-    return truth
+            truth["domain"][key] *= FINER[groups["case"]["problem"]]
+    if groups["surface_1"]["shape"] == "parabola":
+        return truth, {}
+    surface = {"shape": "file", "file": "heights.h5", "dataset": "z"}
+    return truth | {"surface_1": surface}, {"heights.h5": height_file(heights, [spacing] * heights.ndim)}
 
 
-def mean_of_profiles(groups: Groups, said: dict, folder: Path) -> dict[str, float] | None:
+def mean_of_profiles(groups: Groups, said: dict) -> dict[str, float] | None:
     """All profiles along x as lines, under the mean pressure of the area; None where one has no solution."""
     domain = {"length": groups["domain"]["length_x"], "intervals": groups["domain"]["intervals_x"]}
     line = groups | {"case": {"problem": "dry_line"}, "load": {"mean_pressure": said["pressure"]}, "domain": domain}
     found = []
-    for k, heights in enumerate(said["heights"]):
-        found.append(run(on_fine_grid(line, heights, said["spacing"], folder / f"row_{k}.h5"), values))
+    for heights in said["heights"]:
+        truth, files = on_fine_grid(line, heights, said["spacing"])
+        found.append(run(truth, values, files))
         if found[-1] is None:
             return None
     return {q: sum(one[q] for one in found) / len(found) for q in QUANTITIES}
@@ -124,39 +115,27 @@ def judge(scene: tuple[str, Groups]) -> list[Row]:
     said = run(groups, told)
     if said is None:
         return []
-    rows = []
-    with tempfile.TemporaryDirectory() as word:
-        folder = Path(word)
-        truth = on_fine_grid(groups, said["heights"], said["spacing"], folder / "heights.h5")
-        full = run(truth, values)
-        for ingredient, row in said["rows"].items() if full else ():
-            base = full
-            if ingredient == "grid":
-                found, base = full, said["values"]
-                # the change is the estimate
-                row["changes"] = {q: (0.0, change) for q, (change, _) in row["changes"].items()}
-            elif ingredient != "area":
-                found = run(without(truth, ingredient, row["instead"]), values)
-            elif groups["surface_1"]["shape"] == "parabola":
-                continue
-            else:
-                found = mean_of_profiles(groups, said, folder)
-            if found is not None:
-                true = change_of(found, base, QUANTITIES)
-                rows += rows_of(name, ingredient, row, true, verdict_of(true.values(), said["accuracy"]), said["accuracy"])
+    truth, files = on_fine_grid(groups, said["heights"], said["spacing"])
+    full, rows = run(truth, values, files), []
+    for ingredient, row in said["rows"].items() if full else ():
+        base = full
+        if ingredient == "grid":
+            found, base = full, said["values"]
+            # the change is the estimate
+            row["changes"] = {q: (0.0, change) for q, (change, _) in row["changes"].items()}
+        elif ingredient != "area":
+            found = run(without(truth, ingredient, row["instead"]), values, files)
+        elif groups["surface_1"]["shape"] == "parabola":
+            continue
+        else:
+            found = mean_of_profiles(groups, said)
+        if found is not None:
+            true = change_of(found, base, QUANTITIES)
+            rows += rows_of(name, ingredient, row, true, verdict_of(true.values(), said["accuracy"]), said["accuracy"])
     return rows
 
 
-def main() -> int:
-    """Command line."""
-    options = new_parser(__doc__, f"{QUICK} contacts", "results/adequacy_dry", SEED, 1).parse_args()
-    draws = {"rough line": partial(rough, lines=1), "rough area": partial(rough, lines=2), "parabola": parabola}
-    kinds = [KINDS[i % len(KINDS)] for i in range(QUICK if options.quick else COUNT)]
-    scenes = [
-        (f"dry {kind} {i:03d}", draws[kind](random.Random(f"adequacy_dry {options.seed} {i}"))) for i, kind in enumerate(kinds)
-    ]
-    return ingredients.judge_all(options, "adequacy_dry", judge, scenes, (*draws, "dry"), judged=("dry",), floor=FLOOR)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def scene(seed: int, i: int) -> tuple[str, Groups]:
+    """Name and groups of one."""
+    source, kind = random.Random(f"adequacy_dry {seed} {i}"), ("rough line", "rough area", "rough line", "parabola")[i % 4]
+    return f"dry {kind} {i:03d}", parabola(source) if kind == "parabola" else rough(source, 2 if kind == "rough area" else 1)

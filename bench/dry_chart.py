@@ -9,17 +9,19 @@ other programs (bench/dry.py), each with the loosest of a ladder of tolerances t
 
 from __future__ import annotations
 
-import sys
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
 
 import dry
 import numpy as np
-from bench_program import ROOT, new_parser, output_folder, run_program, save
+import pandas as pd
+from bench_program import ROOT, Answer, new_parser, run_program, save, solve
+from chart import draw_curve
 from family_dry import PROBLEMS, height_file, heights, sizes
 from matplotlib.ticker import LogLocator, NullFormatter
-from namelists import Groups, namelist
-from stability_dry import METHODS, Outcome, run
+from namelists import BARE, Groups, namelist
+from stability_cells import DRY_METHODS
 
 import figure_style as style  # isort: skip
 
@@ -29,26 +31,10 @@ RUNS = 5
 # Of the rough area: length [m], mean pressure and E' [Pa]; nodes of its first grid.
 LENGTH, PRESSURE, MODULUS, FIRST = 1e-3, 300e6, 200e9, 64
 NODES = {
-    **{("profile", METHODS[0]): (256, 512, 1024, 2048, 4096, 8192, 16384), ("profile", METHODS[1]): (256, 512, 1024, 2048)},
-    **{("area", METHODS[0]): (64, 128, 256, 512, 1024), ("area", METHODS[1]): (64, 128, 256)},
+    **{("profile", DRY_METHODS[0]): (256, 512, 1024, 2048, 4096, 8192, 16384), ("profile", DRY_METHODS[1]): (256, 512, 1024, 2048)},
+    **{("area", DRY_METHODS[0]): (64, 128, 256, 512, 1024), ("area", DRY_METHODS[1]): (64, 128, 256)},
 }
 FINEST = {"profile": 65536, "area": 2048}
-
-
-@dataclass
-class Point:
-    """One method on one grid: processor seconds of the fastest and the slowest run, error of the mean separation."""
-
-    kind: str
-    method: str
-    nodes: int
-    iterations: int | str
-    pairs: int | str
-    seconds: float
-    slowest: float
-    kkt: float
-    converged: bool
-    error: float
 
 
 def profile_case() -> Groups:
@@ -73,71 +59,53 @@ def area_heights() -> np.ndarray:
     waves = {"wavelength_rolloff": 1.25e-4, "wavelength_short": 1e-3 / 24}
     surface = {"shape": "synthetic", "seed": 1, "rms_height": 1e-6} | waves
     text = namelist(area_case(surface) | {"domain": sizes(2, FIRST, LENGTH)})
-    return run_program(text, lambda file: file["solution/height_undeformed"][()])[2]
+    return run_program(text, lambda file: file["solution/height_undeformed"][()]).found
 
 
-def measure(folder: Path, quick: bool, peers: str | None) -> list[Point]:
-    """Every run."""
+def points(folder: Path, quick: bool, peers: str | None) -> Iterator[dict[str, object]]:
+    """Of each method on each grid: processor seconds of the fastest and the slowest run, error of the mean separation."""
     z = area_heights()
     path = folder / "area.h5"
     path.write_bytes(height_file(z, [LENGTH / FIRST] * 2))
     grids = {key: nodes[:2] for key, nodes in NODES.items()} if quick else NODES
     area = area_case({"shape": "file", "file": str(path.resolve()), "dataset": "z"})
 
-    def solve(kind: str, method: str, nodes: int, tolerance: float) -> list[Outcome]:
+    def solved(kind: str, method: str, nodes: int, tolerance: float) -> list[Answer]:
         case, domain = (profile_case(), {"intervals": nodes}) if kind == "profile" else (area, sizes(2, nodes, LENGTH))
-        case = case | {"domain": domain, "solver": {"method": method, "tolerance": tolerance, "max_cycles": 3000}}
-        found = [run(case) for _ in range(RUNS)]
-        if None in found:
-            sys.exit(f"dry_chart.py: {kind}, {nodes} nodes: refused")
-        return sorted(found, key=lambda outcome: outcome["seconds"])
+        case = case | BARE | {"domain": domain, "solver": {"method": method, "tolerance": tolerance, "max_cycles": 3000}}
+        return sorted((solve(namelist(case)) for _ in range(RUNS)), key=lambda answer: answer["cpu_seconds"])
 
     finest = {"profile": 4096, "area": 256} if quick else FINEST
-    best = {kind: solve(kind, METHODS[0], nodes, 1e-8)[0]["separation"] for kind, nodes in finest.items()}
-    points = []
+    best = {kind: solved(kind, DRY_METHODS[0], nodes, 1e-8)[0]["mean_separation"] for kind, nodes in finest.items()}
     for (kind, method), nodes in ((key, nodes) for key, every in grids.items() for nodes in every):
-        found = solve(kind, method, nodes, 1e-6)
-        first = found[0]
-        times, error = (first["seconds"], found[-1]["seconds"]), abs(first["separation"] / best[kind] - 1)
-        points.append(Point(kind, method, nodes, first["cycles"], first["pairs"], *times, first["kkt"], first.converged, error))
-    for peer in dry.PEERS if peers else ():
-        points += measure_peer(peer, peers, z, grids["area", METHODS[0]], best["area"])
-    return points
-
-
-def measure_peer(peer: str, python: str, z: np.ndarray, sizes: tuple[int, ...], best: float) -> list[Point]:
-    """The area by another program, resampled as ours does it; a grid on which it fails is left out."""
-    points = []
-    for nodes in sizes:
+        first, *_, last = solved(kind, method, nodes, 1e-6)
+        head = {"kind": kind, "method": method, "nodes": nodes, "iterations": first["cycles"], "pairs": first["fft_pairs"]}
+        times = {"seconds": first["cpu_seconds"], "slowest": last["cpu_seconds"], "kkt": first["kkt"]}
+        yield head | times | {"converged": first.converged, "error": abs(first["mean_separation"] / best[kind] - 1)}
+    # the area by other programs, resampled as ours does it; a grid on which one fails is left out
+    for peer, nodes in itertools.product(dry.PEERS if peers else (), grids["area", DRY_METHODS[0]]):
         fine = heights(np.fft.fft2(z) / z.size, nodes) / LENGTH
-        runs = dry.peer_runs(peer, python, dry.Contact(fine, PRESSURE / (0.5 * MODULUS)))
+        runs = dry.peer_runs(peer, peers, dry.Contact(fine, PRESSURE / (0.5 * MODULUS)))
         runs = sorted((run for run in runs if run.error <= 2 * dry.WANTED), key=lambda run: run.seconds)
         if runs:
-            error = abs(runs[0].separation * LENGTH / best - 1)
-            points.append(Point("area", peer, nodes, "", "", runs[0].seconds, runs[-1].seconds, runs[0].error, True, error))
-        else:
-            print(f"{peer}, {nodes}: not solved to {dry.WANTED:g}")
-    return points
+            head = {"kind": "area", "method": peer, "nodes": nodes, "kkt": runs[0].error, "converged": True}
+            times = {"seconds": runs[0].seconds, "slowest": runs[-1].seconds}
+            yield head | times | {"error": abs(runs[0].separation * LENGTH / best["area"] - 1)}
 
 
-def draw(points: list[Point], folder: Path) -> None:
+def draw(found: pd.DataFrame, folder: Path) -> None:
     """Two panels; each curve is a method, each mark a number of nodes."""
     figure, axes = style.new_figure(style.TWO_COLUMNS, 80, ncols=2)
-    methods = list(dict.fromkeys(point.method for point in points))
-    for panel, kind in zip(axes, ("profile", "area"), strict=True):
-        for method, series in zip(methods, style.SERIES, strict=False):
-            mine = [point for point in points if (point.kind, point.method) == (kind, method)]
-            times, errors = [p.seconds for p in mine], [p.error for p in mine]
-            panel.loglog(times, errors, label=LABELS.get(method, method), **series)
-            panel.hlines(errors, times, [p.slowest for p in mine], color=series["color"], linewidth=0.6)
-            look = {"linestyle": "none", "marker": series["marker"], "color": series["color"], "markerfacecolor": "white"}
-            open_marks = [p for p in mine if not p.converged]
-            panel.loglog([p.seconds for p in open_marks], [p.error for p in open_marks], **look)
-            for point in (mine[0], mine[-1]) if mine and method in METHODS else ():
-                text = str(point.nodes) if kind == "profile" else f"{point.nodes}$^2$"
-                at = (point.seconds, point.error)
+    looks = dict(zip(dict.fromkeys(found["method"]), style.SERIES, strict=False))
+    for panel, (kind, title) in zip(axes, {"profile": "profile C", "area": "rough area"}.items(), strict=True):
+        for method, own in found[found["kind"] == kind].groupby("method", sort=False):
+            draw_curve(panel, own, ["seconds", "slowest"], LABELS.get(method, method), looks[method])
+            marks = own[~own["converged"]]
+            panel.loglog(marks["seconds"], marks["error"], **looks[method] | {"linestyle": "none", "markerfacecolor": "white"})
+            for nodes, *at in own.iloc[[0, -1]][["nodes", "seconds", "error"]].values if method in DRY_METHODS else ():
+                text = f"{nodes:.0f}" if kind == "profile" else f"{nodes:.0f}$^2$"
                 panel.annotate(text, at, (0, -8), textcoords="offset points", va="center", ha="center", fontsize=7.5)
-        panel.set(xlabel="Processor time [s]", title="profile C" if kind == "profile" else "rough area")
+        panel.set(xlabel="Processor time [s]", title=title)
         panel.margins(0.12)
         panel.xaxis.set_minor_formatter(NullFormatter())
         panel.xaxis.set_major_locator(LogLocator(numticks=9))
@@ -152,14 +120,10 @@ def main() -> None:
     parser = new_parser(__doc__, "two sizes each", "results/chart")
     parser.add_argument("--peers", metavar="PYTHON", help="python of an environment with other programs")
     options = parser.parse_args()
-    folder = output_folder(options)
-    points = measure(folder, options.quick, options.peers)
-    save(folder / "dry_chart.csv", points)
-    print(f"{'':8}{'method':20}{'nodes':>7}{'iterations':>12}{'pairs':>7}{'CPU s':>9}{'slowest':>9}{'error':>10}")
-    for p in points:
-        numbers = f"{p.nodes:7}{p.iterations!s:>12}{p.pairs!s:>7}{p.seconds:9.3f}{p.slowest:9.3f}{p.error:10.1e}"
-        print(f"{p.kind:8}{p.method:20}{numbers}{'' if p.converged else '  not converged'}")
-    draw(points, folder)
+    found = pd.DataFrame(points(options.output, options.quick, options.peers))
+    save(options.output / "dry_chart.csv", found)
+    print(found.to_string(index=False))
+    draw(found, options.output)
 
 
 if __name__ == "__main__":

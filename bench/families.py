@@ -17,8 +17,9 @@ import family_dry as dry
 import family_shipped as shipped
 import family_steady as steady
 import family_time as in_time
-from bench_program import new_parser, output_folder, save, side_by_side
-from judge import Family, Row, judge, table
+import pandas as pd
+from bench_program import new_parser, save, side_by_side
+from judge import Family, judge, table
 
 # Drawn after the rules stood: nothing was fitted on it.
 SEED = 662201
@@ -41,6 +42,7 @@ GRID = "error_grid"
 NUMERICAL = "error_grid+error_domain+error_iteration"
 FORCES = summary("asperity_load_share", "friction_coefficient", "friction_coefficient_oil", "friction_coefficient_boundary")
 MIXED = FIGURES + FORCES + summary("x_meniscus", "temperature_rise_film")
+HISTORY = FIGURES + summary("friction_coefficient", "mean_power", "asperity_load_share")
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
 ALL = {"is_sample": True}
 NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
@@ -106,6 +108,7 @@ FAMILIES = [
     Family("shipped", "shipped_film", "Lubricated inputs and template", FIGURES, shipped.members("film"), given=True),
     Family("shipped", "shipped_dry", "Dry elastic inputs", DRY, shipped.members("dry"), given=True),
     Family("shipped", "shipped_plastic", "Dry inputs with a hardness", PLASTIC[:3], shipped.members("plastic"), given=True),
+    Family("histories", "histories", "Histories, and points of the scenes", HISTORY, shipped.histories, given=True, is_sample=True),
     Family("target_in_time", "target_in_time", "A target in time: error bars", FIGURES, in_time.target_in_time, 24, GRID),
     Family("times", "strides", "Passages of which little is stored", FIGURES, in_time.strides),
     Family("times", "periodic", "Waves that fill the contact at the start", FIGURES, in_time.periodic),
@@ -121,11 +124,11 @@ FAMILIES = [
 
 
 def chosen(names: list[str]) -> list[Family]:
-    """Those of the named groups, or of all but the passages of `make accuracy-time`."""
+    """Those of the named groups, or of all but those of `make accuracy-time` and `make scenes`."""
     known = sorted({family.group for family in FAMILIES})
     if unknown := sorted(set(names) - set(known)):
         sys.exit(f"families.py: no group {unknown[0]}; there are {', '.join(known)}")
-    return [family for family in FAMILIES if family.group in (names or {*known} - {"passages"})]
+    return [family for family in FAMILIES if family.group in (names or {*known} - {"passages", "histories"})]
 
 
 def main() -> int:
@@ -134,19 +137,16 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="groups of families; default: all")
     parser.add_argument("--members", type=int, default=0, help="members of each family; default: those of the family")
     options = parser.parse_args()
-    folder = output_folder(options)
-    families = chosen(options.names)
-    rows: list[Row] = []
-    text = ""
+    families, rows, text = chosen(options.names), [], ""
     for k, family in enumerate(families):
         members = family.members(options.seed, options.members or (QUICK if options.quick else family.count))
         named = [(member.name or f"{i:03d}", member) for i, member in enumerate(members)]
         print(family.name, end=": ", file=sys.stderr)
         for own in side_by_side(lambda pair, family=family: judge(family, pair[1], pair[0]), named, options.processes):
             rows += own
-        save(folder / "families.csv", rows)
-        text = table(families[: k + 1], rows)
-        (folder / "families.txt").write_text(text, encoding="utf-8")
+        save(options.output / "families.csv", rows)
+        text = table(families[: k + 1], pd.DataFrame(rows))
+        (options.output / "families.txt").write_text(text, encoding="utf-8")
     print(text, end="")
     return 1 if "  missed" in text else 0
 

@@ -242,7 +242,7 @@ def synthetic_on(source: random.Random, nodes: int) -> tuple[dict, dict, dict]:
 def solved_heights(lines: int, nodes: int, surface: dict) -> np.ndarray:
     """The heights of a synthetic surface on so many nodes [m]."""
     case = contact(lines, {"mean_pressure": 1.0}, surface, sizes(lines, nodes), bars=False)
-    return run_program(namelist(case), lambda file: file["solution/height_undeformed"][()])[2]
+    return run_program(namelist(case), lambda file: file["solution/height_undeformed"][()]).found
 
 
 def synthetic_surface(lines: int, *, in_file: bool = False) -> Draw:

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import subprocess
+import tempfile
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import f90nml
 from bench_program import ASPERITY, ENVIRONMENT, ROOT, run_program
 from family_dry import height_file
-from judge import FINER, Member, finer_passage
+from judge import FINER, Member, Resolution, finer_passage
 from namelists import NO_BARS, Groups, namelist
 
 # Domain of a truth at rest; ends of one in time, at least.
 AT_REST, ENDS_IN_TIME = {"x_inlet": -60.0, "x_outlet": 6.0, "intervals": 2**16}, (-9.0, 3.0)
+
+# Of histories the command of asperity-duty that makes their namelist, and times the intervals of the truth: some take long.
+DUTY = {
+    **{"spur_gear": ("gear", 2), "cam": ("cam", 2), "reciprocating": ("", 4)},
+    **{"stop_start": ("", 4), "mixed_start": ("", 4), "rough_ring": ("", 2)},
+}
 
 
 def kind_of(case: Groups) -> str:
@@ -55,7 +64,7 @@ def finer_contact(case: Groups, files: dict[str, str | bytes]) -> Groups:
         z = file["solution/height_undeformed"][()]
         return z, [float(file[f"solution/{axis}"][1] - file[f"solution/{axis}"][0]) for axis in "xy"[: z.ndim]]
 
-    z, spacings = run_program(namelist(case), solved, files)[2]
+    z, spacings = run_program(namelist(case), solved, files).found
     names = ("",) if z.ndim == 1 else ("_x", "_y")
     given = case.get("domain", {})
     domain = {key: value for key, value in given.items() if key == "periodic"}
@@ -65,6 +74,31 @@ def finer_contact(case: Groups, files: dict[str, str | bytes]) -> Groups:
         return truth | {"domain": domain | {key: value for key, value in given.items() if key.startswith("length")}}
     files["heights.h5"] = height_file(z, spacings)
     return truth | {"surface_1": {"shape": "file", "file": "heights.h5", "dataset": "z"}}
+
+
+def refined(case: Groups, factor: int, found: Resolution) -> Groups:
+    """The truth of a history or a point: `factor` times the intervals."""
+    key = "intervals_x" if case["case"]["problem"] == "ehl_point" else "intervals"
+    return case | {"accuracy": NO_BARS, "domain": {key: factor * found.intervals}, "output": {}}
+
+
+def histories() -> list[Member]:
+    """Those of input/duty/, and the point contacts of input/scenes/."""
+    found = []
+    with tempfile.TemporaryDirectory() as name:
+        for word in ("spur_gear", "cam"):
+            command = [ASPERITY.with_name("asperity-duty"), DUTY[word][0], ROOT / "input/duty" / f"{word}.toml", "--output", name]
+            subprocess.run(command, env=ENVIRONMENT, check=True, capture_output=True)
+        paths = [
+            Path(name) / f"{word}.nml" if command else ROOT / "input/duty" / f"{word}.nml" for word, (command, _) in DUTY.items()
+        ]
+        points = sorted(path for path in (ROOT / "input/scenes").glob("*.nml") if "ehl_point" in path.read_text(encoding="utf-8"))
+        for path in (*paths, *points):
+            case = groups_of(f90nml.read(path))
+            files = {case["history"]["file"]: (path.parent / case["history"]["file"]).read_bytes()} if "history" in case else {}
+            truth = partial(refined, case, DUTY.get(path.stem, ("", 2))[1])
+            found.append(Member(case, truth, files=files, name=path.stem))
+    return found
 
 
 def members(kind: str) -> Callable[[], list[Member]]:

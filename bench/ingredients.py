@@ -1,6 +1,6 @@
 """Judges verdicts: what the program reports of each ingredient of a model, against fine-grid runs with and without it.
 
-    honest        the true change is within the error bar (a true change below `floor` always is)
+    honest        the true change is within the error bar (a difference below judge.FLOOR always is)
     right         the verdict is that of the true changes (needed: one above the accuracy; irrelevant: all below a tenth of it);
                   of a grid: it is reported too coarse if it is
     surely wrong  `needed` where it is not, or less than that where it is needed
@@ -18,8 +18,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import h5py
-from bench_program import conclude, output_folder, run_program, save, side_by_side
-from judge import share
+import numpy as np
+import pandas as pd
+from bench_program import conclude, run_program, save, side_by_side
+from judge import FLOOR
 from namelists import BARE, Groups, namelist
 
 WITHIN = 0.95
@@ -46,8 +48,8 @@ class Row:
 
 def run(groups: Groups, read: Callable[[h5py.File], object], files: dict[str, bytes] | None = None) -> object:
     """What is read of the result of a namelist with these files beside it; None where it does not converge."""
-    status, _, found = run_program(namelist(groups), read, files)
-    return found if status == 0 else None
+    done = run_program(namelist(groups), read, files)
+    return done.found if done.status == 0 else None
 
 
 def bare(groups: Groups, **others: dict) -> Groups:
@@ -55,17 +57,13 @@ def bare(groups: Groups, **others: dict) -> Groups:
     return copy.deepcopy(groups) | copy.deepcopy(BARE) | others
 
 
-def changes_in(row: h5py.Group, quantities: Iterable[str]) -> dict[str, tuple[float, float]]:
-    """Those of a row of /adequacy that are known, with their error bars."""
-    return {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in quantities if q in row}
-
-
 def told(file: h5py.File, quantities: Iterable[str]) -> dict[str, dict]:
-    """What the program says of each ingredient: changes, and the words of the row."""
+    """What the program says of each ingredient: changes with their error bars, and the words of the row."""
     rows = {}
     for name, row in file["adequacy"].items():
         words = {key: row.attrs[key].decode() for key in ("verdict", "instead", "measured_on") if key in row.attrs}
-        rows[name] = {"changes": changes_in(row, quantities), "left_out": float(row.attrs.get("left_out", 1.0))} | words
+        changes = {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in quantities if q in row}
+        rows[name] = {"changes": changes, "left_out": float(row.attrs.get("left_out", 1.0))} | words
         rows[name]["judged_by"] = [q for q in quantities if q in row or f"{q}_at_least" in row.attrs]
     return rows
 
@@ -89,59 +87,44 @@ def rows_of(name: str, ingredient: str, row: dict, true: dict[str, float], right
     return [Row(name, ingredient, q, *row["changes"].get(q, (math.nan, math.nan)), true[q], *words) for q in true]
 
 
-def is_right(row: Row) -> bool:
-    """Whether a known verdict is that of the true changes."""
-    if row.ingredient == "grid":
-        return row.true_verdict != "needed" or row.verdict == "too coarse"
-    return row.verdict == row.true_verdict
-
-
-def line(label: str, own: list[Row], floor: float) -> tuple[str, list[float]]:
+def line(label: str, own: pd.DataFrame) -> tuple[str, list[float]]:
     """What holds of these rows, and the shares; changes of the smooth steady contact are no statement on a passage."""
-    scenes = {(row.scene, row.ingredient): row for row in own}
-    known = [row for row in scenes.values() if row.verdict != "not known"]
-    whole = [row for row in known if row.left_out == 1 or row.verdict == "needed"]
-    wrong = sum(not is_right(row) and "needed" in (row.verdict, row.true_verdict) for row in whole)
-    judged = [row for row in own if not (math.isnan(row.change) or math.isnan(row.truth)) and "smooth" not in row.measured_on]
-    shares = [
-        share(judged, lambda row: abs(row.change - row.truth) <= max(row.error, floor)) if judged else math.nan,
-        share(whole, is_right) if whole else math.nan,
-    ]
+    scenes = own.drop_duplicates(["scene", "ingredient"])
+    known = scenes[scenes["verdict"] != "not known"]
+    whole = known[(known["left_out"] == 1) | (known["verdict"] == "needed")]
+    told, true = whole["verdict"], whole["true_verdict"]
+    is_right = np.where(whole["ingredient"] == "grid", (true != "needed") | (told == "too coarse"), told == true)
+    wrong = (~is_right & ((told == "needed") | (true == "needed"))).sum()
+    judged = own[own["change"].notna() & own["truth"].notna() & ~own["measured_on"].str.contains("smooth")]
+    is_honest = (judged["change"] - judged["truth"]).abs() <= judged["error"].clip(lower=FLOOR)
+    shares = [each.mean() if len(each) else math.nan for each in (is_honest, is_right)]
     words = " ".join(f"{'-':>10s}" if math.isnan(each) else f"{100 * each:10.1f}" for each in shares)
     return f"{label:26s} {len(scenes):6d} {len(scenes) - len(known):9d} {words} {wrong:13d}", shares
 
 
-def table(
-    rows: list[Row], kinds: tuple[str, ...], *, judged: tuple[str, ...] = (), apart: tuple[str, ...] = (), floor: float = 0.0
-) -> tuple[str, bool]:
-    """A line an ingredient, by kinds of scenes, and all of a kind without those that stand apart.
-
-    And whether what is asked for holds of all kinds, or of those that are judged.
-    """
+def table(rows: pd.DataFrame, kinds: Iterable[str]) -> tuple[str, bool]:
+    """A line an ingredient by kinds of scenes, and all of a kind without time steps; whether all kinds hold what is asked for."""
     lines = [f"{'ingredient':26s} {'scenes':>6s} {'not known':>9s} {'honest [%]':>10s} {'right [%]':>10s} {'surely wrong':>13s}"]
     holds = True
     for kind in kinds:
-        mine = [row for row in rows if kind in row.scene]
-        names = sorted({row.ingredient for row in mine} - set(apart))
-        for label, counted in (*((name, [name]) for name in names), ("all", names), *((name, [name]) for name in apart)):
-            own = [row for row in mine if row.ingredient in counted]
-            if own:
-                words, shares = line(f"{kind} {label}", own, floor)
+        mine = rows[rows["scene"].str.startswith(kind)]
+        others = mine[mine["ingredient"] != "time_step"]
+        parts = dict(iter(others.groupby("ingredient"))) | {"all": others}
+        for label, own in (parts | {"time_step": mine[mine["ingredient"] == "time_step"]}).items():
+            if len(own):
+                words, shares = line(f"{kind} {label}", own)
                 lines.append(words)
-                if label == "all" and kind in (judged or kinds):
-                    holds = holds and all(each >= WITHIN for each in shares if not math.isnan(each))
+                holds = holds and (label != "all" or all(each >= WITHIN for each in shares if not math.isnan(each)))
     return "\n".join(lines) + "\n", holds
 
 
-def judge_all(
-    options: argparse.Namespace, name: str, judge: Callable, scenes: list, kinds: tuple[str, ...], **words: object
-) -> int:
-    """Judges all scenes, writes NAME.csv and NAME.txt; status 1 where less is honest or right than asked for."""
-    folder, rows, unjudged = output_folder(options), [], 0
+def judge_all(options: argparse.Namespace, judge: Callable[[tuple[str, Groups]], list[Row]], scenes: list) -> int:
+    """Judges all scenes, writes adequacy.csv and adequacy.txt; status 1 where less is honest or right than asked for."""
+    rows, unjudged = [], 0
     for own in side_by_side(judge, scenes, options.processes):
         rows += [row for row in own if row.true_verdict != NO_TRUTH]
         unjudged += not own
-        save(folder / f"{name}.csv", rows)
-    text, holds = table(rows, kinds, **words)
-    conclude(folder / f"{name}.txt", f"{text}{unjudged} of {len(scenes)} scenes have no result or no truth\n")
+        save(options.output / "adequacy.csv", rows)
+    text, holds = table(pd.DataFrame(rows), dict.fromkeys(name.split()[0] for name, _ in scenes))
+    conclude(options.output / "adequacy.txt", f"{text}{unjudged} of {len(scenes)} scenes have no result or no truth\n")
     return 0 if holds else 1

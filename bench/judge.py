@@ -20,13 +20,14 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import h5py
 import numpy as np
-from bench_program import run_program
+import pandas as pd
+from bench_program import Run, run_program
 from namelists import NO_BARS, Groups, namelist
 
 WITHIN, TIGHT = 0.95, 0.80
@@ -209,13 +210,11 @@ def read(family: Family, file: h5py.File) -> Result:
 def judge(family: Family, member: Member, name: str) -> list[Row]:
     """All quantities of a member."""
     take = partial(read, family)
-
-    def all_of_them(verdict: str, reason: str) -> list[Row]:
-        return [Row(family.name, name, path, verdict, reason=reason) for path in family.quantities]
-
-    _, said, found = run_program(namelist(member.case), take, member.files)
+    run = run_program(namelist(member.case), take, member.files)
+    found = run.found
     if found is None or found.reason:  # a film below the roughness has errors, too
-        return all_of_them(REFUSED, found.reason if found else said)
+        reason = found.reason if found else run.words
+        return [Row(family.name, name, path, REFUSED, reason=reason) for path in family.quantities]
     rows = []
     for path, (value, estimate) in found.values.items():
         bar = member.target * abs(value) or estimate
@@ -225,9 +224,10 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     truth = {path: (value, 0.0) for path, value in member.exact.items()}
     if member.truth and any(row.verdict == JUDGED for row in rows):
         finer = member.truth(found.resolution) if callable(member.truth) else member.truth
-        _, said, fine = run_program(namelist(finer), take, member.files) if finer else (1, "", None)
+        run = run_program(namelist(finer), take, member.files) if finer else Run(1, 0.0, 0.0, 0.0, "", [None])
+        fine = run.found
         if fine is None or fine.reason:
-            return [replace(row, verdict="no truth", reason=fine.reason if fine else said) for row in rows]
+            return [replace(row, verdict="no truth", reason=fine.reason if fine else run.words) for row in rows]
         truth = fine.values | truth
     for row in rows:
         value, bar = truth.get(family.limits.get(row.quantity, row.quantity), (math.nan, math.nan))
@@ -238,51 +238,37 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     return rows
 
 
-def is_within(row: Row) -> bool:
-    """Whether the truth is within the estimate."""
-    return row.true_error <= row.estimate
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Those that are judged: whether the truth is within the estimate, and this below ten times the true error (`tight`)."""
+    own = rows[rows["verdict"] == JUDGED]
+    largest = 10 * np.maximum(own["true_error"], FLOOR * own["value"].abs())
+    return own.assign(within=own["true_error"] <= own["estimate"], tight=own["estimate"] <= largest)
 
 
-def is_tight(row: Row, floor: float = FLOOR) -> bool:
-    """Whether the estimate is below ten times the true error."""
-    return row.estimate <= 10 * max(row.true_error, floor * abs(row.value))
-
-
-def share(rows: Sequence, test: Callable[[object], bool]) -> float:
-    """Which part passes a test; of none, all."""
-    return sum(map(test, rows)) / len(rows) if rows else 1.0
-
-
-def quantile(values: Sequence[float], part: float) -> float:
-    """The value below which this part lies."""
-    ordered = sorted(values)
-    return ordered[min(int(part * len(ordered)), len(ordered) - 1)] if ordered else math.nan
-
-
-def table(families: list[Family], rows: list[Row]) -> str:
+def table(families: list[Family], rows: pd.DataFrame) -> str:
     """A line a quantity, with the verdict on the family."""
     head = f"{'cases':>5s} {'refused':>7s} {'noted':>5s} {'not known':>9s} {'within':>7s} {'< 10 x':>7s}"
     lines = [f"{'family, quantity':44s} {head}"]
     for family in families:
+        every = rows[rows["family"] == family.name]
         lines.append(family.title)
         for path in family.quantities:
-            own = [row for row in rows if row.family == family.name and row.quantity == path and row.verdict != "no truth"]
-            judged = [row for row in own if row.verdict == JUDGED]
-            refused, noted, unknown = (sum(row.verdict == verdict for row in own) for verdict in (REFUSED, NOTED, UNKNOWN))
-            within, tight = (share(judged, test) for test in (is_within, is_tight))
-            verdict = "" if within >= family.asked[0] and tight >= family.asked[1] else "  missed"
+            own = every[(every["quantity"] == path) & (every["verdict"] != "no truth")]
+            refused, noted, unknown = (own["verdict"].eq(verdict).sum() for verdict in (REFUSED, NOTED, UNKNOWN))
+            shares = judged(own)[["within", "tight"]].mean().fillna(1.0)
+            verdict = "  missed" if (shares < family.asked).any() else ""
             label = f"  {family.name} {path.removeprefix('summary/')}"
-            numbers = f"{len(own):5d} {refused:7d} {noted:5d} {unknown:9d} {100 * within:5.1f} % {100 * tight:5.1f} %"
-            lines.append(f"{label:44s} {numbers}{verdict}")
+            within, tight = 100 * shares
+            lines.append(f"{label:44s} {len(own):5d} {refused:7d} {noted:5d} {unknown:9d} {within:5.1f} % {tight:5.1f} %{verdict}")
         if family.aim:
-            lines.append(reached(family, [row for row in rows if row.family == family.name]))
+            lines.append(reached(family, every))
     return "\n".join(lines) + "\n"
 
 
-def reached(family: Family, rows: list[Row]) -> str:
+def reached(family: Family, rows: pd.DataFrame) -> str:
     """Which part of the members has a solution, which of these has all errors that are known below the aim, and the intervals."""
-    solved = {row.member: row.intervals for row in rows if row.verdict != REFUSED}
-    wide = {row.member for row in rows if row.estimate > 1.000001 * family.aim * abs(row.value)}
-    shares = f"{100 * len(solved) / len({row.member for row in rows}):.1f} % solved, {100 - 100 * len(wide) / len(solved):.1f} %"
-    sizes = ", ".join(str(quantile([*solved.values()], part)) for part in (0.1, 0.5, 0.8, 0.9, 1.0))
+    solved = rows[rows["verdict"] != REFUSED].groupby("member")["intervals"].last()
+    wide = rows[rows["estimate"] > 1.000001 * family.aim * rows["value"].abs()]["member"].nunique()
+    shares = f"{100 * len(solved) / rows['member'].nunique():.1f} % solved, {100 - 100 * wide / len(solved):.1f} %"
+    sizes = ", ".join(str(size) for size in solved.quantile([0.1, 0.5, 0.8, 0.9, 1.0], interpolation="higher"))
     return f"  {shares} of them known to {100 * family.aim:g} %; intervals (10, 50, 80, 90, 100 %): {sizes}"

@@ -13,13 +13,14 @@ import shutil
 import subprocess
 import sys
 import textwrap
-from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 
-from bench_program import ROOT, read_csv
+import pandas as pd
+from bench_program import ROOT
 from families import FAMILIES
-from judge import JUDGED, Row, is_tight, is_within, share
+from judge import judged
+from stability import is_right
 from stability_cells import NAMES
 
 RESULTS, PAGE, IMAGES = ROOT / "results", ROOT / "docs" / "performance.md", ROOT / "docs" / "images" / "performance"
@@ -60,30 +61,27 @@ def as_it_is(*paths: Path) -> str:
 
 def bench_text(path: Path) -> str:
     """Targets of speed and memory, and the median of what was measured; a star where that misses the target."""
-    lines = []
-    for row in (row for row in read_csv(path) if row["asked"]):
-        star = "*" * (row["verdict"] in {"MISSED", "met (min.)", "met (CPU)"})
-        line = f"{row['work']:<44} <= {float(row['asked']):<6g} {float(row['median']):8.3g} {row['unit']:<2} {star}"
-        lines.append(line.rstrip())
+    rows = pd.read_csv(path).dropna(subset=["asked"]).fillna({"unit": ""})
+    stars = rows["verdict"].isin(("MISSED", "met (min.)", "met (CPU)"))
+    lines = [
+        f"{work:<44} <= {asked:<6g} {median:8.3g} {unit:<2} {'*' * star}".rstrip()
+        for work, asked, median, unit, star in zip(*(rows[key] for key in ("work", "asked", "median", "unit")), stars, strict=True)
+    ]
     return fenced("\n".join(lines))
 
 
 def families_text(path: Path) -> str:
     """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
-    found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
-    numbers = ("value", "estimate", "true_error", "intervals")
-    for row in read_csv(path):
-        each = Row(**{key: float(value) if key in numbers else value for key, value in row.items()})
-        if each.verdict == JUDGED:
-            found[each.family][each.quantity.removeprefix("summary/")].append(each)
+    rows = judged(pd.read_csv(path))
     asked = {family.name: family.asked for family in FAMILIES}
     lines = [f"{'family':26s} {'judged':>6s} {'within [%]':>10s} {'below 10 x [%]':>14s}"]
-    for family, quantities in found.items():
-        every = [row for own in quantities.values() for row in own]
-        within, tight = asked[family]
-        missed = [name for name, own in quantities.items() if share(own, is_within) < within or share(own, is_tight) < tight]
-        shares = f"{100 * share(every, is_within):10.1f} {100 * share(every, is_tight):14.1f}"
-        lines.append(f"{family:26s} {len(every):6d} {shares}" + (f"  * {', '.join(missed)}" if missed else ""))
+    for family, own in rows.groupby("family", sort=False):
+        shares = own.groupby("quantity", sort=False)[["within", "tight"]].mean()
+        missed = shares.index[(shares < asked[family]).any(axis=1)].str.removeprefix("summary/")
+        within, tight = 100 * own[["within", "tight"]].mean()
+        lines.append(
+            f"{family:26s} {len(own):6d} {within:10.1f} {tight:14.1f}" + (f"  * {', '.join(missed)}" if len(missed) else "")
+        )
     return fenced("\n".join(lines))
 
 
@@ -91,25 +89,21 @@ def maps_text(*paths: Path) -> str:
     """Cells in which each method is right: it converges, or its grid or step is too coarse and was called so."""
     lines = ["| map | cells | right |", "|---|---|---|"]
     for path in paths:
-        right: dict[str, list[bool]] = defaultdict(list)
-        for row in read_csv(path):
-            right[row["method"]].append(row["reason"] == "converged" or row["status"] == "too coarse")
-        words = "; ".join(f"{method} {sum(each)}" for method, each in right.items() if not all(each))
-        lines.append(f"| {path.stem[10:]} | {len(next(iter(right.values())))} | {words + '; the others ' if words else ''}all |")
+        rows = pd.read_csv(path)
+        right = is_right(rows).groupby(rows["method"], sort=False).agg(["sum", "size"])
+        words = "; ".join(f"{method} {count}" for method, count in right["sum"][right["sum"] < right["size"]].items())
+        lines.append(f"| {path.stem[10:]} | {right['size'].iloc[0]} | {words + '; the others ' if words else ''}all |")
     return "\n".join(lines) + "\n"
 
 
 def dry_text(path: Path) -> str:
     """The table of `make bench-dry`, the shares of contact [%] of a row beside each other."""
-    groups = defaultdict(list)
-    for row in read_csv(path):
-        groups[re.sub(r", \d+ %", "", row["work"])].append(row)
-    lines = []
-    for work, own in groups.items():
-        cells = [f"{share[0][:-2]}: " if (share := re.findall(r"\d+ %", row["work"])) else "" for row in own]
-        cells = [f"{cell}{row['value']}{'*' * (row['verdict'] == 'MISSED')}" for cell, row in zip(cells, own, strict=True)]
-        sign = ">=" if own[0]["unit"] == "times" else "<="
-        lines.append(f"{work:<44} {sign} {own[0]['asked']:>4} {own[0]['unit']:<6} {'; '.join(cells)}")
+    rows, lines = pd.read_csv(path).rename(columns={"value": "median"}), []
+    for work, own in rows.groupby(rows["work"].str.replace(r", \d+ %", "", regex=True), sort=False):
+        shares = own["work"].str.extract(r"(\d+) %")[0].add(": ").fillna("")
+        cells = shares + own["median"].map("{:.3g}".format) + own["verdict"].eq("MISSED").map({True: "*", False: ""})
+        sign, unit = (">=" if own["unit"].iloc[0] == "times" else "<="), own["unit"].iloc[0]
+        lines.append(f"{work:<44} {sign} {own['asked'].iloc[0]:>4g} {unit:<6} {'; '.join(cells)}")
     return fenced("\n".join(lines))
 
 

@@ -9,6 +9,7 @@ from functools import cached_property
 
 from bench_program import Answer
 from chart import METHODS
+from family_dry import PROBLEMS, sizes
 from namelists import CASE_1_FILM, CASE_1_HALF_WIDTH, LAWS, RIDGE, WINDOW, Groups, case_1, moes, namelist, plane, steel
 
 AUTO, NEWTON, DENSE = ({name: METHODS[name]} for name in ("auto", "newton_krylov", "newton_dense"))
@@ -33,6 +34,10 @@ WORDS = {
     "has stopped falling": "stalled",  # of dry contacts
     "the error is ": "limit",
 }
+# Of dry contacts: methods, material and surface, iterations at most; of finer areas steepest descent would take hours.
+DRY_METHODS = ("conjugate_gradient", "steepest_descent")
+MODULUS, HEIGHT, LENGTH = 200e9, 1e-6, 1e-3
+MOST, MOST_NODES = 6000, {DRY_METHODS[1]: 256}
 # Method, column and row of a cell.
 Place = tuple[str, int, int]
 Text = Callable[[float, float, dict, str], "str | Groups | None"]
@@ -76,13 +81,15 @@ def iterations(answer: Answer) -> float:
     return answer["cycles"] / max(answer.get("steps", 1), 1) if answer.converged else 0
 
 
-def status(answer: Answer | None) -> str:
-    """The class of a cell."""
-    if answer is None:
-        return "blank"
-    if answer.converged:
-        return "converged" if iterations(answer) <= MANY else "late"
-    return next((word for text, word in WORDS.items() if text in answer["reason"]), "failed")
+def status(answer: Answer) -> str:
+    """The class of a cell; `closed`: full contact or all plastic, in closed form; `no cycle`: one level, solved exactly."""
+    if not answer.converged:
+        return next((word for text, word in WORDS.items() if text in answer["reason"]), "failed")
+    if answer.get("method") in ("full_contact", "all_plastic"):
+        return "closed"
+    if "fas" in answer.get("method", "") and answer["levels"] == 1:
+        return "no cycle"
+    return "converged" if iterations(answer) <= MANY else "late"
 
 
 def spread(first: float, last: float, count: int) -> list[float]:
@@ -169,44 +176,36 @@ def cycle_maps(quick: bool) -> Iterator[StabilityMap]:
     yield StabilityMap("coarsest", title, x, Axis("coarsest", "Intervals of the coarsest level", coarsest), AUTO | CYCLES, deep)
 
 
-def time_step_map(quick: bool) -> StabilityMap:
-    """Time step against slide-to-roll: the ridge of Case 3 on the faster surface."""
-    n = 128 if quick else 256
+def passing_maps(quick: bool) -> Iterator[StabilityMap]:
+    """Time steps: the ridge of Case 3 on the faster surface; ten steps of one that rolls in without sliding, of two oils."""
+    n, ridge = 128 if quick else 256, RIDGE | {"position": -1.5}
     slides = [0, 1, 5 / 3, 3] if quick else [0, 0.2, 0.5, 1, 5 / 3, 2, 2.5, 4, 8]
-    methods = AUTO | {"auto, backward Euler": {}} | NEWTON | IN_TIME | DENSE
+    steps = "time_step_over_dx", r"$\Delta T/\Delta X$"
 
-    def text(slide: float, factor: float, solver: dict, name: str) -> str:
-        mean, dx = 0.6, 5.5 / n
-        speeds = {"speed_1": mean * (1 - slide / 2), "speed_2": mean * (1 + slide / 2)}
-        steps = max(2, round(2.3 / (1 + slide / 2) / (factor * dx)))
+    def speeds(slide: float) -> dict:
+        return {"speed_1": 0.6 * (1 - slide / 2), "speed_2": 0.6 * (1 + slide / 2)}
+
+    def sliding(slide: float, factor: float, solver: dict, name: str) -> str:
+        dx = 5.5 / n
+        count = max(2, round(2.3 / (1 + slide / 2) / (factor * dx)))
         scheme = "backward_euler" if name.endswith("Euler") else None
-        settings = {"transient": True, "end_time": steps * factor * dx, "time_step": factor * dx, "scheme": scheme}
-        return case_1(n, solver, bodies=speeds, surface_2=RIDGE | {"position": -1.5}, time=settings)
+        settings = {"transient": True, "end_time": count * factor * dx, "time_step": factor * dx, "scheme": scheme}
+        return case_1(n, solver, bodies=speeds(slide), surface_2=ridge, time=settings)
+
+    def rolling(intervals: float, factor: float, solver: dict, name: str) -> str:
+        step, oil = factor * 5.5 / intervals, oils[name.split(": ")[1]]
+        time = {"transient": True, "end_time": 10 * step, "time_step": step}
+        return case_1(int(intervals), solver, bodies=speeds(0.0), lubricant=oil, surface_2=ridge, time=time)
 
     x = Axis("slide_to_roll", "Slide-to-roll ratio", [round(slide, 3) for slide in slides])
-    y = Axis("time_step_over_dx", r"$\Delta T/\Delta X$", [0.25, 0.5, 1, 2] if quick else [0.125, 0.25, 0.5, 1, 2, 4, 8])
-    return StabilityMap("time_step", f"A ridge passes, iterations per step, {n} intervals", x, y, methods, text)
-
-
-def rolling_map(quick: bool) -> StabilityMap:
-    """Without sliding: intervals against time step, ten steps of a ridge in Case 1, its oil and a Newtonian one."""
+    y = Axis(*steps, [0.25, 0.5, 1, 2] if quick else [0.125, 0.25, 0.5, 1, 2, 4, 8])
+    methods = AUTO | {"auto, backward Euler": {}} | NEWTON | IN_TIME | DENSE
+    yield StabilityMap("time_step", f"A ridge passes, iterations per step, {n} intervals", x, y, methods, sliding)
     oils = {"Eyring": {}, "Newtonian": {"rheology": "newtonian", "eyring_stress": None}}
     methods = {f"{name}: {oil}": solver for oil in oils for name, solver in (AUTO | IN_TIME).items()}
-
-    def text(intervals: float, factor: float, solver: dict, name: str) -> str:
-        step = factor * 5.5 / intervals
-        return case_1(
-            int(intervals),
-            solver,
-            bodies={"speed_1": 0.6, "speed_2": 0.6},
-            lubricant=oils[name.split(": ")[1]],
-            surface_2=RIDGE | {"position": -1.5},
-            time={"transient": True, "end_time": 10 * step, "time_step": step},
-        )
-
     x = Axis("intervals", "Intervals", [2**k for k in ((6, 7, 8, 9) if quick else (6, 7, 8, 9, 10, 11, 12))])
-    y = Axis("time_step_over_dx", r"$\Delta T/\Delta X$", [0.0625, 0.25, 1] if quick else [0.0625, 0.125, 0.25, 0.5, 1, 2])
-    return StabilityMap("rolling", "A ridge rolls in without sliding, iterations per step", x, y, methods, text)
+    y = Axis(*steps, [0.0625, 0.25, 1] if quick else [0.0625, 0.125, 0.25, 0.5, 1, 2])
+    yield StabilityMap("rolling", "A ridge rolls in without sliding, iterations per step", x, y, methods, rolling)
 
 
 def roughness_maps(quick: bool) -> Iterator[StabilityMap]:
@@ -234,8 +233,46 @@ def roughness_maps(quick: bool) -> Iterator[StabilityMap]:
 
 def all_maps(quick: bool) -> Iterator[StabilityMap]:
     """All maps in the order of NAMES."""
-    yield from steady_maps(quick)
-    yield from cycle_maps(quick)
-    yield time_step_map(quick)
-    yield rolling_map(quick)
-    yield from roughness_maps(quick)
+    for maps in (steady_maps, cycle_maps, passing_maps, roughness_maps):
+        yield from maps(quick)
+
+
+def dry_cell(load: float, nodes: int, is_area: bool, hurst: float = 0.8, hardness: float | None = None) -> Groups:
+    """A dry contact; loads and hardnesses in units of the pressure E* g, g = 2 pi rms height over the roll-off wavelength."""
+    unit = 0.5 * MODULUS * 2 * math.pi * HEIGHT / (LENGTH / 4)
+    return {
+        "case": {"problem": PROBLEMS[is_area]},
+        "bodies": {"reduced_modulus": MODULUS, "hardness": hardness * unit if hardness else None},
+        "load": {"mean_pressure": load * unit},
+        "surface_1": {"shape": "synthetic", "seed": 3, "hurst": hurst, "rms_height": HEIGHT, "wavelength_rolloff": LENGTH / 4},
+        "domain": sizes(1 + is_area, nodes),
+        "solver": {"tolerance": 1e-8, "max_cycles": MOST},
+    }
+
+
+def dry_text(axis: str, is_area: bool, **fixed: float) -> Text:
+    """Makes the namelists of a map over loads and an axis; areas that are too fine for a method are left out."""
+
+    def text(load: float, value: float, settings: dict, name: str) -> Groups | None:
+        keys = fixed | {axis: value}
+        if is_area and keys["nodes"] > MOST_NODES.get(name, keys["nodes"]):
+            return None
+        cell = dry_cell(load, is_area=is_area, **keys)
+        return cell | {"solver": cell["solver"] | settings}
+
+    return text
+
+
+def dry_maps(quick: bool) -> Iterator[StabilityMap]:
+    """Load from first touch to full contact against hardness (none to all plastic), Hurst exponent, and nodes; to 1e-8."""
+    step, nodes, few = (3, 64, 2) if quick else (1, 128, None)
+    loads = Axis("load", "Mean pressure over $E^* g$ [-]", [1e-7, 1e-5, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0][::step])
+    methods, title = {name: {"method": name} for name in DRY_METHODS}, f"Areas of {nodes}$^2$ nodes"
+    y = Axis("hardness", "Hardness/$E^* g$", [None, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01][::step])
+    yield StabilityMap("dry_hardness", title, loads, y, methods, dry_text(y.key, True, nodes=nodes))
+    y = Axis("hurst", "Hurst exponent", [0.0, 0.2, 0.4, 0.6, 0.8, 1.0][::step])
+    yield StabilityMap("dry_spectrum", f"{title}, elastic", loads, y, methods, dry_text(y.key, True, nodes=nodes))
+    y = Axis("nodes", "Nodes a side", [31, 64, 100, 128, 256, 512][:few])
+    yield StabilityMap("dry_areas", "Areas, elastic", loads, y, methods, dry_text(y.key, True))
+    y = Axis("nodes", "Nodes", [63, 512, 1000, 4096, 16384][:few])
+    yield StabilityMap("dry_profiles", "Profiles, elastic", loads, y, methods, dry_text(y.key, False))
