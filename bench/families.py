@@ -94,7 +94,7 @@ FAMILIES = [
     Family("dry_target", "target_open_line", "A target: rough rollers", AREA, dry.synthetic_body(1)),
     Family("dry_target", "target_open_area", "A target: rough balls", AREA, dry.synthetic_body(2)),
     Family("friction", "friction_given", "Friction, both oils, given domain and grid", FRICTION, steady.friction_given),
-    Family("friction", "friction_time", "Friction over a passage, all chosen", FRICTION, in_time.passing, 12),
+    Family("friction", "friction_time", "Friction over a passage, all chosen", FRICTION, in_time.moving(is_coarse=False), 12),
     Family("kappa", "kappa_spikes", "Spikes by the kappa scheme, given grids", FIGURES, steady.spike, 96, GRID),
     Family("kappa", "wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, steady.wide),
     Family("kappa", "stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, steady.stiff, 48),
@@ -116,10 +116,10 @@ FAMILIES = [
     Family("times", "inside", "Features that begin inside the contact", FIGURES, in_time.inside),
     Family("times", "narrow", "Narrow features in heavy contacts", FIGURES + CENTRAL, in_time.narrow),
     Family("times", "beside_waves", "Features that pass beside waves", FIGURES, in_time.beside_waves),
-    Family("waves", "waves_at_rest", "Narrow waves at rest, chosen grid", FILMS, in_time.resting),
-    Family("waves", "waves_passing", "Narrow waves that pass, chosen grid and time step", FILMS, in_time.passing),
-    Family("waves", "waves_coarse_grid", "Narrow waves at rest, 1 to 64 nodes a wave", FILMS, in_time.on_a_coarse_grid),
-    Family("waves", "waves_long_steps", "Narrow waves that pass, 1 to 64 steps a wave", FILMS, in_time.in_long_steps),
+    Family("waves", "waves_at_rest", "Narrow waves at rest, chosen grid", FILMS, in_time.standing(is_coarse=False)),
+    Family("waves", "waves_passing", "Narrow waves that pass, chosen grid and time step", FILMS, in_time.moving(is_coarse=False)),
+    Family("waves", "waves_coarse_grid", "Narrow waves at rest, 1 to 64 nodes a wave", FILMS, in_time.standing(is_coarse=True)),
+    Family("waves", "waves_long_steps", "Narrow waves that pass, 1 to 64 steps a wave", FILMS, in_time.moving(is_coarse=True)),
 ]  # fmt: skip
 
 
