@@ -12,7 +12,8 @@ import tempfile
 from pathlib import Path
 
 import h5py
-from bench_program import ASPERITY, ROOT, Usage, measured, new_parser
+import pandas as pd
+from bench_program import ASPERITY, ROOT, Run, measured, new_parser
 
 HEAD = 'base = "{base}"\n[set]\ndomain.intervals = 256\n{extra}'
 STEADY = HEAD + "[vary]\nload.hertz_pressure = {{ from = 0.3e9, to = 0.9e9, count = {count} }}\n"
@@ -24,60 +25,55 @@ NO_ADEQUACY = "output.adequacy = false\n"
 EXTRAS = ("", NO_ADEQUACY, NO_ADEQUACY + "output.si_copies = false\naccuracy.error_bars = false\n")
 
 
-def run(script: str, *arguments: object) -> Usage:
+def run(script: str, *arguments: object) -> Run:
     """What a script of batch/ takes with all that it starts; memory is that of the largest process."""
     used = measured([sys.executable, ROOT / "batch" / script, *arguments])
     if used.status != 0:
-        sys.exit(f"batch.py: {script}: exit status {used.status}")
+        sys.exit(f"batch.py: {script}: {used.words}")
     return used
 
 
-def solution_seconds(folder: Path) -> float:
-    """Shortest wall time of a solution without error bars and adequacy: on a busy machine nearest to its processor time."""
-    found = []
-    for path in (folder / "cases").glob("*.h5"):
-        with h5py.File(path) as file:
-            item = file["report/phase_seconds"]
-            seconds = dict(zip(item.attrs["phases"].decode().split(", "), item[()], strict=True))
-            found.append(seconds["setup"] + seconds["steady"] + seconds["transient"])
-    return min(found)
+def solution_seconds(path: Path) -> float:
+    """Wall time of a solution without error bars and adequacy."""
+    with h5py.File(path) as file:
+        return float(file["report/phase_seconds"][:3].sum())
 
 
-def bench_runs(folder: Path, count: int, jobs: int) -> None:
-    """Rows of the two kinds of short cases."""
-    print(f"{count} cases each on 256 intervals, {jobs} processes ({os.cpu_count()} cores, load {os.getloadavg()[0]:.1f})")
-    print("processor time of a case [ms], of run.py and all that it starts")
-    print(f"{'':22}{'all':>8}{'adequacy':>10}{'error bars':>12}{'solution':>10}{'not solving':>13}{'share':>9}{'memory':>9}")
-    for words, (base, text) in SWEEPS.items():
-        seconds = []
-        for number, extra in enumerate(EXTRAS):
-            name = folder / f"{base}_{number}"
-            content = text.format(base=ROOT / "input" / f"{base}.nml", count=count, extra=extra)
-            name.with_suffix(".toml").write_text(content, encoding="utf-8")
-            run("sweep.py", name.with_suffix(".toml"), "--output", name)
-            used = run("run.py", name, "--jobs", jobs)
-            seconds.append(1e3 * used.processor / count)
-        solution = 1e3 * solution_seconds(name)
-        rest = seconds[2] - solution
-        print(
-            f"{words:22}{seconds[0]:8.2f}{seconds[0] - seconds[1]:10.2f}{seconds[1] - seconds[2]:12.2f}"
-            f"{solution:10.2f}{rest:13.2f}{100 * rest / seconds[0]:7.1f} %{used.memory:6.0f} MB"
-        )
+def sweep_costs(folder: Path, base: str, text: str, count: int, jobs: int) -> dict[str, object]:
+    """Processor time of a case [ms], of run.py and all that it starts, and its parts."""
+    seconds = []
+    for number, extra in enumerate(EXTRAS):
+        name = folder / f"{base}_{number}"
+        content = text.format(base=ROOT / "input" / f"{base}.nml", count=count, extra=extra)
+        name.with_suffix(".toml").write_text(content, encoding="utf-8")
+        run("sweep.py", name.with_suffix(".toml"), "--output", name)
+        used = run("run.py", name, "--jobs", jobs)
+        seconds.append(1e3 * used.processor / count)
+    every, lean, bare = seconds
+    # on a busy machine the shortest one is nearest to its processor time
+    solution = 1e3 * min(map(solution_seconds, (name / "cases").glob("*.h5")))
+    parts = {
+        "all": every,
+        "adequacy": every - lean,
+        "error bars": lean - bare,
+        "solution": solution,
+        "not solving": bare - solution,
+    }
+    return parts | {"share [%]": 100 * (bare - solution) / every, "memory [MB]": used.memory}
 
 
-def bench_gather(source: Path, folder: Path, count: int) -> None:
-    """One row: `count` results (hard links to few) gathered."""
+def gathered(source: Path, folder: Path, count: int) -> str:
+    """The cost of `count` results (hard links to few) gathered."""
     cases = sorted((source / "cases").glob("*.h5"))[:100]
     (folder / "cases").mkdir(parents=True)
     names = [f"case_{i:06d}" for i in range(1, count + 1)]
     for i, name in enumerate(names):
         for kind in (".h5", ".nml"):
             (folder / "cases" / f"{name}{kind}").hardlink_to(cases[i % len(cases)].with_suffix(kind))
-    (folder / "index.csv").write_text("case,x\n" + "".join(f"{n},{i}\n" for i, n in enumerate(names)), encoding="utf-8")
+    pd.DataFrame({"case": names, "x": range(count)}).to_csv(folder / "index.csv", index=False)
     used = run("gather.py", folder)
-    sizes = [(folder / f"gathered.{ending}").stat().st_size / 1e6 for ending in ("h5", "csv")]
-    print(f"gather {count} results: {used.wall:.1f} s, CPU {used.processor:.1f} s, {used.memory:.0f} MB; ", end="")
-    print(f"{sizes[0]:.1f} MB HDF5, {sizes[1]:.1f} MB CSV")
+    sizes = " and ".join(f"{(folder / f'gathered.{kind}').stat().st_size / 1e6:.1f} MB {kind}" for kind in ("h5", "csv"))
+    return f"gather {count} results: {used.wall:.1f} s, CPU {used.processor:.1f} s, {used.memory:.0f} MB; {sizes}"
 
 
 def main() -> None:
@@ -87,14 +83,16 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2, metavar="K", help="processes side by side (2)")
     parser.add_argument("--results", type=int, default=10_000, metavar="N", help="results to gather (10000)")
     options = parser.parse_args()
+    count = 10 if options.quick else options.cases
     with tempfile.TemporaryDirectory(prefix="asperity_batch_") as name:
         folder = Path(name)
-        bench_runs(folder, 10 if options.quick else options.cases, options.jobs)
-        steady = folder / "minimal_0"
-        cases = sorted((steady / "cases").glob("*.nml"))
+        print(f"{count} cases each on 256 intervals, {options.jobs} processes ({os.cpu_count()} cores); of a case [ms]")
+        rows = {words: sweep_costs(folder, *sweep, count, options.jobs) for words, sweep in SWEEPS.items()}
+        print(pd.DataFrame(rows).T.to_string(float_format="{:.2f}".format))
+        cases = sorted((folder / "minimal_0" / "cases").glob("*.nml"))
         used = {n: measured([ASPERITY, *cases[:n], "--quiet", "--output", folder]).memory for n in (5, 50, 200)}
         print("memory of one process: " + ", ".join(f"{n} cases {memory:.1f} MB" for n, memory in used.items()))
-        bench_gather(steady, folder / "many", 20 if options.quick else options.results)
+        print(gathered(folder / "minimal_0", folder / "many", 20 if options.quick else options.results))
 
 
 if __name__ == "__main__":

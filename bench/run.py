@@ -19,6 +19,7 @@ from pathlib import Path
 import f90nml
 import h5py
 import numpy as np
+import pandas as pd
 from bench_program import ASPERITY, ROOT, Answer, Run, answer, measured, new_parser, run_program, save, solve, times_of
 from chart import METHODS, THESIS_SOLVER, largest_difference, pressures
 from namelists import BARE, RIDGE, case_1, moes, namelist
@@ -30,7 +31,6 @@ NEVER = 1e-15
 LEAN = BARE | {"output": {"adequacy": False, "si_copies": False}}
 # Of the full momentum equations.
 COUNTS = ("newton_steps", "factorisations")
-WIDTHS = (46, 13, 11, 11, 10, 5, 12)
 
 
 @dataclass
@@ -63,23 +63,17 @@ class Row:
             spared = {"met (min.)": self.least, "met (CPU)": self.processor}
             self.verdict = next((words for words, value in spared.items() if is_good(value, self.asked)), "MISSED")
 
-    def line(self) -> str:
-        """Its text and note."""
-        asked = "-" if self.asked is None else f"{'>=' if self.unit == 'times' else '<='} {show(self.asked, self.unit)}"
-        residual = "" if math.isnan(self.residual) else f"{self.residual:.0e}"
-        times = [show(value, self.unit) for value in (self.least, self.median, self.processor)]
-        return in_columns((self.work, asked, *times, residual, self.verdict)) + (f"\n    {self.note}" if self.note else "")
-
 
 def several(work: str, asked: float | None, values: list[float], unit: str = "s", **more: object) -> Row:
     """A row of measurements."""
     return Row(work, asked, min(values), statistics.median(values), unit, **more)
 
 
-def in_columns(cells: tuple[str, ...]) -> str:
-    """A line of the table."""
-    parts = [cell.ljust(w) if i in {0, 6} else cell.rjust(w) for i, (cell, w) in enumerate(zip(cells, WIDTHS, strict=True))]
-    return " ".join(parts).rstrip()
+def show_rows(title: str, rows: list[Row]) -> None:
+    """Prints a table, and the notes below it."""
+    table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns=["note", "aim"], errors="ignore")
+    notes = [f"  {row.work.strip()}: {row.note}" for row in rows if row.note]
+    print("\n".join([f"\n{title}", table.to_string(index=False, na_rep="", float_format="{:.3g}".format), *notes]), flush=True)
 
 
 def show(value: float, unit: str) -> str:
@@ -101,7 +95,7 @@ def timed(answer: Answer, work: str, asked: float | None, phase: str = "steady",
 
 def case_1_rows(runs: int) -> list[Row]:
     """Case 1, 1024 intervals, by the methods that have a limit."""
-    solvers = {"hertz": BLOCK_JACOBI | {"start": "hertz"}, "fmg": BLOCK_JACOBI, "line": LINE, "krylov": KRYLOV, "auto": {}}
+    solvers = {"hertz": BLOCK_JACOBI | {"start": "hertz"}, "fmg": BLOCK_JACOBI, "line": LINE, "krylov": KRYLOV}
     answers = {name: solve(case_1(1024, solver, **BARE), runs, 5) for name, solver in solvers.items()}
     cycles = {name: f"{answer['cycles']} cycles, {answer['fft_pairs']} FFT pairs" for name, answer in answers.items()}
     return [
@@ -109,7 +103,6 @@ def case_1_rows(runs: int) -> list[Row]:
         timed(answers["fmg"], "Case 1, 1024: Block-Jacobi FAS, fmg", 0.015, note=cycles["fmg"]),
         timed(answers["line"], "Case 1, 1024: FAS, line smoother", 0.005, note=cycles["line"]),
         timed(answers["krylov"], "Case 1, 1024: newton_krylov", 0.005, aim=0.002, note=cycles["krylov"]),
-        timed(answers["auto"], "Case 1, 1024: auto", None),
         timed(answers["krylov"], "  planning, kernels, storage for it", None, "setup"),
         timed(solve(case_1(1024, DENSE, **BARE), max(3, runs // 20), 5), "Case 1, 1025 nodes: newton_dense", 0.5),
     ]
@@ -167,8 +160,6 @@ def size_rows(runs: int, largest: int) -> list[Row]:
     rows = []
     for words, solver in (("auto", {}), ("Block-Jacobi FAS", BLOCK_JACOBI)):
         rows.append(several(f"peak memory, Case 1, 2^16: {words}", 200, [run_program(case_1(2**16, solver)).memory], "MB"))
-        found = solve(case_1(2**16, solver, **BARE), 3, 10)
-        rows.append(timed(found, f"  its time, {found['cycles']} cycles", None))
     cost = {}
     for n in (2**k for k in range(10, 17, 2)):
         solvers = (THESIS_SOLVER | {"tolerance": NEVER, "max_cycles": cycles} for cycles in (2, 6))
@@ -335,8 +326,7 @@ def main() -> None:
     rows = []
     for title, part in parts.items():
         own = part()
-        head = in_columns(("work", "asked", "min.", "median", "CPU", "resid", ""))
-        print("\n".join([f"\n{title}", head, "-" * (sum(WIDTHS) + 6), *(row.line() for row in own)]), flush=True)
+        show_rows(title, own)
         rows += own
         save(path, rows)
     missed = [row.work for row in rows if row.verdict == "MISSED"]
