@@ -108,7 +108,7 @@ FAMILIES = [
     Family("shipped", "shipped_film", "Lubricated inputs and template", FIGURES, shipped.members("film"), given=True),
     Family("shipped", "shipped_dry", "Dry elastic inputs", DRY, shipped.members("dry"), given=True),
     Family("shipped", "shipped_plastic", "Dry inputs with a hardness", PLASTIC[:3], shipped.members("plastic"), given=True),
-    Family("histories", "histories", "Histories, and points of the scenes", HISTORY, shipped.histories, given=True, is_sample=True),
+    Family("histories", "histories", "Histories, and points of the scenes", HISTORY, shipped.members("history"), given=True),
     Family("target_in_time", "target_in_time", "A target in time: error bars", FIGURES, in_time.target_in_time, 24, GRID),
     Family("times", "strides", "Passages of which little is stored", FIGURES, in_time.strides),
     Family("times", "periodic", "Waves that fill the contact at the start", FIGURES, in_time.periodic),

@@ -17,18 +17,18 @@ from namelists import NO_BARS, Groups, namelist
 # Domain of a truth at rest; ends of one in time, at least.
 AT_REST, ENDS_IN_TIME = {"x_inlet": -60.0, "x_outlet": 6.0, "intervals": 2**16}, (-9.0, 3.0)
 
-# Of histories the command of asperity-duty that makes their namelist, and times the intervals of the truth: some take long.
-DUTY = {
-    **{"spur_gear": ("gear", 2), "cam": ("cam", 2), "reciprocating": ("", 4)},
-    **{"stop_start": ("", 4), "mixed_start": ("", 4), "rough_ring": ("", 2)},
-}
+# Histories that asperity-duty makes.
+DUTY = (("gear", "spur_gear"), ("cam", "cam"))
+# Of histories and points times the intervals of the truth: the rest takes long.
+REFINED, FINER_HISTORIES = 2, {"reciprocating": 4, "stop_start": 4, "mixed_start": 4}
 
 
 def kind_of(case: Groups) -> str:
     """Which quantities are judged."""
-    if case["case"]["problem"] == "ehl_line":
-        return "film"
-    return "plastic" if "hardness" in case["bodies"] else "dry"
+    problem = case["case"]["problem"]
+    if "history" in case or problem == "ehl_point":
+        return "history"
+    return "film" if problem == "ehl_line" else "plastic" if "hardness" in case["bodies"] else "dry"
 
 
 def groups_of(case: f90nml.Namelist) -> Groups:
@@ -38,14 +38,18 @@ def groups_of(case: f90nml.Namelist) -> Groups:
     return groups
 
 
-def shipped() -> list[tuple[str, Groups]]:
-    """Name and groups of each input and of each template."""
-    found = [(path.stem, groups_of(f90nml.read(path))) for path in sorted((ROOT / "input").glob("*.nml"))]
+def shipped(folder: Path) -> list[tuple[Path, Groups]]:
+    """File and groups of each input, template, history, and point contact of the scenes; made ones are put into the folder."""
+    source = ROOT / "input"
+    commands = [(ASPERITY.with_name("asperity-duty"), word, source / "duty" / f"{name}.toml") for word, name in DUTY]
+    for command in commands:
+        subprocess.run([*command, "--output", folder], env=ENVIRONMENT, check=True, capture_output=True)
     for problem in ("ehl_line", "dry_line", "dry_area"):
-        command = [ASPERITY, "--template", problem]
-        done = subprocess.run(command, env=ENVIRONMENT, check=True, capture_output=True, text=True)
-        found.append((f"template_{problem}", groups_of(f90nml.reads(done.stdout))))
-    return found
+        done = subprocess.run([ASPERITY, "--template", problem], env=ENVIRONMENT, check=True, capture_output=True)
+        (folder / f"template_{problem}.nml").write_bytes(done.stdout)
+    paths = [path for each in (source, folder, source / "duty") for path in sorted(each.glob("*.nml"))]
+    points = sorted(path for path in (source / "scenes").glob("*.nml") if "ehl_point" in path.read_text(encoding="utf-8"))
+    return [(path, groups_of(f90nml.read(path))) for path in (*paths, *points)]
 
 
 def finer_film(case: Groups) -> Groups | Callable:
@@ -82,41 +86,23 @@ def refined(case: Groups, factor: int, found: Resolution) -> Groups:
     return case | {"accuracy": NO_BARS, "domain": {key: factor * found.intervals}, "output": {}}
 
 
-def histories() -> list[Member]:
-    """Those of input/duty/, and the point contacts of input/scenes/."""
-    found = []
-    with tempfile.TemporaryDirectory() as name:
-        for word in ("spur_gear", "cam"):
-            command = [ASPERITY.with_name("asperity-duty"), DUTY[word][0], ROOT / "input/duty" / f"{word}.toml", "--output", name]
-            subprocess.run(command, env=ENVIRONMENT, check=True, capture_output=True)
-        paths = [
-            Path(name) / f"{word}.nml" if command else ROOT / "input/duty" / f"{word}.nml" for word, (command, _) in DUTY.items()
-        ]
-        points = sorted(path for path in (ROOT / "input/scenes").glob("*.nml") if "ehl_point" in path.read_text(encoding="utf-8"))
-        for path in (*paths, *points):
-            case = groups_of(f90nml.read(path))
-            files = {case["history"]["file"]: (path.parent / case["history"]["file"]).read_bytes()} if "history" in case else {}
-            truth = partial(refined, case, DUTY.get(path.stem, ("", 2))[1])
-            found.append(Member(case, truth, files=files, name=path.stem))
-    return found
-
-
 def members(kind: str) -> Callable[[], list[Member]]:
     """Those of a kind."""
 
     def all_of_them() -> list[Member]:
         found = []
-        for name, case in shipped():
-            if kind_of(case) != kind:
-                continue
-            files: dict[str, str | bytes] = {}
-            surface = case.get("surface_1", {})
-            if "file" in surface:
-                source = (ROOT / "input" / surface["file"]).resolve()
-                files[source.name] = source.read_bytes()
-                surface["file"] = source.name
-            truth = finer_film(case) if kind == "film" else finer_contact(case, files)
-            found.append(Member(case, truth, files=files, name=name))
+        with tempfile.TemporaryDirectory() as name:
+            for path, case in ((path, case) for path, case in shipped(Path(name)) if kind_of(case) == kind):
+                files: dict[str, str | bytes] = {}
+                for group in (case[key] for key in ("surface_1", "history") if "file" in case.get(key, {})):
+                    source = path.parent / group["file"]
+                    files[source.name] = source.read_bytes()
+                    group["file"] = source.name
+                if kind == "history":
+                    truth = partial(refined, case, FINER_HISTORIES.get(path.stem, REFINED))
+                else:
+                    truth = finer_film(case) if kind == "film" else finer_contact(case, files)
+                found.append(Member(case, truth, files=files, name=path.stem))
         return found
 
     return all_of_them

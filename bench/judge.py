@@ -27,7 +27,7 @@ from functools import partial
 import h5py
 import numpy as np
 import pandas as pd
-from bench_program import Run, run_program
+from bench_program import Answer, Run, answer, run_program
 from namelists import NO_BARS, Groups, namelist
 
 WITHIN, TIGHT = 0.95, 0.80
@@ -175,60 +175,42 @@ def rounded_up(wanted: float) -> int:
     return power * math.ceil(wanted / power)
 
 
-def as_text(value: object) -> str:
-    """A string of HDF5."""
-    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
-
-
-@dataclass
-class Result:
-    """What a run says: reason of a failure, note, quantities with their estimates by path, resolution if in time."""
-
-    reason: str
-    note: str
-    values: dict[str, tuple[float, float]]
-    resolution: Resolution | None
-
-
-def read(family: Family, file: h5py.File) -> Result:
-    """What is judged of a result; of a sweep the last load."""
-    parts = as_text(file["report/note"][()]).split("; ") if "report/note" in file and not family.is_sample else []
+def read(family: Family, file: h5py.File) -> tuple[Answer, str, dict[str, tuple[float, float]], Resolution | None]:
+    """What is judged of a result: its answer, note, quantities with their estimates by path (of a sweep the last), resolution."""
+    found = answer(file)
+    parts = found.get("note", "").split("; ") if not family.is_sample else []
     note = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
     values = {}
     for path in (path for path in family.quantities if path in file):
-        data = file[path]
-        bar = sum(data.attrs.get(part, math.nan) for part in family.estimate.split("+"))
-        values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], bar))
-    domain, resolution = file["input/effective/domain"].attrs, None
-    if "x_inlet" in domain and (key := "intervals_x" if "intervals_x" in domain else "intervals") in domain:
-        (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain[key])
+        bar = sum(file[path].attrs.get(part, math.nan) for part in family.estimate.split("+"))
+        values[path] = tuple(float(np.ravel(each)[-1]) for each in (file[path][()], bar))
+    n, resolution = found.get("intervals_x", found.get("intervals")), None
+    if "x_inlet" in found and n:
+        start, end = found["x_inlet"], found["x_outlet"]
         step = float(file["input/effective/time"].attrs.get("time_step", math.nan))
-        resolution = Resolution((end - start) / n, step, start, end, n)
-    return Result("" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"]), "; ".join(note), values, resolution)
+        resolution = Resolution((end - start) / n, step, start, end, int(n))
+    return found, "; ".join(note), values, resolution
 
 
 def judge(family: Family, member: Member, name: str) -> list[Row]:
     """All quantities of a member."""
     take = partial(read, family)
     run = run_program(namelist(member.case), take, member.files)
-    found = run.found
-    if found is None or found.reason:  # a film below the roughness has errors, too
-        reason = found.reason if found else run.words
+    if reason := why_not(run):
         return [Row(family.name, name, path, REFUSED, reason=reason) for path in family.quantities]
-    rows = []
-    for path, (value, estimate) in found.values.items():
+    rows, (_, note, values, resolution) = [], run.found
+    for path, (value, estimate) in values.items():
         bar = member.target * abs(value) or estimate
-        verdict = NOTED if found.note else UNKNOWN if math.isnan(bar) else JUDGED
-        intervals = found.resolution.intervals if found.resolution else 0
-        rows.append(Row(family.name, name, path, verdict, value, bar, reason=found.note, intervals=intervals))
+        verdict = NOTED if note else UNKNOWN if math.isnan(bar) else JUDGED
+        intervals = resolution.intervals if resolution else 0
+        rows.append(Row(family.name, name, path, verdict, value, bar, reason=note, intervals=intervals))
     truth = {path: (value, 0.0) for path, value in member.exact.items()}
     if member.truth and any(row.verdict == JUDGED for row in rows):
-        finer = member.truth(found.resolution) if callable(member.truth) else member.truth
-        run = run_program(namelist(finer), take, member.files) if finer else Run(1, 0.0, 0.0, 0.0, "", [None])
-        fine = run.found
-        if fine is None or fine.reason:
-            return [replace(row, verdict="no truth", reason=fine.reason if fine else run.words) for row in rows]
-        truth = fine.values | truth
+        finer = member.truth(resolution) if callable(member.truth) else member.truth
+        fine = run_program(namelist(finer), take, member.files) if finer else None
+        if fine is None or why_not(fine):
+            return [replace(row, verdict="no truth", reason=why_not(fine) if fine else "") for row in rows]
+        truth = fine.found[2] | truth
     for row in rows:
         value, bar = truth.get(family.limits.get(row.quantity, row.quantity), (math.nan, math.nan))
         row.true_error = abs(row.value - value)
@@ -236,6 +218,13 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
         if row.verdict == JUDGED and math.isnan(row.estimate):
             row.verdict = "no truth"
     return rows
+
+
+def why_not(run: Run) -> str:
+    """Why there is no number that looks like an answer; a film below the roughness has errors, too."""
+    if run.found is None:
+        return run.words or "no result"
+    return "" if run.found[0].converged else run.found[0]["reason"]
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:
