@@ -27,7 +27,7 @@ import pandas as pd
 from bench_program import ENVIRONMENT, ROOT, Answer, Run, new_parser, run_program, save
 from family_dry import PROBLEMS, height_file
 from namelists import BARE, namelist
-from run import Row, several, show_rows
+from run import Row, one, show_rows
 
 PEERS = {"aspher": (1e-6, 1e-7, 1e-8, 1e-10), "tamaas": (1e-6, 1e-8, 1e-10, 1e-12), "ContactMechanics": (1e-4, 1e-6, 1e-8)}
 WANTED = 1e-6
@@ -118,21 +118,11 @@ def profile(nodes: int, seed: int = 1) -> np.ndarray:
     return rough(waves, waves, -1.3, noise, (nodes,))
 
 
-def sphere(nodes: int, radius: float = 1.0) -> np.ndarray:
-    """A sphere as a paraboloid, at the centre of the unit square."""
-    x = (np.arange(nodes) + 0.5) / nodes - 0.5
-    return -(x[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
-
-
-# Prints the least processor seconds of a pair of transforms by FFTW itself, plans measured, and the least wall seconds:
-# prefix, nodes along x and y, threads.
+# Prints the least processor seconds of a pair of transforms by FFTW itself, plans measured: prefix, nodes along x and y.
 PAIR = """
 import ctypes, ctypes.util, sys, time
-prefix, nx, ny, threads = sys.argv[1], *map(int, sys.argv[2:])
-name = {"fftw": "fftw3", "fftwf": "fftw3f"}[prefix]
-f, t = (ctypes.CDLL(ctypes.util.find_library(each), mode=ctypes.RTLD_GLOBAL) for each in (name, name + "_threads"))
-if threads > 1:
-    getattr(t, prefix + "_init_threads")(), getattr(t, prefix + "_plan_with_nthreads")(threads)
+prefix, nx, ny = sys.argv[1], *map(int, sys.argv[2:])
+f = ctypes.CDLL(ctypes.util.find_library({"fftw": "fftw3", "fftwf": "fftw3f"}[prefix]))
 for routine in ("plan_dft_r2c", "plan_dft_c2r", "malloc"):
     getattr(f, prefix + "_" + routine).restype = ctypes.c_void_p
 call = lambda routine, *args: getattr(f, prefix + "_" + routine)(*args)
@@ -142,30 +132,28 @@ sizes = (ctypes.c_int * 2)(ny, nx) if ny > 1 else (ctypes.c_int * 1)(nx)
 there = ctypes.c_void_p(call("plan_dft_r2c", len(sizes), sizes, x, y, ctypes.c_uint(0)))
 back = ctypes.c_void_p(call("plan_dft_c2r", len(sizes), sizes, y, x, ctypes.c_uint(0)))
 ctypes.memset(x, 0, count)
-processor, wall, begun, repeat = 1e9, 1e9, time.perf_counter(), max(1, 300000 // (nx * ny))
-while time.perf_counter() - begun < 0.2 or wall == 1e9:
-    start = time.process_time(), time.perf_counter()
+least, begun, repeat = 1e9, time.perf_counter(), max(1, 300000 // (nx * ny))
+while time.perf_counter() - begun < 0.2 or least == 1e9:
+    start = time.process_time()
     for _ in range(repeat):
         call("execute", there), call("execute", back)
-    processor = min(processor, (time.process_time() - start[0]) / repeat)
-    wall = min(wall, (time.perf_counter() - start[1]) / repeat)
-print(processor, wall)
+    least = min(least, (time.process_time() - start) / repeat)
+print(least)
 """
 
 
 @functools.cache
-def pair_seconds(prefix: str, nx: int, ny: int, threads: int = 1) -> tuple[float, float]:
-    """Processor and wall time of a pair of transforms by FFTW itself."""
-    command = [sys.executable, "-c", PAIR, prefix, *map(str, (nx, ny, threads))]
-    return tuple(map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()))
+def pair_seconds(prefix: str, nx: int, ny: int) -> float:
+    """Processor time of a pair of transforms by FFTW itself."""
+    command = [sys.executable, "-c", PAIR, prefix, str(nx), str(ny)]
+    return float(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def limit_of(done: np.ndarray) -> float:
     """FFTW's own time of the transforms in the rows (nx, ny, pairs in double, pairs in single precision)."""
-    pairs = (
-        (kind, nx, ny, count) for nx, ny, *both in done.astype(int) for kind, count in zip(("fftw", "fftwf"), both, strict=True)
-    )
-    return sum(count * pair_seconds(kind, nx, ny)[0] for kind, nx, ny, count in pairs if count)
+    sizes = [(nx, ny, *both) for nx, ny, *both in done.astype(int).tolist()]
+    double = sum(count * pair_seconds("fftw", nx, ny) for nx, ny, count, _ in sizes if count)
+    return double + sum(count * pair_seconds("fftwf", nx, ny) for nx, ny, _, count in sizes if count)
 
 
 def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Run:
@@ -230,11 +218,6 @@ def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
     return runs
 
 
-def one(work: str, value: float, unit: str, asked: float, aim: float, note: str = "") -> Row:
-    """A row of one measurement."""
-    return several(work, asked, [value], unit, aim=aim, note=note)
-
-
 def beside_peers(options: argparse.Namespace, work: str, contact: Contact, asked: float, aim: float) -> Iterator[Row]:
     """A row with the ratio to the fastest peer that is good enough, and one with the ratio to the transforms."""
     run = ours(contact)
@@ -274,9 +257,10 @@ def capped(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def open_sphere(options: argparse.Namespace) -> Iterator[Row]:
-    """Hertz's sphere on an open half-space, contact radius a fifth of the side."""
+    """Hertz's sphere on an open half-space, contact radius a fifth of the side: a paraboloid at the centre of the unit square."""
     nodes = 256 if options.quick else 1024
-    contact = Contact(sphere(nodes), 4 / 3 * 0.2**3, is_open=True)
+    x = (np.arange(nodes) + 0.5) / nodes - 0.5
+    contact = Contact(-(x[:, None] ** 2 + x[None, :] ** 2) / 2, 4 / 3 * 0.2**3, is_open=True)
     yield from beside_peers(options, f"open sphere {nodes}^2", contact, 5, 12)
 
 
@@ -308,8 +292,7 @@ def memory(options: argparse.Namespace) -> Iterator[Row]:
     error, walls = contact.error(first.found["pressure"]), [run.found["wall"] for run in (first, second)]
     note = f"{first.found['seconds']:.1f} s, error {error:.0e}; reading and writing included"
     yield one(f"memory of {nodes}^2", first.memory / 1024, "GB", 2.5, 2.5, note)
-    bare = pair_seconds("fftwf", nodes, nodes)[1] / pair_seconds("fftwf", nodes, nodes, 2)[1]
-    note = f"wall {walls[0]:.2f} s and {walls[1]:.2f} s; transforms of FFTW alone: {bare:.2f} times"
+    note = f"wall {walls[0]:.2f} s and {walls[1]:.2f} s"
     yield one(f"{nodes}^2 by two threads", walls[0] / walls[1], "times", 1, 1.5, note)
 
 
@@ -334,11 +317,6 @@ PARTS = {
 }
 
 
-def table(path: Path) -> pd.DataFrame:
-    """The rows of earlier parts, if there are any."""
-    return pd.read_csv(path).rename(columns={"value": "median"}) if path.exists() else pd.DataFrame()
-
-
 def main() -> None:
     """Runs the parts."""
     parser = new_parser(__doc__, "small grids", "results/bench")
@@ -348,10 +326,12 @@ def main() -> None:
     parser.add_argument("--nodes", type=int, nargs="+", help="nodes a side of the areas")
     options = parser.parse_args()
     path = options.output / "dry.csv"
+    table = pd.read_csv(path).rename(columns={"value": "median"}) if path.exists() else pd.DataFrame()
     for part in options.parts:
         for row in PARTS[part](options):
             show_rows(part, [row])
-            save(path, pd.concat([table(path), pd.DataFrame([row])]).drop_duplicates("work", keep="last"))
+            table = pd.concat([table, pd.DataFrame([row])]).drop_duplicates("work", keep="last")
+            save(path, table)
 
 
 if __name__ == "__main__":

@@ -100,8 +100,6 @@ class Family:
     given: bool = False
     # The truth is no finer than the result, and has its own estimates.
     is_other: bool = False
-    # Relative error that the program is to reach in all quantities: the table says how often, and with how many intervals.
-    aim: float = 0.0
 
     @property
     def asked(self) -> tuple[float, float]:
@@ -128,7 +126,6 @@ class Row:
     estimate: float = math.nan
     true_error: float = math.nan
     reason: str = ""
-    intervals: int = 0
 
 
 def beside(groups: Groups, domain: dict, fine: dict, **others: dict) -> Member:
@@ -202,8 +199,7 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     for path, (value, estimate) in values.items():
         bar = member.target * abs(value) or estimate
         verdict = NOTED if note else UNKNOWN if math.isnan(bar) else JUDGED
-        intervals = resolution.intervals if resolution else 0
-        rows.append(Row(family.name, name, path, verdict, value, bar, reason=note, intervals=intervals))
+        rows.append(Row(family.name, name, path, verdict, value, bar, reason=note))
     truth = {path: (value, 0.0) for path, value in member.exact.items()}
     if member.truth and any(row.verdict == JUDGED for row in rows):
         finer = member.truth(resolution) if callable(member.truth) else member.truth
@@ -232,32 +228,3 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
     own = rows[rows["verdict"] == JUDGED]
     largest = 10 * np.maximum(own["true_error"], FLOOR * own["value"].abs())
     return own.assign(within=own["true_error"] <= own["estimate"], tight=own["estimate"] <= largest)
-
-
-def table(families: list[Family], rows: pd.DataFrame) -> str:
-    """A line a quantity, with the verdict on the family."""
-    head = f"{'cases':>5s} {'refused':>7s} {'noted':>5s} {'not known':>9s} {'within':>7s} {'< 10 x':>7s}"
-    lines = [f"{'family, quantity':44s} {head}"]
-    for family in families:
-        every = rows[rows["family"] == family.name]
-        lines.append(family.title)
-        for path in family.quantities:
-            own = every[(every["quantity"] == path) & (every["verdict"] != "no truth")]
-            refused, noted, unknown = (own["verdict"].eq(verdict).sum() for verdict in (REFUSED, NOTED, UNKNOWN))
-            shares = judged(own)[["within", "tight"]].mean().fillna(1.0)
-            verdict = "  missed" if (shares < family.asked).any() else ""
-            label = f"  {family.name} {path.removeprefix('summary/')}"
-            within, tight = 100 * shares
-            lines.append(f"{label:44s} {len(own):5d} {refused:7d} {noted:5d} {unknown:9d} {within:5.1f} % {tight:5.1f} %{verdict}")
-        if family.aim:
-            lines.append(reached(family, every))
-    return "\n".join(lines) + "\n"
-
-
-def reached(family: Family, rows: pd.DataFrame) -> str:
-    """Which part of the members has a solution, which of these has all errors that are known below the aim, and the intervals."""
-    solved = rows[rows["verdict"] != REFUSED].groupby("member")["intervals"].last()
-    wide = rows[rows["estimate"] > 1.000001 * family.aim * rows["value"].abs()]["member"].nunique()
-    shares = f"{100 * len(solved) / rows['member'].nunique():.1f} % solved, {100 - 100 * wide / len(solved):.1f} %"
-    sizes = ", ".join(str(size) for size in solved.quantile([0.1, 0.5, 0.8, 0.9, 1.0], interpolation="higher"))
-    return f"  {shares} of them known to {100 * family.aim:g} %; intervals (10, 50, 80, 90, 100 %): {sizes}"

@@ -18,8 +18,7 @@ from pathlib import Path
 
 import pandas as pd
 from bench_program import ROOT
-from families import FAMILIES
-from judge import judged
+from families import table as families_table
 from stability import is_right
 from stability_cells import NAMES
 
@@ -71,18 +70,8 @@ def bench_text(path: Path) -> str:
 
 
 def families_text(path: Path) -> str:
-    """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
-    rows = judged(pd.read_csv(path))
-    asked = {family.name: family.asked for family in FAMILIES}
-    lines = [f"{'family':26s} {'judged':>6s} {'within [%]':>10s} {'below 10 x [%]':>14s}"]
-    for family, own in rows.groupby("family", sort=False):
-        shares = own.groupby("quantity", sort=False)[["within", "tight"]].mean()
-        missed = shares.index[(shares < asked[family]).any(axis=1)].str.removeprefix("summary/")
-        within, tight = 100 * own[["within", "tight"]].mean()
-        lines.append(
-            f"{family:26s} {len(own):6d} {within:10.1f} {tight:14.1f}" + (f"  * {', '.join(missed)}" if len(missed) else "")
-        )
-    return fenced("\n".join(lines))
+    """The table of the families."""
+    return fenced(families_table(pd.read_csv(path)))
 
 
 def maps_text(*paths: Path) -> str:

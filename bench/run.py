@@ -69,6 +69,11 @@ def several(work: str, asked: float | None, values: list[float], unit: str = "s"
     return Row(work, asked, min(values), statistics.median(values), unit, **more)
 
 
+def one(work: str, value: float, unit: str, asked: float, aim: float | None = None, note: str = "") -> Row:
+    """A row of one measurement."""
+    return Row(work, asked, value, value, unit, aim=aim, note=note)
+
+
 def show_rows(title: str, rows: list[Row]) -> None:
     """Prints a table, and the notes below it."""
     table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns=["note", "aim"], errors="ignore")
@@ -124,7 +129,7 @@ def reduction_rows(sizes: tuple[int, ...]) -> list[Row]:
         rate = (errors[last] / errors[1]) ** (1 / (last - 1)) if last > 1 else math.nan
         shown = " ".join(f"{error:.0e}" for error in errors[: last + 1])
         note = f"{found[last][1]:.0f} work units to 1e-8; error after each cycle: {shown}"
-        rows.append(several(f"error per V(10,10), Block-Jacobi, {n}", 0.15, [rate], "", note=note))
+        rows.append(one(f"error per V(10,10), Block-Jacobi, {n}", rate, "", 0.15, note=note))
     return rows
 
 
@@ -159,14 +164,14 @@ def size_rows(runs: int, largest: int) -> list[Row]:
     """Memory and cost of large grids."""
     rows = []
     for words, solver in (("auto", {}), ("Block-Jacobi FAS", BLOCK_JACOBI)):
-        rows.append(several(f"peak memory, Case 1, 2^16: {words}", 200, [run_program(case_1(2**16, solver)).memory], "MB"))
+        rows.append(one(f"peak memory, Case 1, 2^16: {words}", run_program(case_1(2**16, solver)).memory, "MB", 200))
     cost = {}
     for n in (2**k for k in range(10, 17, 2)):
         solvers = (THESIS_SOLVER | {"tolerance": NEVER, "max_cycles": cycles} for cycles in (2, 6))
         few, many = (times_of(case_1(n, each, **BARE), max(3, runs * 1024 // n))["processor"].mean() for each in solvers)
         cost[n] = (many - few) / 4 / n
     shown = ", ".join(f"2^{int(math.log2(n))} {value * 1e6:.2f} us" for n, value in cost.items())
-    rows.append(several("per node and cycle, 2^10...2^16: ratio", 2, [max(cost.values()) / min(cost.values())], "", note=shown))
+    rows.append(one("per node and cycle, 2^10...2^16: ratio", max(cost.values()) / min(cost.values()), "", 2, note=shown))
     small = 2**12
     few, many = solve(case_1(small, KRYLOV, **BARE), runs, 5), solve(case_1(largest, KRYLOV, **BARE), 3, 10)
     least, median, cpu = (
@@ -218,7 +223,7 @@ def momentum_rows(runs: int) -> list[Row]:
         steps, factors = done[0].found
         note = f"processor time; {steps} Newton steps, {factors} factorisations, {max(used.memory for used in done):.0f} MB"
         rows.append(several(f"Case 1, {intervals} x 20, full momentum", asked, [used.processor for used in done], note=note))
-    return [*rows, several("full momentum: per interval, 1792 over 448", 1.3, [rows[1].least / rows[0].least / 4], "")]
+    return [*rows, one("full momentum: per interval, 1792 over 448", rows[1].least / rows[0].least / 4, "", 1.3)]
 
 
 def history_rows(runs: int) -> list[Row]:
@@ -242,8 +247,7 @@ def history_rows(runs: int) -> list[Row]:
         ("quasi-steady march, 200 moments, 256", 0.15, mesh(200, 256, scheme="quasi_steady")),
     )
     rows = [several(work, asked, [used.processor for used in done]) for work, asked, done in parts]
-    ratio, note = [many[0].memory / few[0].memory], f"{few[0].memory:.0f} MB"
-    return [*rows, several("memory, 9000 steps over 900", 1.1, ratio, "", note=note)]
+    return [*rows, one("memory, 9000 steps over 900", many[0].memory / few[0].memory, "", 1.1)]
 
 
 def stribeck_row(runs: int) -> list[Row]:
@@ -279,7 +283,7 @@ def point_rows(runs: int) -> list[Row]:
     used = run_program(namelist(groups), answer)
     steps, cycles, pairs = (used.found[name] for name in ("steps", "cycles", "fft_pairs"))
     note = f"{cycles / steps:.1f} Newton steps; {steps} steps take {show(used.processor, 's')}"
-    return [*rows, several("a dent, 128 x 128: transforms a time step", 25, [pairs / steps], "", note=note)]
+    return [*rows, one("a dent, 128 x 128: transforms a time step", pairs / steps, "", 25, note=note)]
 
 
 def map_row(cells: int) -> list[Row]:
