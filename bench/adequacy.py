@@ -22,10 +22,11 @@ adequacy.txt.
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 import random
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 
 import f90nml
 import family_steady
@@ -44,7 +45,8 @@ NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
 TARGET, PLACES = 2e-4, 48
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
 FINER_STEP = 0.25
-STILL = ("h_min", "h_central", "p_max")
+# The quantities that do not need both speeds, and their extreme over time.
+STILL = {"h_min": "min", "h_central": "min", "p_max": "max"}
 QUANTITIES = (*STILL, "friction_coefficient")
 # Of these everything in half-widths, and the times, are scaled with the half-width.
 LENGTHS = {
@@ -76,26 +78,26 @@ def bare(groups: Groups, **others: dict) -> Groups:
     return copy.deepcopy(groups | BARE) | others
 
 
-def quantities(file: h5py.File) -> dict[str, float]:
+def quantities(file: h5py.File) -> pd.Series:
     """Those that are compared [SI]."""
-    return {name: float(file[f"summary/{name}"][()]) for name in QUANTITIES}
+    return pd.Series({name: float(file[f"summary/{name}"][()]) for name in QUANTITIES})
 
 
-def told(file: h5py.File) -> dict[str, dict] | None:
-    """What the program says of each ingredient, and the resolution of the run; None if nothing was measured."""
+def told(file: h5py.File) -> dict[str, object] | None:
+    """What the program says of each quantity of each ingredient, and the resolution of the run; None if nothing was measured."""
     if "adequacy" not in file:
         return None
     used = file["input/effective/domain"].attrs
     n, *sides = ("intervals_x", "y_half_width") if "intervals_x" in used else ("intervals",)
     scales = () if sides else ("reduced_radius", "reduced_modulus", "load_per_length")
-    rows = {}
-    for name, row in file["adequacy"].items():
-        changes = {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in QUANTITIES if q in row}
-        words = {key: row.attrs[key].decode() for key in ("verdict", "measured_on") if key in row.attrs}
-        judged_by = [q for q in QUANTITIES if q in row or f"{q}_at_least" in row.attrs]
-        rows[name] = {"changes": changes, "left_out": float(row.attrs.get("left_out", 1.0)), "judged_by": judged_by} | words
+    rows = []
+    for (name, row), q in itertools.product(file["adequacy"].items(), QUANTITIES):
+        known = {"change": float(row[q][()]), "error": float(row[q].attrs["error_estimate"])} if q in row else {}
+        words = {"verdict": row.attrs["verdict"].decode(), "measured_on": row.attrs.get("measured_on", b"").decode()}
+        words |= {"left_out": float(row.attrs.get("left_out", 1.0)), "is_judged": q in row or f"{q}_at_least" in row.attrs}
+        rows.append({"ingredient": name, "quantity": q, "change": math.nan, "error": math.nan} | known | words)
     return {
-        "rows": rows,
+        "rows": pd.DataFrame(rows),
         "quantities": quantities(file),
         "accuracy": float(file["adequacy"].attrs["accuracy"]),
         "domain": {key: float(used[key]) for key in ("x_inlet", "x_outlet", *sides)} | {n: int(used[n])},
@@ -135,7 +137,7 @@ def stiffer(groups: Groups, ratio: float) -> Groups:
     return stiff
 
 
-def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tuple[dict[str, float] | None, bool]]:
+def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tuple[pd.Series | None, bool]]:
     """Quantities of a scene without an ingredient, and whether that is all of it, best first; None where there is no solution."""
     if ingredient == "squeeze":
         yield frozen(groups), True
@@ -148,28 +150,24 @@ def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tupl
             yield run(stiffer(groups, ratio), quantities), ratio == STIFFNESSES[0]
 
 
-def frozen(groups: Groups) -> dict[str, float] | None:
+def frozen(groups: Groups) -> pd.Series | None:
     """Extremes of steady solutions with the waves at their places."""
     bodies = groups["bodies"]
     mean = (bodies["speed_1"] + bodies["speed_2"]) / 2
     rough = [i for i in (1, 2) if f"surface_{i}" in groups]
     if len(rough) > 1 or "rheology" in groups["lubricant"]:
         return None
-    surface = f"surface_{rough[0]}"
-    extremes: dict[str, float] = {}
-    for k in range(PLACES + 1):
-        time = groups["time"]["end_time"] * k / PLACES
+    surface, found = f"surface_{rough[0]}", []
+    for time in (groups["time"]["end_time"] * k / PLACES for k in range(PLACES + 1)):
         still = {key: copy.deepcopy(groups[key]) for key in groups if key != "time"}
         still["bodies"] |= {f"speed_{rough[0]}": 0.0, f"speed_{3 - rough[0]}": 2 * mean}
         places, move = still[surface].get("position", 0.0), bodies[f"speed_{rough[0]}"] / mean * time
         still[surface]["position"] = [place + move for place in places] if isinstance(places, list) else places + move
-        found = run(still, quantities)
-        if found is None:
+        solved = run(still, quantities)
+        if solved is None:
             return None
-        for name in STILL if time >= groups["time"]["statistics_from"] else ():
-            best = max if name == "p_max" else min
-            extremes[name] = best(extremes.get(name, found[name]), found[name])
-    return extremes
+        found += [solved] if time >= groups["time"]["statistics_from"] else []
+    return pd.DataFrame(found).agg(STILL)
 
 
 def fine(groups: Groups, said: dict) -> Groups:
@@ -185,44 +183,33 @@ def fine(groups: Groups, said: dict) -> Groups:
     return bare(groups, domain={}, accuracy={"target": TARGET})
 
 
-def change_of(found: dict[str, float], full: dict[str, float]) -> dict[str, float]:
+def change_of(found: pd.Series, full: pd.Series) -> pd.Series:
     """Relative changes; NaN where there is none."""
-    return {q: found[q] / full[q] - 1 if q in found and full.get(q, 0.0) != 0 else math.nan for q in QUANTITIES}
+    return found.reindex(QUANTITIES) / full.where(full != 0) - 1
 
 
-def verdict_of(changes: Iterable[float], accuracy: float) -> str:
+def verdict_of(changes: pd.Series, accuracy: float) -> str:
     """By the true changes, as far as they are known."""
-    known = [abs(change) for change in changes if not math.isnan(change)]
-    if any(change > accuracy for change in known):
+    known = changes.dropna().abs()
+    if (known > accuracy).any():
         return "needed"
-    return "irrelevant" if all(change < 0.1 * accuracy for change in known) else "matters below the accuracy"
+    return "irrelevant" if (known < 0.1 * accuracy).all() else "matters below the accuracy"
 
 
-def rows_of(scene: str, ingredient: str, row: dict, true: dict[str, float], right: str, accuracy: float) -> list[dict]:
-    """The quantities of an ingredient with these true changes; the verdicts are those of the ingredient."""
-    head = {"scene": scene, "ingredient": ingredient}
-    words = {"verdict": row["verdict"], "true_verdict": right, "accuracy": accuracy}
-    words |= {"measured_on": row.get("measured_on", ""), "left_out": row.get("left_out", 1.0)}
-    unknown = (math.nan, math.nan)
-    told = {q: dict(zip(("change", "error"), row["changes"].get(q, unknown), strict=True)) for q in true}
-    return [head | {"quantity": q} | told[q] | {"truth": true[q]} | words for q in true]
-
-
-def time_step_rows(name: str, groups: Groups, said: dict) -> list[dict]:
+def time_step_rows(groups: Groups, said: dict) -> pd.DataFrame:
     """By how much each quantity is off because of the time step, beside what the program says of that."""
-    if "time_step" not in said["rows"]:
-        return []
-    row = said["rows"]["time_step"]
-    # no change, and an error bar that holds what may be off
-    bounds = {q: (0.0, change + error) for q, (change, error) in row["changes"].items()}
+    rows = said["rows"][said["rows"]["ingredient"] == "time_step"]
+    if rows.empty:
+        return rows
     time = groups["time"] | {"time_step": said["step"] * FINER_STEP, "statistics_from": said["start"]}
     exact = run(bare(groups, domain=said["domain"], time=time), quantities)
     if exact is None:
-        return []
+        return rows[:0]
     off = change_of(exact, said["quantities"])
-    right = verdict_of((off[q] for q in bounds), said["accuracy"])
-    row = {"changes": bounds, "verdict": row["verdict"].replace("too coarse", "needed")}
-    return rows_of(name, "time_step", row, off, right, said["accuracy"])
+    right = verdict_of(off[rows["change"].notna().values], said["accuracy"])
+    # no change, and an error bar that holds what may be off
+    rows = rows.assign(error=rows["change"] + rows["error"], change=0.0 * rows["change"])
+    return rows.assign(verdict=rows["verdict"].replace("too coarse", "needed"), truth=off.values, true_verdict=right)
 
 
 def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
@@ -238,30 +225,31 @@ def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
     return reduced
 
 
-def judge(scene: tuple[str, Groups]) -> list[dict]:
+def judge(scene: tuple[str, Groups]) -> pd.DataFrame:
     """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth."""
     name, groups = scene
     said = run(groups, told)
     if said is None:
-        return []
+        return pd.DataFrame()
     truth = fine(in_reduced_bodies(groups, said["scaling"]), said)
     full = run(truth, quantities)
     if full is None:
-        return []
-    rows = time_step_rows(name, groups, said)
-    for ingredient, row in said["rows"].items():
+        return pd.DataFrame()
+    rows = [time_step_rows(groups, said)]
+    for ingredient, own in said["rows"].groupby("ingredient"):
         if ingredient in NUMERICAL:
             continue
-        leans = lean_runs(truth, ingredient, row["left_out"])
-        found, is_all = next((lean for lean in leans if lean[0]), ({}, False))
+        left_out = own["left_out"].iloc[0]
+        leans = lean_runs(truth, ingredient, left_out)
+        found, is_all = next((lean for lean in leans if lean[0] is not None), (pd.Series(dtype=float), False))
         true = change_of(found, full)
         # of a part of an ingredient what all of it would change at that rate, as the program judges
-        right = verdict_of((true[q] / row["left_out"] for q in row["judged_by"] if q in true), said["accuracy"])
+        right = verdict_of(true[own["is_judged"].values] / left_out, said["accuracy"])
         if not is_all:
             # a part of it: no true change, and a verdict only where that part is needed already
-            true, right = dict.fromkeys(QUANTITIES, math.nan), right if right == "needed" else NO_TRUTH
-        rows += rows_of(name, ingredient, row, true, right, said["accuracy"])
-    return rows
+            true, right = true * math.nan, right if right == "needed" else NO_TRUTH
+        rows.append(own.assign(truth=true.values, true_verdict=right))
+    return pd.concat(rows).assign(scene=name, accuracy=said["accuracy"])
 
 
 def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
@@ -361,12 +349,12 @@ def main() -> int:
     parser.add_argument("--kinds", nargs="+", choices=kinds, default=[*DRAWS], help=f"default: {', '.join(DRAWS)}")
     options = parser.parse_args()
     scenes = [scene for kind in options.kinds for scene in scenes_of(kind, options.seed, options.quick)]
-    rows, unjudged = [], 0
+    rows, unjudged = pd.DataFrame(), 0
     for own in side_by_side(judge, scenes, options.processes):
-        rows += [row for row in own if row["true_verdict"] != NO_TRUTH]
-        unjudged += not own
+        rows = pd.concat([rows, own[own["true_verdict"] != NO_TRUTH] if len(own) else own])
+        unjudged += own.empty
         save(options.output / "adequacy.csv", rows)
-    text, holds = table(pd.DataFrame(rows))
+    text, holds = table(rows)
     conclude(options.output / "adequacy.txt", f"{text}{unjudged} of {len(scenes)} scenes have no result or no truth\n")
     return 0 if holds else 1
 
