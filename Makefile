@@ -156,7 +156,7 @@ bench-dry: build ## dry areas against other programs (ARGS="--peers PYTHON": the
 
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
 	$(PYTHON) bench/chart.py $(ARGS)
-	$(PYTHON) bench/dry_chart.py $(ARGS) $(if $(PEERS),--peers $(PEERS))
+	$(PYTHON) bench/chart.py --dry $(ARGS) $(if $(PEERS),--peers $(PEERS))
 
 accuracy: bench-program ## truth of the error bars, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/families.py $(ARGS)

@@ -93,7 +93,7 @@ def told(file: h5py.File) -> dict[str, object] | None:
     rows = []
     for (name, row), q in itertools.product(file["adequacy"].items(), QUANTITIES):
         known = {"change": float(row[q][()]), "error": float(row[q].attrs["error_estimate"])} if q in row else {}
-        words = {"verdict": row.attrs["verdict"].decode(), "measured_on": row.attrs.get("measured_on", b"").decode()}
+        words = {key: row.attrs.get(key, b"").decode() for key in ("verdict", "measured_on")}
         words |= {"left_out": float(row.attrs.get("left_out", 1.0)), "is_judged": q in row or f"{q}_at_least" in row.attrs}
         rows.append({"ingredient": name, "quantity": q, "change": math.nan, "error": math.nan} | known | words)
     return {

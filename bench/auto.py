@@ -10,14 +10,13 @@ is ended, so that a loaded machine judges the same scenes.
     honest     the truth is within the error bars of 'auto' and its own
 
 Target: 95 % met. --seed draws another sample, for fitting. Finished scenes are kept in auto_SEED.csv, so that the same command
-continues an interrupted run. Writes auto_SEED.txt and auto_SEED.png; --page copies both into docs/.
+continues an interrupted run. Writes auto.txt and auto.png.
 """
 
 from __future__ import annotations
 
 import math
 import random
-import shutil
 import sys
 from pathlib import Path
 
@@ -25,9 +24,8 @@ import h5py
 import namelists
 import pandas as pd
 from adequacy import STILL, passage_scene, scaled, steady_scene
-from bench_program import ROOT, Run, conclude, new_parser, run_program, save, side_by_side
+from bench_program import Run, conclude, new_parser, run_program, save, side_by_side
 from namelists import Groups, namelist
-from page import fenced, put_block
 
 import figure_style as style  # isort: skip
 
@@ -198,12 +196,11 @@ def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:
 def main() -> int:
     """Command line; status 1 where fewer scenes meet the target than asked for."""
     parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto", SEED, 1)
-    parser.add_argument("--page", action="store_true", help="copy table and figure of the stored scenes into docs/")
     options = parser.parse_args()
     folder, words = options.output, ["unjudged", "solved", "left_out"]
     path = folder / f"auto_{options.seed}{'_quick' if options.quick else ''}.csv"
     rows = pd.read_csv(path) if path.exists() else pd.DataFrame(columns=["scene", *words])
-    scenes = [] if options.page else drawn(options.seed, QUICK if options.quick else COUNTS)
+    scenes = drawn(options.seed, QUICK if options.quick else COUNTS)
     left = [each for each in scenes if each[0] not in set(rows["scene"])]
     for row in side_by_side(judge, left, options.processes):
         rows = pd.concat([rows, pd.DataFrame([row])], ignore_index=True)
@@ -213,12 +210,8 @@ def main() -> int:
     if judged.empty:
         sys.exit(f"auto.py: {path}: no scene is judged")
     text = summary(rows, options.seed)
-    conclude(folder / f"auto_{options.seed}.txt", text)
-    figure = folder / f"auto_{options.seed}.png"
-    draw(judged, figure)
-    if options.page:
-        shutil.copy(figure, ROOT / "docs" / "images" / "auto.png")
-        put_block("auto", fenced(text))
+    conclude(folder / "auto.txt", text)
+    draw(judged, folder / "auto.png")
     return 0 if (judged["auto_error"].abs() <= TARGET).mean() >= WITHIN else 1
 
 

@@ -1,10 +1,12 @@
-"""What all benches share: the command line, tables as CSV, runs of the program, and times of many runs in one process."""
+"""What all benches share: the command line, tables, runs of the program, times of many runs in one process, rows of targets."""
 
 from __future__ import annotations
 
 import argparse
 import io
+import math
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -165,3 +167,60 @@ def times_of(text: str, runs: int, seconds: float = 1e9) -> pd.DataFrame:
         command = [ASPERITY.with_name("asperity-bench"), file.name, str(runs), str(seconds)]
         done = subprocess.run(command, env=ENVIRONMENT, check=True, capture_output=True, text=True)
     return pd.read_csv(io.StringIO(done.stdout), skipinitialspace=True)
+
+
+@dataclass
+class Row:
+    """One line of a table; values in seconds unless `unit` says otherwise; a ratio `times` is to be large, all else small."""
+
+    work: str
+    asked: float | None
+    least: float
+    median: float
+    unit: str = "s"
+    residual: float = math.nan
+    aim: float | None = None
+    note: str = ""
+    processor: float = math.nan
+    verdict: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Whether the median is within what was asked."""
+        sign = -1 if self.unit == "times" else 1
+
+        def is_good(value: float, bound: float) -> bool:
+            return sign * value <= sign * bound
+
+        if self.asked is None:
+            self.verdict = ""
+        elif is_good(self.median, self.asked):
+            self.verdict = "met, aim too" if self.aim is not None and is_good(self.median, self.aim) else "met"
+        else:
+            spared = {"met (min.)": self.least, "met (CPU)": self.processor}
+            self.verdict = next((words for words, value in spared.items() if is_good(value, self.asked)), "MISSED")
+
+
+def several(work: str, asked: float | None, values: list[float], unit: str = "s", **more: object) -> Row:
+    """A row of measurements."""
+    return Row(work, asked, min(values), statistics.median(values), unit, **more)
+
+
+def one(work: str, value: float, unit: str, asked: float, aim: float | None = None, note: str = "") -> Row:
+    """A row of one measurement."""
+    return Row(work, asked, value, value, unit, aim=aim, note=note)
+
+
+def show_rows(title: str, rows: list[Row]) -> None:
+    """Prints a table, and the notes below it."""
+    table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns=["note", "aim"], errors="ignore")
+    notes = [f"  {row.work.strip()}: {row.note}" for row in rows if row.note]
+    print("\n".join([f"\n{title}", table.to_string(index=False, na_rep="", float_format="{:.3g}".format), *notes]), flush=True)
+
+
+def show(value: float, unit: str) -> str:
+    """A value with three digits and its unit."""
+    if math.isnan(value):
+        return ""
+    if unit == "s":
+        return f"{value * 1e3:.3g} ms" if value < 1 else f"{value:.3g} s"
+    return f"{value:.3g} {unit}".strip()

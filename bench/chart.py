@@ -6,6 +6,11 @@ kappa scheme, whose error is smaller still), to a tolerance far below. Steady pa
 thickness the larger of h_min's and that of h at X = 0; the panel in time the largest error in P over all nodes and times. Times are
 of one core, the least of many runs, without planning, input and output; nine tenths of the runs stay below the end of a bar. A star
 is the setting of the thesis. Writes chart.png, .pdf, .csv and conclusion.txt from the same numbers.
+
+--dry: dry_chart.png, .pdf and .csv, of a profile and an area. The error is that of the mean separation against a much finer grid
+of the same surface (Fourier resampling); every solution has a violation of the contact conditions of at most 1e-6 and at most 3000
+iterations. Time is processor time. --peers PYTHON also solves the area by other programs (bench/dry.py), each with the loosest
+of a ladder of tolerances that reaches 1e-6.
 """
 
 from __future__ import annotations
@@ -13,19 +18,22 @@ from __future__ import annotations
 import itertools
 import math
 import sys
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import bench_program
+import dry
 import h5py
 import namelists
 import numpy as np
 import pandas as pd
-from bench_program import Answer, conclude, new_parser, run_program, save, solve
+from bench_program import ROOT, Answer, conclude, new_parser, run_program, save, solve
+from family_dry import PROBLEMS, height_file, heights, sizes
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from namelists import BARE
+from namelists import BARE, Groups, namelist
 
 import figure_style as style  # isort: skip
 
@@ -55,6 +63,18 @@ LOOKS = {
     EULER: {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
     THESIS: {"color": "black", "linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "#ffd700", "zorder": 5},
 }
+# Of dry contacts: a mark is the fastest of so many runs; length [m], mean pressure, E' [Pa] of the area, nodes of its first grid.
+RUNS = 5
+LENGTH, PRESSURE, MODULUS, FIRST = 1e-3, 300e6, 200e9, 64
+NODES = {
+    ("profile", "conjugate_gradient"): (256, 512, 1024, 2048, 4096, 8192, 16384),
+    ("profile", "steepest_descent"): (256, 512, 1024, 2048),
+    ("area", "conjugate_gradient"): (64, 128, 256, 512, 1024),
+    ("area", "steepest_descent"): (64, 128, 256),
+}
+FINEST = {"profile": 65536, "area": 2048}
+DRY_PANELS = {"profile": ("Profile C", "mean separation"), "area": ("Rough area", "mean separation")}
+LOOKS |= dict(zip(("conjugate_gradient", "steepest_descent", *dry.PEERS), style.SERIES, strict=False))
 # Nothing larger is tried: their cost grows with the cube and faster.
 LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
 # No line smoother in time: it diverges with the squeeze term.
@@ -68,6 +88,8 @@ SHORT_WINDOW = 0.55
 TURNS = 3
 # Not drawn: what lies on the default, is far slower or has the errors of the default; conclusion.txt has them.
 HIDDEN = ("newton_krylov", "block_jacobi", WHOLE)
+# Curves with the numbers of intervals.
+NUMBERED = ("auto", GRADED, "conjugate_gradient")
 # In time there are grids of 5/4 of each power of two besides: the reference has all their nodes, and steps are whole numbers.
 REFERENCE_FACTOR, STEP_UNIT = 5, 4
 COLUMNS = ("cycles", "steps", "residual", "fft_pairs", "work_units", *FILMS, "p_max", FRICTION)
@@ -190,6 +212,62 @@ def transient_points(panel: str, sizes: list[int], effort: dict[str, float]) -> 
     return sorted(points, key=lambda point: [*methods, WHOLE].index(point["method"])), failures
 
 
+def profile_case() -> Groups:
+    """Reference profile C, harmonics 1 to 64, elastic at a mean pressure of 1 GPa."""
+    file = str(ROOT / "input" / "profiles_ABCD.csv")
+    return {
+        "case": {"problem": "dry_line"},
+        "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3},
+        "load": {"mean_pressure": 1e9},
+        "surface_1": {"shape": "file", "file": file, "positions": "x_m", "dataset": "zC_m", "harmonics": 64},
+    }
+
+
+def area_case(surface: dict) -> Groups:
+    """A rough area, elastic, about 10 % in contact."""
+    bodies, load = {"reduced_modulus": MODULUS}, {"mean_pressure": PRESSURE}
+    return {"case": {"problem": PROBLEMS[1]}, "bodies": bodies, "load": load, "surface_1": surface}
+
+
+def area_heights() -> np.ndarray:
+    """The rough area on its first grid: waves from an eighth to a twenty-fourth of the length."""
+    waves = {"wavelength_rolloff": 1.25e-4, "wavelength_short": 1e-3 / 24}
+    surface = {"shape": "synthetic", "seed": 1, "rms_height": 1e-6} | waves
+    text = namelist(area_case(surface) | {"domain": sizes(2, FIRST, LENGTH)})
+    return run_program(text, lambda file: file["solution/height_undeformed"][()]).found
+
+
+def dry_points(folder: Path, quick: bool, peers: str | None) -> Iterator[dict[str, object]]:
+    """Of each method on each grid: processor seconds of the fastest and the slowest run, error of the mean separation."""
+    z = area_heights()
+    path = folder / "area.h5"
+    path.write_bytes(height_file(z, [LENGTH / FIRST] * 2))
+    grids = {key: nodes[:2] for key, nodes in NODES.items()} if quick else NODES
+    area = area_case({"shape": "file", "file": str(path.resolve()), "dataset": "z"})
+
+    def solved(kind: str, method: str, nodes: int, tolerance: float) -> list[Answer]:
+        case, domain = (profile_case(), {"intervals": nodes}) if kind == "profile" else (area, sizes(2, nodes, LENGTH))
+        case = case | BARE | {"domain": domain, "solver": {"method": method, "tolerance": tolerance, "max_cycles": 3000}}
+        return sorted((solve(namelist(case)) for _ in range(RUNS)), key=lambda answer: answer["cpu_seconds"])
+
+    finest = {"profile": 4096, "area": 256} if quick else FINEST
+    best = {kind: solved(kind, "conjugate_gradient", nodes, 1e-8)[0]["mean_separation"] for kind, nodes in finest.items()}
+    for (kind, method), nodes in ((key, nodes) for key, every in grids.items() for nodes in every):
+        first, *_, last = solved(kind, method, nodes, 1e-6)
+        head = {"panel": kind, "method": method, "intervals": nodes, "iterations": first["cycles"], "pairs": first["fft_pairs"]}
+        times = {"seconds": first["cpu_seconds"], "seconds_high": last["cpu_seconds"], "kkt": first["kkt"]}
+        yield head | times | {"converged": first.converged, "error": abs(first["mean_separation"] / best[kind] - 1)}
+    # the area by other programs, resampled as ours does it; a grid on which one fails is left out
+    for peer, nodes in itertools.product(dry.PEERS if peers else (), grids["area", "conjugate_gradient"]):
+        fine = heights(np.fft.fft2(z) / z.size, nodes) / LENGTH
+        runs = dry.peer_runs(peer, peers, dry.Contact(fine, PRESSURE / (0.5 * MODULUS)))
+        runs = sorted((run for run in runs if run.error <= 2 * dry.WANTED), key=lambda run: run.seconds)
+        if runs:
+            head = {"panel": "area", "method": peer, "intervals": nodes, "kkt": runs[0].error, "converged": True}
+            times = {"seconds": runs[0].seconds, "seconds_high": runs[-1].seconds}
+            yield head | times | {"error": abs(runs[0].separation * LENGTH / best["area"] - 1)}
+
+
 def show_time(seconds: float) -> str:
     """Seconds or milliseconds with three digits."""
     return f"{seconds:.3g} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
@@ -229,40 +307,38 @@ def conclusions(points: pd.DataFrame, failures: list[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draw_curve(axes: Axes, own: pd.DataFrame, times: list[str], label: str, look: dict[str, object]) -> None:
-    """Errors over times (columns of the least, of the end of the bar)."""
-    axes.loglog(own[times[0]], own["error"], label=label, **look)
-    axes.hlines(own["error"], own[times[0]], own[times[1]], color=look["color"], linewidth=0.6)
-
-
 def draw_panel(axes: Axes, title: str, measure: str, points: pd.DataFrame) -> None:
     """The curves of one contact; thin bars are the spread of the times, numbers the intervals."""
-    scaled = points.assign(error=100 * points["error"], least=1e3 * points["seconds"], high=1e3 * points["seconds_high"])
-    for method, own in scaled[~scaled["method"].isin(HIDDEN)].groupby("method", sort=False):
-        draw_curve(axes, own, ["least", "high"], method, LOOKS[method])
-        for _, point in own.iterrows() if method in ("auto", GRADED) else ():
+    for method, own in points[~points["method"].isin(HIDDEN)].groupby("method", sort=False):
+        times, errors = 1e3 * own["seconds"], 100 * own["error"]
+        axes.loglog(times, errors, label=method.replace("_", " "), **LOOKS[method])
+        axes.hlines(errors, times, 1e3 * own["seconds_high"], color=LOOKS[method]["color"], linewidth=0.6)
+        for at in zip(times, errors, own["intervals"], strict=True) if method in NUMBERED else ():
             look = {"fontsize": 7, "textcoords": "offset points", "path_effects": [withStroke(linewidth=1.5, foreground="white")]}
-            axes.annotate(str(point["intervals"]), (point["least"], point["error"]), xytext=(4, 2), **look)
-    axes.set(title=title, xlabel="Wall time [ms]", ylabel=f"Error of {measure} [%]")
+            axes.annotate(str(at[2]), at[:2], xytext=(4, 2), **look)
+    axes.set(title=title, xlabel="Time [ms]", ylabel=f"Error of {measure} [%]")
+    axes.title.set_fontsize(8.5)
+    axes.grid(which="major", color="0.9", linewidth=0.5)
+    axes.margins(x=0.16, y=0.1)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(10, numticks=12))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
-def draw(points: pd.DataFrame, folder: Path) -> None:
-    """The figure of all panels; the last place has the legend."""
-    figure, grid = style.new_figure(style.TWO_COLUMNS, 245, nrows=3, ncols=2)
+def draw(points: pd.DataFrame, panels: dict[str, tuple], height: float, path: Path) -> None:
+    """The figure of all panels; a place that is left has the legend."""
+    figure, grid = style.new_figure(style.TWO_COLUMNS, height, nrows=(len(panels) + 1) // 2, ncols=2)
     handles = {}
-    for axes, (panel, (title, measure, _)) in zip(grid.flat, PANELS.items(), strict=False):
+    for axes, (panel, (title, measure, *_)) in zip(grid.flat, panels.items(), strict=False):
         draw_panel(axes, title, measure, points[points["panel"] == panel])
         handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
-        axes.title.set_fontsize(8.5)
-        axes.grid(which="major", color="0.9", linewidth=0.5)
-        axes.margins(x=0.16, y=0.1)
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(LogLocator(10, numticks=12))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_formatter(NullFormatter())
-    grid.flat[-1].set_axis_off()
-    grid.flat[-1].legend(handles=list(handles.values()), loc="center")
-    style.save_figure(figure, [folder / "chart.png", folder / "chart.pdf"])
+    if len(panels) % 2:
+        grid.flat[-1].set_axis_off()
+        grid.flat[-1].legend(handles=list(handles.values()), loc="center")
+    else:
+        style.legend_below(figure, list(handles.values()), len(handles))
+    style.save_figure(figure, [path.with_suffix(".png"), path.with_suffix(".pdf")])
 
 
 def grids(first: int, last: int) -> list[int]:
@@ -272,8 +348,17 @@ def grids(first: int, last: int) -> list[int]:
 
 def main() -> None:
     """Command line."""
-    options = new_parser(__doc__, "coarser grids and fewer runs, under 3 minutes", "results/chart").parse_args()
+    parser = new_parser(__doc__, "coarser grids and fewer runs, under 3 minutes", "results/chart")
+    parser.add_argument("--dry", action="store_true", help="dry contacts")
+    parser.add_argument("--peers", metavar="PYTHON", help="python of an environment with other programs")
+    options = parser.parse_args()
     folder, quick = options.output, options.quick
+    if options.dry:
+        points = pd.DataFrame(dry_points(folder, quick, options.peers))
+        save(folder / "dry_chart.csv", points)
+        print(points.to_string(index=False))
+        draw(points, DRY_PANELS, 80, folder / "dry_chart")
+        return
     effort = {"runs": 15 if quick else 101, "seconds": 0.5 if quick else 1}
     last = 256 if quick else 1024
     between = [5 * n // 4 for n in grids(64, last // 2)]
@@ -286,7 +371,7 @@ def main() -> None:
     ]
     points = pd.DataFrame([point for part, _ in parts for point in part])
     save(folder / "chart.csv", points)
-    draw(points, folder)
+    draw(points, PANELS, 245, folder / "chart")
     conclude(folder / "conclusion.txt", conclusions(points, [failure for _, failures in parts for failure in failures]))
 
 

@@ -24,10 +24,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pandas as pd
-from bench_program import ENVIRONMENT, ROOT, Answer, Run, new_parser, run_program, save
+from bench_program import ENVIRONMENT, ROOT, Answer, Row, Run, new_parser, one, run_program, save, show_rows
 from family_dry import PROBLEMS, height_file
 from namelists import BARE, namelist
-from run import Row, one, show_rows
 
 PEERS = {"aspher": (1e-6, 1e-7, 1e-8, 1e-10), "tamaas": (1e-6, 1e-8, 1e-10, 1e-12), "ContactMechanics": (1e-4, 1e-6, 1e-8)}
 WANTED = 1e-6

@@ -96,7 +96,7 @@ def dry_text(path: Path) -> str:
     return fenced("\n".join(lines))
 
 
-# Of each block what it needs below results/, the figures, and its text, made from the paths of the former; auto.py writes `auto`.
+# Of each block what it needs below results/, the figures, and its text, made from the paths of the former.
 BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "bench": (["bench/bench.csv"], [], bench_text),
     "chart": (["chart/conclusion.txt"], ["chart/chart.png"], as_it_is),
@@ -106,6 +106,7 @@ BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "stability": ([f"stability/stability_{name}.csv" for name in NAMES], ["stability/stability.png"], maps_text),
     "dry": (["bench/dry.csv"], [], dry_text),
     "adequacy": (["adequacy/adequacy.txt"], [], as_it_is),
+    "auto": (["auto/auto.txt"], ["auto/auto.png"], as_it_is),
 }
 
 

@@ -8,11 +8,12 @@ a run (planning included). Results: a table on standard output, and bench.csv.
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import statistics
+import sys
 import tempfile
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -20,7 +21,24 @@ import f90nml
 import h5py
 import numpy as np
 import pandas as pd
-from bench_program import ASPERITY, ROOT, Answer, Run, answer, measured, new_parser, run_program, save, solve, times_of
+from bench_program import (
+    ASPERITY,
+    ROOT,
+    Answer,
+    Row,
+    Run,
+    answer,
+    measured,
+    new_parser,
+    one,
+    run_program,
+    save,
+    several,
+    show,
+    show_rows,
+    solve,
+    times_of,
+)
 from chart import METHODS, THESIS_SOLVER, largest_difference, pressures
 from namelists import BARE, RIDGE, case_1, moes, namelist
 
@@ -29,65 +47,18 @@ KRYLOV, DENSE = METHODS["newton_krylov"], METHODS["newton_dense"]
 # Far below every tolerance: cycles go on to the limit given by max_cycles.
 NEVER = 1e-15
 LEAN = BARE | {"output": {"adequacy": False, "si_copies": False}}
+# Base and varied key of sweeps; what is left out one after the other: the cost of each is the difference.
+SWEEPS = {
+    "steady contact": ("minimal", "[vary]\nload.hertz_pressure = {{ from = 0.3e9, to = 0.9e9, count = {} }}\n"),
+    "passage, 103 steps": (
+        "case3_demo",
+        "time.time_step = 0.0215\noutput.profile_stride = 103\n[vary]\nbodies.speed_2 = {{ from = 1.0, to = 1.3, count = {} }}\n",
+    ),
+}
+NO_ADEQUACY = "output.adequacy = false\n"
+LEFT_OUT = (NO_ADEQUACY, NO_ADEQUACY + "output.si_copies = false\naccuracy.error_bars = false\n")
 # Of the full momentum equations.
 COUNTS = ("newton_steps", "factorisations")
-
-
-@dataclass
-class Row:
-    """One line of a table; values in seconds unless `unit` says otherwise; a ratio `times` is to be large, all else small."""
-
-    work: str
-    asked: float | None
-    least: float
-    median: float
-    unit: str = "s"
-    residual: float = math.nan
-    aim: float | None = None
-    note: str = ""
-    processor: float = math.nan
-    verdict: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        """Whether the median is within what was asked."""
-        sign = -1 if self.unit == "times" else 1
-
-        def is_good(value: float, bound: float) -> bool:
-            return sign * value <= sign * bound
-
-        if self.asked is None:
-            self.verdict = ""
-        elif is_good(self.median, self.asked):
-            self.verdict = "met, aim too" if self.aim is not None and is_good(self.median, self.aim) else "met"
-        else:
-            spared = {"met (min.)": self.least, "met (CPU)": self.processor}
-            self.verdict = next((words for words, value in spared.items() if is_good(value, self.asked)), "MISSED")
-
-
-def several(work: str, asked: float | None, values: list[float], unit: str = "s", **more: object) -> Row:
-    """A row of measurements."""
-    return Row(work, asked, min(values), statistics.median(values), unit, **more)
-
-
-def one(work: str, value: float, unit: str, asked: float, aim: float | None = None, note: str = "") -> Row:
-    """A row of one measurement."""
-    return Row(work, asked, value, value, unit, aim=aim, note=note)
-
-
-def show_rows(title: str, rows: list[Row]) -> None:
-    """Prints a table, and the notes below it."""
-    table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns=["note", "aim"], errors="ignore")
-    notes = [f"  {row.work.strip()}: {row.note}" for row in rows if row.note]
-    print("\n".join([f"\n{title}", table.to_string(index=False, na_rep="", float_format="{:.3g}".format), *notes]), flush=True)
-
-
-def show(value: float, unit: str) -> str:
-    """A value with three digits and its unit."""
-    if math.isnan(value):
-        return ""
-    if unit == "s":
-        return f"{value * 1e3:.3g} ms" if value < 1 else f"{value:.3g} s"
-    return f"{value:.3g} {unit}".strip()
 
 
 def timed(answer: Answer, work: str, asked: float | None, phase: str = "steady", **more: object) -> Row:
@@ -308,6 +279,46 @@ def map_cell(file: h5py.File) -> tuple[float, float]:
     return float(file["report/phase_seconds"][:3].sum()), residual
 
 
+def script(name: str, *arguments: object) -> Run:
+    """What a script of batch/ takes with all that it starts."""
+    used = measured([sys.executable, ROOT / "batch" / name, *arguments])
+    if used.status != 0:
+        sys.exit(f"run.py: {name}: {used.words}")
+    return used
+
+
+def sweep_rows(count: int, results: int) -> list[Row]:
+    """Sweeps on 256 intervals: processor time of a case, of batch/run.py and all that it starts, and its parts; gathering."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for words, (base, text) in SWEEPS.items():
+            name, seconds = Path(folder) / base, []
+            for extra in ("", *LEFT_OUT):
+                head = f'base = "{ROOT / "input" / base}.nml"\n[set]\ndomain.intervals = 256\n{extra}'
+                name.with_suffix(".toml").write_text(head + text.format(count), encoding="utf-8")
+                script("sweep.py", name.with_suffix(".toml"), "--output", name, "--replace")
+                seconds.append(script("run.py", name, "--jobs", 2).processor / count)
+            found = []
+            for path in (name / "cases").glob("*.h5"):
+                with h5py.File(path) as file:
+                    found.append(map_cell(file)[0])
+            # on a busy machine the shortest one is nearest to its processor time
+            every, lean, bare, solution = *seconds, min(found)
+            parts = {"all": every, "adequacy": every - lean, "error bars": lean - bare}
+            parts |= {"solution": solution, "not solving": bare - solution}
+            rows += [one(f"{words}, in a sweep: {part}", value, "s", None) for part, value in parts.items()]
+        cases = sorted((Path(folder) / "minimal" / "cases").glob("*.h5"))[:100]
+        many = Path(folder) / "many"
+        (many / "cases").mkdir(parents=True)
+        names = [f"case_{i:06d}" for i in range(1, results + 1)]
+        for (i, case), kind in itertools.product(enumerate(names), (".h5", ".nml")):
+            (many / "cases" / f"{case}{kind}").hardlink_to(cases[i % len(cases)].with_suffix(kind))
+        pd.DataFrame({"case": names, "x": range(results)}).to_csv(many / "index.csv", index=False)
+        used = script("gather.py", many)
+    note = f"processor time {used.processor:.1f} s, {used.memory:.0f} MB"
+    return [*rows, one(f"gathering {results} steady results", used.wall, "s", None, note=note)]
+
+
 def main() -> None:
     """Command line; status 0 whatever is missed: the last line says what."""
     options = new_parser(__doc__, "fewer runs and cells, under 30 s", "results/bench").parse_args()
@@ -323,6 +334,7 @@ def main() -> None:
         "Stribeck curve of input/sweeps/stribeck.toml, whole process": partial(stribeck_row, 3 if quick else 9),
         "Point contacts, whole process": partial(point_rows, 3 if quick else 7),
         "Whole program": partial(process_rows, max(runs // 10, 10), 3 if quick else 9),
+        "Sweeps": partial(sweep_rows, *((10, 20) if quick else (500, 10_000))),
         "Map": partial(map_row, 100 if quick else 400),
     }
     load = f"{os.cpu_count()} in the machine, load {os.getloadavg()[0]:.1f} at the start"
