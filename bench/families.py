@@ -14,6 +14,7 @@ from __future__ import annotations
 import sys
 
 import family_dry as dry
+import family_passages as passages
 import family_shipped as shipped
 import family_steady as steady
 import family_time as in_time
@@ -54,7 +55,7 @@ FAMILIES = [
         for part, longer, bar in (("grid", False, GRID), ("whole", True, "error_estimate"))
     ),
     *(
-        Family("passages", f"{name}_{scheme}_{n}", f"{name} passages", SAMPLED, in_time.sample(seeds, n, scheme), 240, GRID, **ALL)
+        Family("passages", f"{name}_{scheme}_{n}", f"{name} passages", SAMPLED, passages.sample(seeds, n, scheme), 240, GRID, **ALL)
         for name, seeds in (("fitted", (1, 2)), ("fresh", (21, 22)))
         for n in (256, 128)
         for scheme in ("bdf2", "backward_euler")
@@ -104,12 +105,12 @@ FAMILIES = [
     Family("point", "point_reversing", "Points that reverse", FIGURES + FRICTION[:1], in_time.point_reversing, 24, GRID),
     Family("pressure", "pressure_grids", "Largest pressure, grids of 64 to 4096 intervals", P_MAX, steady.pressure_on_a_grid, 60),
     Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling, 60),
-    Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, in_time.pressure_in_time, 40, GRID),
+    Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, passages.pressure_in_time, 40, GRID),
     Family("shipped", "shipped_film", "Lubricated inputs and template", FIGURES, shipped.members("film"), given=True),
     Family("shipped", "shipped_dry", "Dry elastic inputs", DRY, shipped.members("dry"), given=True),
     Family("shipped", "shipped_plastic", "Dry inputs with a hardness", PLASTIC[:3], shipped.members("plastic"), given=True),
     Family("histories", "histories", "Histories, and points of the scenes", HISTORY, shipped.members("history"), given=True),
-    Family("target_in_time", "target_in_time", "A target in time: error bars", FIGURES, in_time.target_in_time, 24, GRID),
+    Family("target_in_time", "target_in_time", "A target in time: error bars", FIGURES, passages.target_in_time, 24, GRID),
     Family("times", "strides", "Passages of which little is stored", FIGURES, in_time.strides),
     Family("times", "periodic", "Waves that fill the contact at the start", FIGURES, in_time.periodic),
     Family("times", "placed", "Features without a place", FIGURES, in_time.placed, truth_goes_on=True),

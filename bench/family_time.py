@@ -1,43 +1,31 @@
-"""Random waves and passages: narrow for the grid, fast for the step, begun inside the contact, with a target; and their truths.
+"""Random waves and passages: narrow for the grid, fast for the step, begun inside the contact; and their truths.
 
-Passages on the domain, grid and step of the program are compared with a finer, longer run (judge.finer_passage). Passages of Case
-1 at another load, slide and oil have a given domain, and eight times the intervals and steps in the truth: `error_grid` is
-judged.
+Passages on the domain, grid and step of the program are compared with a finer, longer run (judge.finer_passage).
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import namelists
 from family_steady import OILS as LAWS
 from family_steady import Draw, half_axis, log_uniform, point_in_si
 from judge import Member, Resolution, beside, finer_passage
-from namelists import NO_BARS, Groups, merged
-from samples import KINDS, OILS, Passage, passages
+from namelists import NO_BARS, Groups
 
 # Domains of the truth of a wave at rest and in time, so long that they change nothing; the case leaves its own to the program.
 LONG, LONG_IN_TIME = {"x_inlet": -25.0, "x_outlet": 4.0}, (-16.0, 2.5)
 # A given grid needs a given domain, to know the nodes in a wave.
 GIVEN = {"x_inlet": -8.0, "x_outlet": 2.5}
+LONG_LENGTH, GIVEN_LENGTH = (each["x_outlet"] - each["x_inlet"] for each in (LONG, GIVEN))
 # Fewest nodes in a wave of the truth, and steps in its passage.
 FINE, FINE_IN_TIME = 128, 64
 STEEL_RADIUS, STEEL_MODULUS, ALPHA = 0.01, 226.4e9, 2.2e-8
-# Slide-to-roll ratios of contacts; of passages, where the second surface, or both, go through the contact in a short time.
+# Slide-to-roll ratios.
 SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0, 5 / 3, 1.9)
-PASSING, BOTH_PASSING = (-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3, 1.9, 2.5, 4.0), (-1.0, -0.3, 0.0, 0.3, 1.0)
-# H_c of Case 1; wanted accuracies.
 WAVES = ("ridge", "dent", "sinusoid")
-CASE_1_H, TARGETS = 0.469, (0.01, 0.02, 0.05)
-
-
-def length_of(domain: dict) -> float:
-    """Its length."""
-    return domain["x_outlet"] - domain["x_inlet"]
 
 
 def power_of_two(intervals: float) -> int:
@@ -78,8 +66,8 @@ def standing(*, is_coarse: bool) -> Draw:
         groups["surface_1"] = wave(kind, length * half_width, height * film, place)
         domain = {}
         if is_coarse:
-            domain = GIVEN | {"intervals": power_of_two(2 ** source.uniform(0, 6) * length_of(GIVEN) / length)}
-        fine = max(power_of_two(FINE * length_of(LONG) / length), 2**15)
+            domain = GIVEN | {"intervals": power_of_two(2 ** source.uniform(0, 6) * GIVEN_LENGTH / length)}
+        fine = max(power_of_two(FINE * LONG_LENGTH / length), 2**15)
         return beside(groups, domain, LONG | {"intervals": fine})
 
     return draw
@@ -212,95 +200,6 @@ def narrow(source: random.Random, _: int) -> Member:
     length = 10 ** source.uniform(-1.0, -0.3)
     shape = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.05, 0.5), length, -1.5 - length)
     return contact.member(({"surface_2": shape}, {"end_time": (2.6 + 1.5 * length) / contact.speed}))
-
-
-@dataclass(frozen=True)
-class Whole(Passage):
-    """A passage that begins in front of the contact, until all has gone through; the wave in units of the given grid's spacing."""
-
-    intervals: int
-    scheme: str
-
-    @property
-    def reach(self) -> float:
-        """S = sqrt(2 H_c), about."""
-        return math.sqrt(2 * CASE_1_H * self.load**-1.1)
-
-    @property
-    def domain(self) -> dict:
-        """Ends that cut no film off."""
-        return {"x_inlet": -max(4.0, 1 + 3.5 * self.reach), "x_outlet": 1.5 + 0.5 * self.reach}
-
-    @property
-    def dx(self) -> float:
-        """Spacing of the given grid, and time step."""
-        return length_of(self.domain) / self.intervals
-
-    @property
-    def length(self) -> float:
-        """Wavelength over b."""
-        return self.wave * self.dx
-
-    def place(self, surface: int) -> float:
-        """Where a feature is in front of the contact."""
-        return -math.copysign(1 + self.reach + 0.5 * self.length, self.speed(surface))
-
-    def roughness(self, half_width: float) -> dict[str, float]:
-        """A wave at least as long as the given grid resolves."""
-        wave = self.length * half_width
-        return {"wavelength_long": 4 * wave, "wavelength_rolloff": 2 * wave, "wavelength_short": wave}
-
-    def overtaking(self) -> dict[int, float]:
-        """Heights on both surfaces, over that of the passage."""
-        return {2: 1.0, 1: -0.7}
-
-    @property
-    def end_time(self) -> float:
-        """When all features have left, or waves and roughness have entered and settled."""
-        if self.kind in ("waviness", "roughness"):
-            return 2 * (2 + self.reach) + (4 * self.length + 4 + self.reach) / self.speed(2)
-        slowest = self.speed(2) if self.kind != "overtaking" else min(self.speed(1), self.speed(2))
-        return (3 + self.reach + 2 * self.length) / slowest
-
-    def finer(self, factor: int, **others: dict) -> Groups:
-        """Its groups, with so many times the intervals and steps."""
-        time = {"transient": True, "end_time": self.end_time, "time_step": self.dx / factor, "scheme": self.scheme}
-        domain = self.domain | {"intervals": factor * self.intervals}
-        return merged(self.groups(), domain=domain, time=time, **others)
-
-
-def pressure_in_time(source: random.Random, i: int) -> Member:
-    """Whole passages with both schemes, on given grids with dT = dX that resolve every wave."""
-    kind, load, oil = KINDS[i % len(KINDS)], 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
-    slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
-    height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 7)
-    case = Whole(kind, load, slide, oil, height, nodes, i, (256, 512)[i // 2 % 2], ("bdf2", "backward_euler")[i % 2])
-    return Member(case.finer(1), case.finer(8, accuracy=NO_BARS))
-
-
-def target_in_time(source: random.Random, i: int) -> Member:
-    """Grid and step chosen by trial runs, and the error bars of the result; the target is not judged."""
-    kind = KINDS[i % len(KINDS)]
-    slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
-    load, oil = 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
-    height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 6.5)
-    case = Whole(kind, load, slide, oil, height, nodes, i, (192, 256)[i % 2], "bdf2")
-    free = case.finer(1, accuracy={"target": TARGETS[i // 2 % 3]})
-    free["domain"] = free["domain"] | {"intervals": None}
-    free["time"] = free["time"] | {"time_step": None}
-    return Member(free, case.finer(8, accuracy=NO_BARS))
-
-
-def sample(seeds: tuple[int, int], intervals: int, scheme: str) -> Callable[[random.Random, int], Member]:
-    """Passages of two seeds on given grids with dT = dX; the truth is BDF2 on four times the intervals and a fourth of the step."""
-    every = [case for seed in seeds for case in passages(120, seed)]
-
-    def draw(_: random.Random, i: int) -> Member:
-        case = every[i]
-        truth = case.on_grid(4 * intervals, 1, accuracy=NO_BARS)
-        return Member(case.on_grid(intervals, 1, time={"scheme": scheme}), truth, name=f"{i:03d}_{case.kind}")
-
-    return draw
 
 
 def point_at_random(source: random.Random, i: int, heaviest: float) -> tuple[Groups, float, float]:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the cost of a target for h_min of passages, and whether it is met: fitted and fresh samples (samples.py).
+"""Measures the cost of a target for h_min of passages, and whether it is met: fitted and fresh samples (family_passages.py).
 
 The time, choice included, is compared with the best fixed grid: the fewest intervals (1 %: 64 to 1024, 0.1 %: to 4096) with dT = dX
 and the thesis's scheme from which on all meet it; for 1 % also with the cheaper of the best fixed grids of both schemes. The exact
@@ -14,8 +14,8 @@ import math
 
 import pandas as pd
 from bench_program import Answer, conclude, new_parser, save, side_by_side, solve
-from namelists import BARE
-from samples import Passage, passages
+from family_passages import Passage, passages
+from namelists import BARE, namelist
 
 # Seed and number of passages of a sample, of which the first ones are run.
 PASSAGES = {"Fitted": (1, 120), "Fresh": (3, 60)}
@@ -36,19 +36,19 @@ def passage_cost(item: tuple[str, str, Passage, float]) -> dict[str, object]:
     """A wanted accuracy: what it gave, and the time beside that of the best fixed choices; NaN: none, or none looked for."""
     sample, name, case, target = item
     _, largest, schemes, exact_settings = TARGETS[target]
-    answer = solve(case.namelist(**exact_settings, **BARE), limit=300)
+    answer = solve(namelist(case.on_grid(**exact_settings, **BARE)), limit=300)
     exact = answer["h_min"] if answer.converged else math.nan
 
     def error(answer: Answer) -> float:
         return abs(answer["h_min"] / exact - 1) if answer.converged else math.inf
 
-    wanted = solve(case.namelist(None, accuracy={"target": target}, output=BARE["output"]), **EFFORT)
+    wanted = solve(namelist(case.on_grid(None, accuracy={"target": target}, output=BARE["output"])), **EFFORT)
     cost = {"sample": sample, "case": name, "target": target, "error": error(wanted), "intervals": wanted.get("intervals", 0)}
     cost["seconds"] = least_seconds(wanted)
     for scheme, word in zip(schemes, ("best", "kappa"), strict=False):
         cost |= {f"{word}_intervals": math.nan, f"{word}_seconds": math.nan}
         for n in (2**k for k in range(round(math.log2(largest)), 5, -1)):
-            fixed = solve(case.namelist(n, solver={"space_scheme": scheme}, **BARE), **EFFORT)
+            fixed = solve(namelist(case.on_grid(n, solver={"space_scheme": scheme}, **BARE)), **EFFORT)
             if not error(fixed) <= target:
                 break
             cost |= {f"{word}_intervals": n, f"{word}_seconds": least_seconds(fixed)}
