@@ -239,7 +239,7 @@ def judge(scene: tuple[str, Groups]) -> pd.DataFrame:
     for ingredient, own in said["rows"].groupby("ingredient"):
         if ingredient in NUMERICAL:
             continue
-        left_out = own["left_out"].iloc[0]
+        left_out = float(own["left_out"].iloc[0])
         leans = lean_runs(truth, ingredient, left_out)
         found, is_all = next((lean for lean in leans if lean[0] is not None), (pd.Series(dtype=float), False))
         true = change_of(found, full)
