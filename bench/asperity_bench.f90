@@ -5,12 +5,11 @@
 !> Prints comma-separated seconds, a line a run: wall time of setup, steady, transient and all, and
 !> processor time. No run begins after SECONDS.
 program asperity_bench
-   use, intrinsic :: iso_fortran_env, only: error_unit
    use case_input, only: read_case
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t
    use ehl_line_solver, only: solve_ehl_line
-   use errors, only: error_t, fail, input_error
+   use errors, only: error_t
    use experiment, only: solution_t
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient
@@ -34,10 +33,9 @@ program asperity_bench
    end do
    read (words(2:), *) runs, seconds
    call read_text_file(trim(words(1)), content, error)
-   call stop_if(error)
+   if (allocated(error)) error stop error%message
    call read_case(content, trim(words(1)), case, findings)
-   if (findings%count > 0) call fail(error, input_error, findings%report(trim(words(1))))
-   call stop_if(error)
+   if (findings%count > 0) error stop findings%report(trim(words(1)))
    ! a target has error bars of its own
    case%solver%wants_coarse_runs = case%solver%wants_coarse_runs .and. case%solver%target <= 0.0_wp
    print '(a)', 'setup,steady,transient,all,processor'
@@ -65,27 +63,18 @@ contains
       start = wall_seconds()
       if (own%solver%target > 0.0_wp .and. own%time%is_transient) then
          call choose_resolution(own%contact, own%solver, own%time, side_runs, listener, error)
-         call stop_if(error)
+         if (allocated(error)) error stop error%message
          call move_alloc(side_runs%whole, whole)
       end if
       if (.not. allocated(whole)) then
          allocate (whole)
          call solve_ehl_line(own%contact, own%solver, own%time, listener, whole%state, &
             whole%report, error)
-         call stop_if(error)
+         if (allocated(error)) error stop error%message
       end if
       call cpu_time(processor(2))
       print '(*(es12.5, :, ","))', whole%report%cost%phase_seconds([phase_setup, phase_steady, &
          phase_transient]), wall_seconds() - start, processor(2) - processor(1)
    end subroutine time_one
-
-   !> Ends with status 1 if there is an error.
-   subroutine stop_if(error)
-      type(error_t), allocatable, intent(in) :: error
-
-      if (.not. allocated(error)) return
-      write (error_unit, '(a)') error%message
-      stop 1, quiet=.true.
-   end subroutine stop_if
 
 end program asperity_bench

@@ -24,7 +24,7 @@ import h5py
 import namelists
 import pandas as pd
 from adequacy import STILL, passage_scene, scaled, steady_scene
-from bench_program import Run, conclude, new_parser, run_program, save, side_by_side
+from bench_program import Answer, Run, answer, conclude, new_parser, run_program, save, side_by_side
 from namelists import Groups, namelist
 
 import figure_style as style  # isort: skip
@@ -43,17 +43,13 @@ def run(groups: Groups, model: str, target: float) -> Run:
     return run_program(namelist(case), read, limit=PATIENCE)
 
 
-def read(file: h5py.File) -> dict:
-    """Quantities and their error bars [SI], what was solved and what was left out."""
-    found = {"solved": "", "left_out": ""}
-    for name in STILL:
-        found[name] = float(file[f"summary/{name}"][()])
-        found[f"{name}_error"] = float(file[f"summary/{name}"].attrs["error_estimate"])
-    if "adequacy/decision" in file:
-        group = file["adequacy/decision"]
+def read(file: h5py.File) -> Answer:
+    """What the program says, the error bar of h_min, what was solved and what was left out."""
+    found = answer(file) | {"error": file["summary/h_min"].attrs["error_estimate"], "solved": "", "left_out": ""}
+    if group := file.get("adequacy/decision"):
         found["solved"] = group.attrs["solved"].decode()
         found["left_out"] = " ".join(name for name in group if group[name].attrs["decision"] == b"left out")
-    return found
+    return Answer(found)
 
 
 def judge(scene: tuple[str, Groups]) -> dict[str, object]:
@@ -73,7 +69,7 @@ def judge(scene: tuple[str, Groups]) -> dict[str, object]:
     row = {"scene": name, "unjudged": "", "solved": lean["solved"], "left_out": lean["left_out"]}
     row |= {f"{word}_seconds": runs[word].processor for word in ("auto", "full")}
     errors = {"auto_error": off["h_min"], "full_error": full["h_min"] / exact["h_min"] - 1}
-    bar = (lean["h_min_error"] + exact["h_min_error"]) / exact["h_min"]
+    bar = (lean["error"] + exact["error"]) / exact["h_min"]
     return row | errors | {"error_bar": bar, "h_central": off["h_central"], "p_max": off["p_max"]}
 
 

@@ -217,10 +217,6 @@ def show_rows(title: str, rows: list[Row]) -> None:
     print("\n".join([f"\n{title}", table.to_string(index=False, na_rep="", float_format="{:.3g}".format), *notes]), flush=True)
 
 
-def show(value: float, unit: str) -> str:
-    """A value with three digits and its unit."""
-    if math.isnan(value):
-        return ""
-    if unit == "s":
-        return f"{value * 1e3:.3g} ms" if value < 1 else f"{value:.3g} s"
-    return f"{value:.3g} {unit}".strip()
+def show(seconds: float) -> str:
+    """Seconds or milliseconds with three digits."""
+    return f"{seconds:.3g} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"

@@ -28,7 +28,7 @@ import h5py
 import namelists
 import numpy as np
 import pandas as pd
-from bench_program import ROOT, Answer, conclude, new_parser, run_program, save, solve
+from bench_program import ROOT, Answer, conclude, new_parser, run_program, save, show, solve
 from family_dry import PROBLEMS, height_file, heights, sizes
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
@@ -268,11 +268,6 @@ def dry_points(folder: Path, quick: bool, peers: str | None) -> Iterator[dict[st
             yield head | times | {"error": abs(runs[0].separation * LENGTH / best["area"] - 1)}
 
 
-def show_time(seconds: float) -> str:
-    """Seconds or milliseconds with three digits."""
-    return f"{seconds:.3g} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
-
-
 def fastest(points: pd.DataFrame, target: float) -> pd.DataFrame:
     """Of each method the quickest run whose error is within the target."""
     good = points[points["error"] <= target]
@@ -294,14 +289,14 @@ def conclusions(points: pd.DataFrame, failures: list[str]) -> str:
             lines.append(f"  {method:22s}" + "".join(f"{word:>15s}" for word in words))
         if THESIS in besides.index and WHOLE in besides.index:
             star = besides.loc[THESIS]
-            error = f"error {100 * star['error']:.3g} %, {show_time(star['seconds'])}"
+            error = f"error {100 * star['error']:.3g} %, {show(star['seconds'])}"
             lines.append(f"  the thesis's setting ({star['intervals']} intervals): {error}")
             if "auto" in (default := fastest(curves, star["error"])).index:
                 ratio = f"{star['seconds'] / default.loc['auto', 'seconds']:.3g} x the default"
                 lines[-1] += f", {ratio} of at most this error ({default.loc['auto', 'intervals']} intervals)"
         if WHOLE in besides.index:
             whole = besides.loc[[WHOLE]].iloc[[0, -1]]
-            first, last = (f"{show_time(s)} on {n}" for s, n in zip(whole["seconds"], whole["intervals"], strict=True))
+            first, last = (f"{show(s)} on {n}" for s, n in zip(whole["seconds"], whole["intervals"], strict=True))
             lines.append(f"  the whole program takes {first} and {last} intervals")
     lines += [f"Not converged, not shown: {failure}" for failure in failures]
     return "\n".join(lines) + "\n"

@@ -24,7 +24,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pandas as pd
-from bench_program import ENVIRONMENT, ROOT, Answer, Row, Run, new_parser, one, run_program, save, show_rows
+from bench_program import ENVIRONMENT, ROOT, Answer, Row, Run, answer, new_parser, one, run_program, save, show_rows
 from family_dry import PROBLEMS, height_file
 from namelists import BARE, namelist
 
@@ -156,7 +156,7 @@ def limit_of(done: np.ndarray) -> float:
 
 
 def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Run:
-    """The fastest of some runs; seconds of processor time, with planning (prepare), except `wall`."""
+    """The fastest of some runs."""
     groups = {
         "case": {"problem": PROBLEMS[contact.z.ndim - 1]},
         "bodies": {"reduced_modulus": 2e9, "hardness": contact.hardness * 1e9 if contact.hardness else None},
@@ -167,17 +167,15 @@ def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Run:
     }
 
     def read(file: h5py.File) -> Answer:
-        names = {"prepare": "cpu_prepare_seconds", "seconds": "cpu_seconds", "wall": "wall_solve_seconds", "iterations": "cycles"}
-        found = {name: file[f"report/{key}"][()] for name, key in names.items()}
-        fields = {"pressure": file["solution/pressure"][:] / 1e9, "transforms": np.reshape(file["report/transforms"][:], (-1, 4))}
-        return Answer(found | fields | {"pairs": file["sweep/fft_pairs"][0]})
+        transforms = np.reshape(file["report/transforms"][:], (-1, 4))
+        return Answer(answer(file) | {"pressure": file["solution/pressure"][:] / 1e9, "transforms": transforms})
 
     files = {"z.h5": height_file(contact.z, [1.0 / contact.z.shape[0]] * contact.z.ndim)}
     words = namelist(groups | BARE), read, files, ("--threads", threads)
     done = [run_program(*words, environment=ONE_THREAD) for _ in range(runs)]
     if any(run.status for run in done):
         sys.exit(f"dry.py: {done[0].words}")
-    return min(done, key=lambda run: run.found["seconds"])
+    return min(done, key=lambda run: run.found["cpu_seconds"])
 
 
 @dataclass
@@ -220,24 +218,24 @@ def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
 def beside_peers(options: argparse.Namespace, work: str, contact: Contact, asked: float, aim: float) -> Iterator[Row]:
     """A row with the ratio to the fastest peer that is good enough, and one with the ratio to the transforms."""
     run = ours(contact)
-    answer, on = run.found, run.found["pressure"] > 0
-    note = f"{100 * on.mean():.1f} % contact, {answer['seconds']:.3f} s, {answer['pairs']:.0f} pairs"
-    note += f", error {contact.error(answer['pressure']):.0e}"
+    found, on = run.found, run.found["pressure"] > 0
+    note = f"{100 * on.mean():.1f} % contact, {found['cpu_seconds']:.3f} s, {found['fft_pairs']:.0f} pairs"
+    note += f", error {contact.error(found['pressure']):.0e}"
     if contact.hardness:
-        note += f", {100 * (answer['pressure'] >= contact.hardness).sum() / on.sum():.0f} % of the contact plastic"
+        note += f", {100 * (found['pressure'] >= contact.hardness).sum() / on.sum():.0f} % of the contact plastic"
     best = np.inf
     for peer in ([options.only] if options.only else PEERS) if options.peers else ():
         runs = peer_runs(peer, options.peers, contact)
         # the cheapest one that is good enough, or the best one
-        for found in sorted(runs, key=lambda run: (run.error > WANTED, run.seconds if run.error <= WANTED else run.error))[:1]:
-            note += f"; {peer} {found.seconds:.2f} s, {found.error:.0e}"
-            best = min(best, found.seconds) if found.error <= 2 * WANTED else best
+        for other in sorted(runs, key=lambda run: (run.error > WANTED, run.seconds if run.error <= WANTED else run.error))[:1]:
+            note += f"; {peer} {other.seconds:.2f} s, {other.error:.0e}"
+            best = min(best, other.seconds) if other.error <= 2 * WANTED else best
     if best < np.inf:
-        yield one(work, best / answer["seconds"], "times", asked, aim, note)
+        yield one(work, best / found["cpu_seconds"], "times", asked, aim, note)
         note = f"the same solutions over {run.processor:.3f} s for reading, solving and writing"
         yield one(f"{work}: whole process", best / run.processor, "times", *WHOLE_PROCESS[len(contact.z)], note)
-    limit, solve = limit_of(answer["transforms"]), answer["seconds"] - answer["prepare"]
-    note = f"solve {solve:.3f} s, planning {answer['prepare']:.3f} s, transforms alone {limit:.3f} s"
+    limit, solve = limit_of(found["transforms"]), found["cpu_seconds"] - found["cpu_prepare_seconds"]
+    note = f"solve {solve:.3f} s, planning {found['cpu_prepare_seconds']:.3f} s, transforms alone {limit:.3f} s"
     yield one(f"{work}: over transforms", solve / limit, "x", 1.5, 1.5, note)
 
 
@@ -266,7 +264,7 @@ def open_sphere(options: argparse.Namespace) -> Iterator[Row]:
 def growth(options: argparse.Namespace) -> Iterator[Row]:
     """Iterations at fixed contact area over the number of nodes."""
     sizes = (128, 256, 512) if options.quick else (256, 512, 1024, 2048, 4096)
-    counts = [ours(Contact(area(nodes), 0.0025), runs=1).found["iterations"] for nodes in sizes]
+    counts = [ours(Contact(area(nodes), 0.0025), runs=1).found["cycles"] for nodes in sizes]
     power = np.log(counts[-1] / counts[0]) / np.log((sizes[-1] / sizes[0]) ** 2)
     note = f"iterations {', '.join(map(str, counts))}"
     yield one(f"growth of iterations, {sizes[0]}^2 to {sizes[-1]}^2", power, "power", 0.25, 0.125, note)
@@ -276,11 +274,11 @@ def long_profile(options: argparse.Namespace) -> Iterator[Row]:
     """A long profile at 12 % contact."""
     nodes = 2**14 if options.quick else 2**20
     contact = Contact(profile(nodes), 0.0058)
-    answer = ours(contact, runs=1).found
-    share = 100 * (answer["pressure"] > 0).mean()
-    note = f"{share:.1f} % contact, error {contact.error(answer['pressure']):.0e}, {answer['iterations']} iterations"
-    yield one(f"profile of {nodes} nodes", answer["seconds"], "s", 10, 3, note)
-    yield one(f"profile of {nodes} nodes: pairs", answer["pairs"], "pairs", 900, 900)
+    found = ours(contact, runs=1).found
+    share = 100 * (found["pressure"] > 0).mean()
+    note = f"{share:.1f} % contact, error {contact.error(found['pressure']):.0e}, {found['cycles']} iterations"
+    yield one(f"profile of {nodes} nodes", found["cpu_seconds"], "s", 10, 3, note)
+    yield one(f"profile of {nodes} nodes: pairs", found["fft_pairs"], "pairs", 900, 900)
 
 
 def memory(options: argparse.Namespace) -> Iterator[Row]:
@@ -288,8 +286,8 @@ def memory(options: argparse.Namespace) -> Iterator[Row]:
     nodes = 1024 if options.quick else 4096
     contact = Contact(area(nodes), 0.0025)
     first, second = (ours(contact, runs=1, threads=threads) for threads in (1, 2))
-    error, walls = contact.error(first.found["pressure"]), [run.found["wall"] for run in (first, second)]
-    note = f"{first.found['seconds']:.1f} s, error {error:.0e}; reading and writing included"
+    error, walls = contact.error(first.found["pressure"]), [run.found["wall_solve_seconds"] for run in (first, second)]
+    note = f"{first.found['cpu_seconds']:.1f} s, error {error:.0e}; reading and writing included"
     yield one(f"memory of {nodes}^2", first.memory / 1024, "GB", 2.5, 2.5, note)
     note = f"wall {walls[0]:.2f} s and {walls[1]:.2f} s"
     yield one(f"{nodes}^2 by two threads", walls[0] / walls[1], "times", 1, 1.5, note)

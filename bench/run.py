@@ -149,7 +149,7 @@ def size_rows(runs: int, largest: int) -> list[Row]:
         many.times[key].agg(kind) / few.times[key].agg(kind) * small / largest
         for key, kind in (("steady", "min"), ("steady", "median"), ("processor", "mean"))
     )
-    times = " and ".join(show(each.times["steady"].min(), "s") for each in (few, many))
+    times = " and ".join(show(each.times["steady"].min()) for each in (few, many))
     note = f"{times}, {few['cycles']} and {many['cycles']} steps on the finest grid; CPU with planning"
     work = f"newton_krylov: per node, 2^{int(math.log2(largest))} over 2^12"
     return [*rows, Row(work, 4, least, median, "", many["residual"], 2, note, cpu)]
@@ -159,7 +159,7 @@ def process_rows(runs: int, few: int) -> list[Row]:
     """Whole processes: what is not solving on a smooth case, those that do nothing but solve, and two threads beside one."""
     every = [run_program(case_1(1024), lambda file: float(sum(file["report/phase_seconds"][()]))) for _ in range(runs)]
     times = several("whole process", None, [used.wall for used in every])
-    note = f"whole process: minimum {show(times.least, 's')}, median {show(times.median, 's')}; "
+    note = f"whole process: minimum {show(times.least)}, median {show(times.median)}; "
     note += f"peak memory {every[-1].memory:.0f} MB; CPU: of the whole"
     around, mean = [used.wall - used.found for used in every], statistics.mean(used.processor for used in every)
     many = [case_1(256, load={"load_per_length": 5e4 + 2.5e3 * i}, **LEAN) for i in range(21)]
@@ -181,7 +181,7 @@ def processors(texts: str | list[str], runs: int) -> list[float]:
 def two_threads(work: str, asked: float, text: str, runs: int, **more: object) -> Row:
     """Wall time of two threads over that of one."""
     walls = np.array([[run_program(text, options=("--threads", k)).wall for k in (1, 2)] for _ in range(runs)])
-    note = f"wall, {' and '.join(show(least, 's') for least in walls.min(axis=0))}"
+    note = f"wall, {' and '.join(show(least) for least in walls.min(axis=0))}"
     return several(work, asked, list(walls[:, 1] / walls[:, 0]), "", note=note, **more)
 
 
@@ -253,7 +253,7 @@ def point_rows(runs: int) -> list[Row]:
     }
     used = run_program(namelist(groups), answer)
     steps, cycles, pairs = (used.found[name] for name in ("steps", "cycles", "fft_pairs"))
-    note = f"{cycles / steps:.1f} Newton steps; {steps} steps take {show(used.processor, 's')}"
+    note = f"{cycles / steps:.1f} Newton steps; {steps} steps take {show(used.processor)}"
     return [*rows, one("a dent, 128 x 128: transforms a time step", pairs / steps, "", 25, note=note)]
 
 
@@ -266,7 +266,7 @@ def map_row(cells: int) -> list[Row]:
     seconds, residuals = np.array(used.results).T
     bad = [name for name, residual in zip(names, residuals, strict=True) if math.isnan(residual)]
     dearest = int(seconds.argmax())
-    note = f"{len(bad)} not converged, dearest M,L = {names[dearest]}: {show(seconds[dearest], 's')}"
+    note = f"{len(bad)} not converged, dearest M,L = {names[dearest]}: {show(seconds[dearest])}"
     note += f"; not converged: M,L = {'; '.join(bad[:6])}" if bad else ""
     scale, work = 400 / len(names), f"auto, M-L map, {len(names)} cells, as 400"
     more = {"residual": np.nanmax(residuals), "processor": scale * used.processor, "note": note}

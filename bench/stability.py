@@ -22,7 +22,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgba
 from matplotlib.patches import Patch
-from stability_cells import AUTO, CYCLES, NAMES, Axis, StabilityMap, all_maps, dry_maps, iterations, status
+from stability_cells import AUTO, CYCLES, NAMES, StabilityMap, all_maps, dry_maps, iterations, status
 
 import figure_style as style  # isort: skip
 
@@ -128,17 +128,10 @@ def draw_panel(axes: Axes, each: StabilityMap, method: str, cells: pd.DataFrame)
     axes.set(xlabel=each.x.label, ylabel=each.y.label)
     for side, setter, most in ((each.x, axes.set_xticks, 5), (each.y, axes.set_yticks, 11)):
         places = range(0, len(side.values), max(1, math.ceil(len(side.values) / most)))
-        setter(places, labels=[value_label(side, side.values[i]) for i in places])
+        setter(places, labels=[side.value(i) for i in places])
         setter(np.arange(len(side.values) + 1) - 0.5, minor=True)
     axes.grid(which="minor", color="white", linewidth=0.4)
     axes.tick_params(which="both", length=0, labelsize=7)
-
-
-def value_label(axis: Axis, value: float | None) -> str:
-    """A value on an axis; numbers of intervals as powers of two."""
-    if axis.key == "intervals":
-        return f"$2^{{{round(math.log2(value))}}}$"
-    return "none" if value is None else "∞" if math.isinf(value) else f"{value:g}"
 
 
 def main() -> None:

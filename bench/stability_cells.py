@@ -19,10 +19,6 @@ CYCLES = {name: settings for name, settings in METHODS.items() if name.startswit
 IN_TIME = {name: settings for name, settings in CYCLES.items() if "line" not in name}
 # Without `intervals`: the program chooses them for 1 % in the film.
 CHOSEN = "auto, its own grid"
-NAMES = (
-    *("moes_barus", "moes_roelands", "moes_eyring", "eyring_stress", "slide_to_roll", "intervals"),
-    *("relaxation", "coarsest", "time_step", "rolling", "roughness", "ridge"),
-)
 MANY = 30
 # Words in the reason of a run that did not converge, and its class; more of them: of the first one.
 WORDS = {
@@ -63,6 +59,13 @@ class Axis:
     def label(self) -> str:
         """Its name in a figure."""
         return LABELS[self.key]
+
+    def value(self, i: int) -> str:
+        """A value; numbers of intervals as powers of two."""
+        value = self.values[i]
+        if self.key == "intervals":
+            return f"$2^{{{round(math.log2(value))}}}$"
+        return "none" if value is None else "∞" if math.isinf(value) else f"{value:g}"
 
 
 @dataclass
@@ -230,9 +233,12 @@ def roughness_maps(quick: bool) -> Iterator[StabilityMap]:
 
 
 def all_maps(quick: bool) -> Iterator[StabilityMap]:
-    """All maps in the order of NAMES."""
+    """All maps of lubricated contacts."""
     for maps in (steady_maps, cycle_maps, passing_maps, roughness_maps):
         yield from maps(quick)
+
+
+NAMES = [each.key for each in all_maps(True)]
 
 
 def dry_cell(load: float, nodes: int, is_area: bool, hurst: float = 0.8, hardness: float | None = None) -> Groups:

@@ -67,7 +67,3 @@ def test_maps_in_time_have_contacts_without_sliding(asperity, tmp_path):
     assert all("speed_1 = 0.6\n   speed_2 = 0.6\n" in cell for cell in cells)
     write(tmp_path, "cell.nml", cells[0])
     assert asperity("--check", "cell.nml").returncode == 0
-
-
-def test_all_maps_are_named():
-    assert [each.key for each in stability_cells.all_maps(quick=True)] == list(stability_cells.NAMES)
