@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pandas as pd
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -146,7 +147,8 @@ def answer(file: h5py.File) -> Answer:
     found = {name: data[()] for group in groups for name, data in group.items() if data.shape == ()}
     found |= {name: data[-1] for name, data in file.get("sweep", {}).items() if data.ndim == 1}
     found |= {**file["input/effective/domain"].attrs, **file.attrs}
-    return Answer({name: value.decode() if isinstance(value, bytes) else value for name, value in found.items()})
+    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in found.items()}
+    return Answer({name: value.decode() if isinstance(value, bytes) else value for name, value in plain.items()})
 
 
 def solve(text: str, runs: int = 0, seconds: float = 1e9, read: Callable[[h5py.File], Answer] = answer, **limits: object) -> Answer:
