@@ -27,7 +27,7 @@ DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -
 # that is used for more than that ends in a report of the other sanitizer.
 SANITIZE := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null
 
-BENCH := bench/bench_measure.f90 bench/asperity_bench.f90
+BENCH := bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
@@ -129,8 +129,9 @@ regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, 
 formulas: build ## bias of handbook film formulas against computed films (ARGS=--quick)
 	$(PYTHON) bench/studies/film_formulas.py $(ARGS)
 
-scenes: build ## the scenes of input/scenes/ and input/duty/: verdicts against fine grids; writes docs/scenes.md and its figures
-	-$(PYTHON) bench/scenes.py --page
+scenes: build ## the scenes of input/scenes/: verdicts against fine grids; the histories of input/duty/: error bars
+	-$(PYTHON) bench/adequacy.py --kinds scene --output results/scenes $(ARGS)
+	-$(PYTHON) bench/families.py histories --output results/scenes $(ARGS)
 
 chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)
 	$(PYTHON) bench/studies/chapter3.py $(ARGS)
@@ -155,7 +156,7 @@ bench-dry: build ## dry areas against other programs (ARGS="--peers PYTHON": the
 
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
 	$(PYTHON) bench/chart.py $(ARGS)
-	$(PYTHON) bench/dry_chart.py $(ARGS) $(if $(PEERS),--peers $(PEERS))
+	$(PYTHON) bench/chart.py --dry $(ARGS) $(if $(PEERS),--peers $(PEERS))
 
 accuracy: bench-program ## truth of the error bars, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/families.py $(ARGS)

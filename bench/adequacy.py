@@ -1,40 +1,52 @@
 #!/usr/bin/env python3
 """Checks the verdicts of /adequacy on random scenes against fine-grid runs with and without each ingredient.
 
-A scene is a steady contact, smooth or with ridges or waves at rest, a passage, or a steady point contact. The program runs it as a
-user would and reports the change by each ingredient, with an error bar and a verdict. The truth is the change between two fine
-runs: steady ones for a target of TARGET, passages with half the spacing and half the time step, points with half the spacing.
-Without the squeeze term it is the extreme of PLACES steady runs, of films and pressure where one surface is rough and the oil is
-Newtonian: there the rough surface stands still, and the other has both speeds. Rigid bodies are the stiffest of STIFFNESSES that
-has a solution, with places and times in metres and seconds; below the first of them only the need for elasticity is judged. The
-reported error of the time step is judged as the error bar of no change, against the same grid with FINER_STEP of the step.
+A scene is a steady contact, smooth or with ridges or waves at rest, a passage or a steady point contact; `scene`: the lubricated
+ones of input/scenes/. The program runs it as a user would and reports the change by each ingredient, with an error bar
+and a verdict. The truth is the change between two fine runs: steady ones for a target of TARGET, passages with half the spacing
+and half the time step, points with half the spacing. Without the squeeze term it is the extreme of PLACES steady runs, of films
+and pressure where one surface is rough and the oil is Newtonian: there the rough surface stands still, and the other has both
+speeds. Rigid bodies are the stiffest of STIFFNESSES that has a solution, with places and times in metres and seconds; below the
+first of them only the need for elasticity is judged. The reported error of the time step is judged as the error bar of no change,
+against the same grid with FINER_STEP of the step.
 
-Criteria and targets: bench/ingredients.py. --seed draws another sample, for fitting; the default one judges. Writes adequacy.csv
-and adequacy.txt.
+    honest        the true change is within the error bar (a difference below judge.FLOOR always is)
+    right         the verdict is that of the true changes (needed: one above the accuracy; irrelevant: all below a tenth of it)
+    surely wrong  `needed` where it is not, or less than that where it is needed
+    not known     no change, or no verdict
+
+Targets: 95 % honest, 95 % right. --seed draws another sample, for fitting; the default one judges. Writes adequacy.csv and
+adequacy.txt.
 """
 
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 import random
 import sys
 from collections.abc import Callable, Iterator
 
+import f90nml
 import family_steady
 import h5py
-import ingredients
 import namelists
-from bench_program import new_parser
-from ingredients import NO_TRUTH, NUMERICAL, Row, bare, change_of, rows_of, run, verdict_of
-from namelists import Groups, merged
+import pandas as pd
+from bench_program import ROOT, conclude, new_parser, run_program, save, side_by_side
+from family_shipped import groups_of
+from judge import FLOOR
+from namelists import BARE, Groups, merged, namelist
 
+WITHIN = 0.95
 SEED = 884211
+NO_TRUTH = "no truth"
+NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
 TARGET, PLACES = 2e-4, 48
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
 FINER_STEP = 0.25
-COUNTS, QUICK = (45, 24, 24), (8, 4, 3)
-STILL = ("h_min", "h_central", "p_max")
+# The quantities that do not need both speeds, and their extreme over time.
+STILL = {"h_min": "min", "h_central": "min", "p_max": "max"}
 QUANTITIES = (*STILL, "friction_coefficient")
 # Of these everything in half-widths, and the times, are scaled with the half-width.
 LENGTHS = {
@@ -55,20 +67,37 @@ def scaled(value: object, factor: float) -> object:
     return [each * factor for each in value] if isinstance(value, list) else value * factor
 
 
-def quantities(file: h5py.File) -> dict[str, float]:
+def run(groups: Groups, read: Callable[[h5py.File], object]) -> object:
+    """What is read of the result of a namelist; None where it does not converge."""
+    done = run_program(namelist(groups), read)
+    return done.found if done.status == 0 else None
+
+
+def bare(groups: Groups, **others: dict) -> Groups:
+    """A scene that asks for nothing but numbers, with other groups."""
+    return copy.deepcopy(groups | BARE) | others
+
+
+def quantities(file: h5py.File) -> pd.Series:
     """Those that are compared [SI]."""
-    return {name: float(file[f"summary/{name}"][()]) for name in QUANTITIES}
+    return pd.Series({name: float(file[f"summary/{name}"][()]) for name in QUANTITIES})
 
 
-def told(file: h5py.File) -> dict[str, dict] | None:
-    """What the program says of each ingredient, and the resolution of the run; None if nothing was measured."""
+def told(file: h5py.File) -> dict[str, object] | None:
+    """What the program says of each quantity of each ingredient, and the resolution of the run; None if nothing was measured."""
     if "adequacy" not in file:
         return None
     used = file["input/effective/domain"].attrs
     n, *sides = ("intervals_x", "y_half_width") if "intervals_x" in used else ("intervals",)
     scales = () if sides else ("reduced_radius", "reduced_modulus", "load_per_length")
+    rows = []
+    for (name, row), q in itertools.product(file["adequacy"].items(), QUANTITIES):
+        known = {"change": float(row[q][()]), "error": float(row[q].attrs["error_estimate"])} if q in row else {}
+        words = {key: row.attrs.get(key, b"").decode() for key in ("verdict", "measured_on")}
+        words |= {"left_out": float(row.attrs.get("left_out", 1.0)), "is_judged": q in row or f"{q}_at_least" in row.attrs}
+        rows.append({"ingredient": name, "quantity": q, "change": math.nan, "error": math.nan} | known | words)
     return {
-        "rows": ingredients.told(file, QUANTITIES),
+        "rows": pd.DataFrame(rows),
         "quantities": quantities(file),
         "accuracy": float(file["adequacy"].attrs["accuracy"]),
         "domain": {key: float(used[key]) for key in ("x_inlet", "x_outlet", *sides)} | {n: int(used[n])},
@@ -108,7 +137,7 @@ def stiffer(groups: Groups, ratio: float) -> Groups:
     return stiff
 
 
-def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tuple[dict[str, float] | None, bool]]:
+def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tuple[pd.Series | None, bool]]:
     """Quantities of a scene without an ingredient, and whether that is all of it, best first; None where there is no solution."""
     if ingredient == "squeeze":
         yield frozen(groups), True
@@ -121,28 +150,24 @@ def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tupl
             yield run(stiffer(groups, ratio), quantities), ratio == STIFFNESSES[0]
 
 
-def frozen(groups: Groups) -> dict[str, float] | None:
+def frozen(groups: Groups) -> pd.Series | None:
     """Extremes of steady solutions with the waves at their places."""
     bodies = groups["bodies"]
     mean = (bodies["speed_1"] + bodies["speed_2"]) / 2
     rough = [i for i in (1, 2) if f"surface_{i}" in groups]
     if len(rough) > 1 or "rheology" in groups["lubricant"]:
         return None
-    surface = f"surface_{rough[0]}"
-    extremes: dict[str, float] = {}
-    for k in range(PLACES + 1):
-        time = groups["time"]["end_time"] * k / PLACES
+    surface, found = f"surface_{rough[0]}", []
+    for time in (groups["time"]["end_time"] * k / PLACES for k in range(PLACES + 1)):
         still = {key: copy.deepcopy(groups[key]) for key in groups if key != "time"}
         still["bodies"] |= {f"speed_{rough[0]}": 0.0, f"speed_{3 - rough[0]}": 2 * mean}
         places, move = still[surface].get("position", 0.0), bodies[f"speed_{rough[0]}"] / mean * time
         still[surface]["position"] = [place + move for place in places] if isinstance(places, list) else places + move
-        found = run(still, quantities)
-        if found is None:
+        solved = run(still, quantities)
+        if solved is None:
             return None
-        for name in STILL if time >= groups["time"]["statistics_from"] else ():
-            best = max if name == "p_max" else min
-            extremes[name] = best(extremes.get(name, found[name]), found[name])
-    return extremes
+        found += [solved] if time >= groups["time"]["statistics_from"] else []
+    return pd.DataFrame(found).agg(STILL)
 
 
 def fine(groups: Groups, said: dict) -> Groups:
@@ -158,21 +183,33 @@ def fine(groups: Groups, said: dict) -> Groups:
     return bare(groups, domain={}, accuracy={"target": TARGET})
 
 
-def time_step_rows(name: str, groups: Groups, said: dict) -> list[Row]:
+def change_of(found: pd.Series, full: pd.Series) -> pd.Series:
+    """Relative changes; NaN where there is none."""
+    return found.reindex(QUANTITIES) / full.where(full != 0) - 1
+
+
+def verdict_of(changes: pd.Series, accuracy: float) -> str:
+    """By the true changes, as far as they are known."""
+    known = changes.dropna().abs()
+    if (known > accuracy).any():
+        return "needed"
+    return "irrelevant" if (known < 0.1 * accuracy).all() else "matters below the accuracy"
+
+
+def time_step_rows(groups: Groups, said: dict) -> pd.DataFrame:
     """By how much each quantity is off because of the time step, beside what the program says of that."""
-    if "time_step" not in said["rows"]:
-        return []
-    row = said["rows"]["time_step"]
-    # no change, and an error bar that holds what may be off
-    bounds = {q: (0.0, change + error) for q, (change, error) in row["changes"].items()}
+    rows = said["rows"][said["rows"]["ingredient"] == "time_step"]
+    if rows.empty:
+        return rows
     time = groups["time"] | {"time_step": said["step"] * FINER_STEP, "statistics_from": said["start"]}
     exact = run(bare(groups, domain=said["domain"], time=time), quantities)
     if exact is None:
-        return []
-    off = change_of(exact, said["quantities"], QUANTITIES)
-    right = verdict_of((off[q] for q in bounds), said["accuracy"])
-    row = {"changes": bounds, "verdict": row["verdict"].replace("too coarse", "needed")}
-    return rows_of(name, "time_step", row, off, right, said["accuracy"])
+        return rows[:0]
+    off = change_of(exact, said["quantities"])
+    right = verdict_of(off[rows["change"].notna().values], said["accuracy"])
+    # no change, and an error bar that holds what may be off
+    rows = rows.assign(error=rows["change"] + rows["error"], change=0.0 * rows["change"])
+    return rows.assign(verdict=rows["verdict"].replace("too coarse", "needed"), truth=off.values, true_verdict=right)
 
 
 def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
@@ -188,41 +225,31 @@ def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
     return reduced
 
 
-def judge(scene: tuple[str, Groups], squeeze: Callable[[Groups, dict], dict] | None = None) -> list[Row]:
-    """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth.
-
-    `squeeze` gives the true changes without the squeeze term, if not the frozen places.
-    """
+def judge(scene: tuple[str, Groups]) -> pd.DataFrame:
+    """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth."""
     name, groups = scene
     said = run(groups, told)
     if said is None:
-        return []
+        return pd.DataFrame()
     truth = fine(in_reduced_bodies(groups, said["scaling"]), said)
     full = run(truth, quantities)
     if full is None:
-        return []
-    rows = time_step_rows(name, groups, said)
-    for ingredient, row in said["rows"].items():
+        return pd.DataFrame()
+    rows = [time_step_rows(groups, said)]
+    for ingredient, own in said["rows"].groupby("ingredient"):
         if ingredient in NUMERICAL:
             continue
-        if ingredient == "squeeze" and squeeze:
-            true, is_all = squeeze(groups, said), True
-        else:
-            leans = lean_runs(truth, ingredient, row["left_out"])
-            found, is_all = next((lean for lean in leans if lean[0]), ({}, False))
-            true = change_of(found, full, QUANTITIES)
+        left_out = float(own["left_out"].iloc[0])
+        leans = lean_runs(truth, ingredient, left_out)
+        found, is_all = next((lean for lean in leans if lean[0] is not None), (pd.Series(dtype=float), False))
+        true = change_of(found, full)
         # of a part of an ingredient what all of it would change at that rate, as the program judges
-        right = verdict_of((true[q] / row["left_out"] for q in row["judged_by"] if q in true), said["accuracy"])
+        right = verdict_of(true[own["is_judged"].values] / left_out, said["accuracy"])
         if not is_all:
             # a part of it: no true change, and a verdict only where that part is needed already
-            true, right = dict.fromkeys(QUANTITIES, math.nan), right if right == "needed" else NO_TRUTH
-        rows += rows_of(name, ingredient, row, true, right, said["accuracy"])
-    return rows
-
-
-def newtonian(groups: Groups) -> None:
-    """Takes Eyring's law away."""
-    del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
+            true, right = true * math.nan, right if right == "needed" else NO_TRUTH
+        rows.append(own.assign(truth=true.values, true_verdict=right))
+    return pd.concat(rows).assign(scene=name, accuracy=said["accuracy"])
 
 
 def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
@@ -230,9 +257,8 @@ def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     m, l = 10 ** source.uniform(-1, 2.5), source.uniform(0.3, 20)  # noqa: E741
     # in a steady contact a rough surface stands still
     slide = source.uniform(0, 1.5)
-    groups = namelists.steel(m, l, slide if i % 3 else 2.0, 10 ** source.uniform(6, 9))
-    if source.random() < 0.3:
-        newtonian(groups)
+    stress = 10 ** source.uniform(6, 9)
+    groups = namelists.steel(m, l, slide if i % 3 else 2.0, None if source.random() < 0.3 else stress)
     if i % 3 == 0:
         half_width, film = namelists.scales(groups)
         height = film * 10 ** source.uniform(-3.5, -0.7)
@@ -247,9 +273,8 @@ def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
 def passage_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     """Ridges, a dent or a wave on one surface, or a ridge on each, through a contact of medium load."""
     slide = source.choice((-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3))
-    groups = namelists.steel(10 ** source.uniform(0, 1.5), source.uniform(2, 12), slide, 10 ** source.uniform(6.3, 8))
-    if source.random() < 0.4:
-        newtonian(groups)
+    m, l, stress = 10 ** source.uniform(0, 1.5), source.uniform(2, 12), 10 ** source.uniform(6.3, 8)  # noqa: E741
+    groups = namelists.steel(m, l, slide, None if source.random() < 0.4 else stress)
     half_width, film = namelists.scales(groups)
     height = film * 10 ** source.uniform(-3, -0.5)
     wave = source.uniform(0.5, 1.5) * half_width
@@ -275,15 +300,63 @@ def point_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     return f"point {i:03d}", groups
 
 
+# Of each kind how many, and with --quick; what draws one.
+DRAWS = {"steady": (45, 8, steady_scene), "passage": (24, 4, passage_scene), "point": (24, 3, point_scene)}
+
+
+def scenes_of(kind: str, seed: int, quick: bool) -> list[tuple[str, Groups]]:
+    """Name and groups of each."""
+    if kind == "scene":
+        every = [(path.stem, groups_of(f90nml.read(path))) for path in sorted((ROOT / "input" / "scenes").glob("*.nml"))]
+        return [(f"scene {name}", groups) for name, groups in every if not groups["case"]["problem"].startswith("dry")]
+    many, few, draw = DRAWS[kind]
+    source = random.Random(f"{draw.__name__} {seed}")
+    return [draw(source, i) for i in range(few if quick else many)]
+
+
+def line(label: str, own: pd.DataFrame) -> tuple[str, list[float]]:
+    """What holds of these rows, and the shares; changes of the smooth steady contact are no statement on a passage."""
+    scenes = own.drop_duplicates(["scene", "ingredient"])
+    known = scenes[scenes["verdict"] != "not known"]
+    whole = known[(known["left_out"] == 1) | (known["verdict"] == "needed")]
+    is_right = whole["verdict"] == whole["true_verdict"]
+    wrong = (~is_right & (whole[["verdict", "true_verdict"]] == "needed").any(axis=1)).sum()
+    judged = own[own["change"].notna() & own["truth"].notna() & ~own["measured_on"].str.contains("smooth")]
+    is_honest = (judged["change"] - judged["truth"]).abs() <= judged["error"].clip(lower=FLOOR)
+    shares = [is_honest.mean(), is_right.mean()]
+    words = " ".join(f"{'-':>10s}" if math.isnan(each) else f"{100 * each:10.1f}" for each in shares)
+    return f"{label:26s} {len(scenes):6d} {len(scenes) - len(known):9d} {words} {wrong:13d}", shares
+
+
+def table(rows: pd.DataFrame) -> tuple[str, bool]:
+    """A line an ingredient by kinds of scenes, and all of a kind without time steps; whether all kinds hold what is asked for."""
+    lines = [f"{'ingredient':26s} {'scenes':>6s} {'not known':>9s} {'honest [%]':>10s} {'right [%]':>10s} {'surely wrong':>13s}"]
+    holds = True
+    for kind, mine in rows.groupby(rows["scene"].str.split().str[0], sort=False):
+        is_step = mine["ingredient"] == "time_step"
+        parts = dict(iter(mine[~is_step].groupby("ingredient"))) | {"all": mine[~is_step], "time_step": mine[is_step]}
+        for label, own in ((label, own) for label, own in parts.items() if len(own)):
+            words, shares = line(f"{kind} {label}", own)
+            lines.append(words)
+            holds = holds and (label != "all" or not any(each < WITHIN for each in shares))
+    return "\n".join(lines) + "\n", holds
+
+
 def main() -> int:
-    """Command line."""
-    parser = new_parser(__doc__, f"{QUICK} scenes", "results/adequacy", SEED, 1)
+    """Command line; status 1 where less is honest or right than asked for."""
+    parser = new_parser(__doc__, "few scenes", "results/adequacy", SEED, 1)
+    kinds = (*DRAWS, "scene")
+    parser.add_argument("--kinds", nargs="+", choices=kinds, default=[*DRAWS], help=f"default: {', '.join(DRAWS)}")
     options = parser.parse_args()
-    scenes = []
-    for draw, count in zip((steady_scene, passage_scene, point_scene), QUICK if options.quick else COUNTS, strict=True):
-        source = random.Random(f"{draw.__name__} {options.seed}")
-        scenes += [draw(source, i) for i in range(count)]
-    return ingredients.judge_all(options, "adequacy", judge, scenes, ("steady", "passage", "point"), apart=("time_step",))
+    scenes = [scene for kind in options.kinds for scene in scenes_of(kind, options.seed, options.quick)]
+    rows, unjudged = pd.DataFrame(), 0
+    for own in side_by_side(judge, scenes, options.processes):
+        rows = pd.concat([rows, own[own["true_verdict"] != NO_TRUTH] if len(own) else own])
+        unjudged += own.empty
+        save(options.output / "adequacy.csv", rows)
+    text, holds = table(rows)
+    conclude(options.output / "adequacy.txt", f"{text}{unjudged} of {len(scenes)} scenes have no result or no truth\n")
+    return 0 if holds else 1
 
 
 if __name__ == "__main__":

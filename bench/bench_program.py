@@ -1,42 +1,52 @@
-"""What all benches share: the command line, tables as CSV, runs of the program, and lists of jobs through build/bin/asperity-bench.
-
-The latter solves many contacts in one process, a job each, and answers with a line of values for each.
-"""
+"""What all benches share: the command line, tables, runs of the program, times of many runs in one process, rows of targets."""
 
 from __future__ import annotations
 
 import argparse
-import csv
+import io
+import math
 import os
-import signal
+import statistics
 import subprocess
 import sys
 import tempfile
-import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
 import numpy as np
+import pandas as pd
 
 ROOT = Path(__file__).resolve().parent.parent
 ASPERITY = ROOT / "build" / "bin" / "asperity"
-PROGRAM = ROOT / "build" / "bin" / "asperity-bench"
 ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-PHASES = ("setup", "steady", "transient", "all")
-WORDS = {"name", "method", "grid", "reason"}
-# Longest run [s of wall time, generous: other work may share the machine].
+# Longest run [s of processor time].
 PATIENCE = 3600
+# Starts a command. The memory of a child counts from that of the process that starts it: this one is small.
+MEASURE = """
+import resource, subprocess, sys, time
+limit, *command = sys.argv[1:]
+resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit)))
+start = time.perf_counter()
+done = subprocess.run(command, stdout=subprocess.DEVNULL)
+wall, used = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+print(done.returncode, wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+"""
 sys.path.append(str(ROOT / "postproc"))
 
 
 def new_parser(description: str, quick: str, folder: str, seed: int | None = None, processes: int = 0) -> argparse.ArgumentParser:
-    """A command line with --quick (what it does), --output (the default folder), and --seed and --processes where given."""
+    """A command line with --quick (what it does), --output (a folder, which is made), and --seed and --processes where given."""
+
+    def made(name: str) -> Path:
+        (ROOT / name).mkdir(parents=True, exist_ok=True)
+        return ROOT / name
+
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help=quick)
-    parser.add_argument("--output", default=folder, metavar="DIR", help=f"folder (default: {folder})")
+    parser.add_argument("--output", type=made, default=folder, metavar="DIR", help=f"folder (default: {folder})")
     if seed is not None:
         parser.add_argument("--seed", type=int, default=seed, help="another sample, for fitting")
     if processes:
@@ -44,35 +54,11 @@ def new_parser(description: str, quick: str, folder: str, seed: int | None = Non
     return parser
 
 
-def output_folder(options: argparse.Namespace) -> Path:
-    """The folder of --output, made if there is none."""
-    folder = ROOT / options.output
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def write_csv(path: Path, head: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
-    """A table as CSV, in one stroke: a command that is ended leaves a whole file."""
+def save(path: Path, rows: list | pd.DataFrame) -> None:
+    """A table, or items of one dataclass, as CSV, in one stroke: a command that is ended leaves a whole file."""
     part = path.with_suffix(".part")
-    with part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows(rows)
+    pd.DataFrame(rows).to_csv(part, index=False)
     part.replace(path)
-
-
-def read_csv(path: Path) -> list[dict[str, str]]:
-    """The rows of a table; of one that is not there, none."""
-    if not path.exists():
-        return []
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-def save(path: Path, items: list) -> None:
-    """Items of one dataclass as CSV; none: no file."""
-    if items:
-        write_csv(path, vars(items[0]), (vars(item).values() for item in items))
 
 
 def conclude(path: Path, text: str) -> None:
@@ -93,148 +79,146 @@ def side_by_side(work: Callable, items: list, processes: int) -> Iterator:
     print(file=sys.stderr)
 
 
-def run_program(
-    text: str, read: Callable[[h5py.File], object], files: dict[str, str | bytes] | None = None, *options: str
-) -> tuple[int, str, object]:
-    """Runs a namelist with these files beside it: exit status, standard error, what is read of the result (None: there is none)."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file, content in ({"case.nml": text} | (files or {})).items():
-            (folder / file).write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
-        command = [ASPERITY, "--quiet", "case.nml", *options]
-        done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, check=False, capture_output=True, text=True, timeout=PATIENCE)
-        if not (folder / "case.h5").exists():
-            return done.returncode, done.stderr.strip(), None
-        with h5py.File(folder / "case.h5") as file:
-            return done.returncode, done.stderr.strip(), read(file)
-
-
 @dataclass
-class Usage:
-    """What a process took: wall and processor time [s], peak memory [MB], exit status."""
+class Run:
+    """A process: exit status, wall and processor time [s], peak memory [MB], why it has no result; what is read of each result."""
 
+    status: int
     wall: float
     processor: float
     memory: float
-    status: int
+    words: str
+    results: list = field(default_factory=list)
+
+    @property
+    def found(self) -> object:
+        """What is read of the first result; None: there is none."""
+        return self.results[0]
 
 
-def measured(command: list[object], folder: Path | None = None, environment: dict[str, str] | None = None) -> Usage:
-    """Runs a command. The memory of a child counts from that of the process that starts it: a small one does."""
-    script = (
-        "import resource, subprocess, sys, time; start = time.perf_counter()\n"
-        "done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL); wall = time.perf_counter() - start\n"
-        "used = resource.getrusage(resource.RUSAGE_CHILDREN)\n"
-        "print(wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, done.returncode)"
-    )
-    started = [sys.executable, "-c", script, *map(str, command)]
-    done = subprocess.run(started, cwd=folder, env=environment or ENVIRONMENT, check=True, capture_output=True, text=True)
-    wall, processor, memory, status = done.stdout.split()
-    return Usage(float(wall), float(processor), float(memory), int(status))
+def measured(
+    command: list[object], folder: Path | None = None, environment: dict[str, str] = ENVIRONMENT, limit: int = PATIENCE
+) -> Run:
+    """Runs a command, which is ended after `limit` seconds of processor time."""
+    started = [sys.executable, "-ISc", MEASURE, str(limit), *map(str, command)]
+    done = subprocess.run(started, cwd=folder, env=environment, check=True, capture_output=True, text=True)
+    status, *numbers = done.stdout.split()
+    words = f"stopped from outside after {limit} s" if status == "-9" else done.stderr.strip()
+    return Run(int(status), *map(float, numbers), words)
 
 
-@dataclass
-class Job:
-    """A namelist and what the bench program does with it, in the order of its `#job` line."""
-
-    name: str
-    namelist: str
-    # Runs at most; seconds after which none follows, and after which one is stopped.
-    runs: int = 1
-    seconds: float = 1e9
-    limit: float = 1e9
-    # Its fields are the reference, are compared with it; it passes the coarser grids of error bars.
-    reference: int = 0
-    compare: int = 0
-    bars: int = 0
-
-    def text(self) -> str:
-        """Its part of the file of jobs."""
-        words = self.runs, self.seconds, self.limit, self.reference, self.compare, self.bars, self.name
-        return f"#job {' '.join(map(str, words))}\n{self.namelist}"
+def run_program(
+    texts: str | list[str],
+    read: Callable[[h5py.File], object] | None = None,
+    files: dict[str, str | bytes] | None = None,
+    options: tuple[object, ...] = (),
+    **limits: object,
+) -> Run:
+    """Runs namelists in one process, with these files beside them."""
+    texts = [texts] if isinstance(texts, str) else texts
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, content in ({f"{i}.nml": text for i, text in enumerate(texts)} | (files or {})).items():
+            (folder / file).write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
+        run = measured([ASPERITY, "--quiet", *(f"{i}.nml" for i in range(len(texts))), *options], folder, **limits)
+        for path in (folder / f"{i}.h5" for i in range(len(texts))):
+            if path.exists() and read:
+                with h5py.File(path) as file:
+                    run.results.append(read(file))
+            else:
+                run.results.append(None)
+        return run
 
 
 class Answer(dict):
-    """The values of a job by name."""
+    """Single values of a result by name, and the times of its runs: a row each, a column a phase."""
+
+    times: pd.DataFrame
 
     @property
     def converged(self) -> bool:
-        """Whether the solver says so."""
-        return self.get("converged") == 1
-
-    @property
-    def least_seconds(self) -> float:
-        """The least wall time of several runs, or their mean processor time where other work made that smaller."""
-        return min(self["all_least"], self["processor"])
+        """Whether the program says so."""
+        return self["converged"] == 1
 
 
-def job(name: str, namelist: str, **words: float) -> Job:
-    """A job, its name without blanks."""
-    return Job(name.replace(" ", "_"), namelist, **words)
+def answer(file: h5py.File) -> Answer:
+    """From summary, report, last load, domain and head of a result."""
+    groups = (file[name] for name in ("summary", "report") if name in file)
+    found = {name: data[()] for group in groups for name, data in group.items() if data.shape == ()}
+    found |= {name: data[-1] for name, data in file.get("sweep", {}).items() if data.ndim == 1}
+    found |= {**file["input/effective/domain"].attrs, **file.attrs}
+    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in found.items()}
+    return Answer({name: value.decode() if isinstance(value, bytes) else value for name, value in plain.items()})
 
 
-def failed(name: str, reason: str) -> Answer:
-    """The answer to a job that has none."""
-    return Answer({"name": name, "method": "-", "converged": 0, "reason": reason})
+def solve(text: str, runs: int = 0, seconds: float = 1e9, read: Callable[[h5py.File], Answer] = answer, **limits: object) -> Answer:
+    """The result of a namelist, and the times of so many runs of it in one process, of which none begins after `seconds`."""
+    run = run_program(text, read, **limits)
+    if run.found is None:
+        return Answer(converged=0, method="-", reason=run.words if run.status < 0 else f"refused: {run.words}")
+    if runs and run.found.converged:
+        run.found.times = times_of(text, runs, seconds)
+    return run.found
 
 
-def run(jobs: list[Job], patience: float = 600.0) -> dict[str, Answer]:
-    """Solves the jobs in order; one that gives no answer for `patience` seconds is killed and the rest goes on without it."""
-    answers: dict[str, Answer] = {}
-    left = list(jobs)
-    while left:
-        done, reason = _run_process(left, patience)
-        answers |= done
-        left = left[len(done) :]
-        if left:
-            answers[left[0].name] = failed(left[0].name, reason)
-            left = left[1:]
-    return answers
+def times_of(text: str, runs: int, seconds: float = 1e9) -> pd.DataFrame:
+    """Wall times of setup, steady, transient and all, and processor time [s], a row a run in one process."""
+    with tempfile.NamedTemporaryFile("w", suffix=".nml", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        command = [ASPERITY.with_name("asperity-bench"), file.name, str(runs), str(seconds)]
+        done = subprocess.run(command, env=ENVIRONMENT, check=True, capture_output=True, text=True)
+    return pd.read_csv(io.StringIO(done.stdout), skipinitialspace=True)
 
 
-def run_parallel(jobs: list[Job], processes: int = 2, patience: float = 60.0) -> dict[str, Answer]:
-    """The same with jobs that do not depend on each other, over several processes."""
-    with ThreadPoolExecutor(processes) as pool:
-        parts = pool.map(lambda i: run(jobs[i::processes], patience), range(processes))
-        return {name: answer for part in parts for name, answer in part.items()}
+@dataclass
+class Row:
+    """One line of a table; values in seconds unless `unit` says otherwise; a ratio `times` is to be large, all else small."""
+
+    work: str
+    asked: float | None
+    least: float
+    median: float
+    unit: str = "s"
+    residual: float = math.nan
+    aim: float | None = None
+    note: str = ""
+    processor: float = math.nan
+    verdict: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Whether the median is within what was asked."""
+        sign = -1 if self.unit == "times" else 1
+
+        def is_good(value: float, bound: float) -> bool:
+            return sign * value <= sign * bound
+
+        if self.asked is None:
+            self.verdict = ""
+        elif is_good(self.median, self.asked):
+            self.verdict = "met, aim too" if self.aim is not None and is_good(self.median, self.aim) else "met"
+        else:
+            spared = {"met (min.)": self.least, "met (CPU)": self.processor}
+            self.verdict = next((words for words, value in spared.items() if is_good(value, self.asked)), "MISSED")
 
 
-def _run_process(jobs: list[Job], patience: float) -> tuple[dict[str, Answer], str]:
-    """The answers of one process, and why there is none to the next job."""
-    answers: dict[str, Answer] = {}
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "jobs"
-        path.write_text("".join(each.text() for each in jobs), encoding="utf-8")
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        with subprocess.Popen([PROGRAM, path], env=ENVIRONMENT, **pipes) as process:
+def several(work: str, asked: float | None, values: list[float], unit: str = "s", **more: object) -> Row:
+    """A row of measurements."""
+    return Row(work, asked, min(values), statistics.median(values), unit, **more)
 
-            def lines() -> Iterator[str]:
-                while True:
-                    watch = threading.Timer(patience, process.kill)
-                    watch.start()
-                    line = process.stdout.readline()
-                    watch.cancel()
-                    if not line.endswith("\n"):
-                        return
-                    yield line
 
-            rows = csv.reader(lines(), skipinitialspace=True)
-            names, times = next(rows, []), {}
-            for words in rows:
-                if words[0] == "refused":
-                    answers[words[1]] = failed(words[1], f"refused: {words[2]}")
-                elif words[0] == "times":
-                    times.setdefault(words[1], []).append([float(word) for word in words[2:]])
-                else:
-                    pairs = zip(names, words, strict=True)
-                    answer = {name: value if name in WORDS else float(value) for name, value in pairs}
-                    answer["runs"] = len(times[words[0]])
-                    for phase, values in zip(PHASES, zip(*times[words[0]], strict=True), strict=True):
-                        quantiles = zip(("least", "median", "high"), np.quantile(values, (0, 0.5, 0.9)), strict=True)
-                        answer |= {f"{phase}_{word}": float(value) for word, value in quantiles}
-                    answers[words[0]] = Answer(answer)
-            errors = process.stderr.read()
-    if process.returncode == 1:
-        sys.exit(f"{PROGRAM.name}: {errors.strip()}")
-    killed = process.returncode == -signal.SIGKILL
-    return answers, "no answer within the time limit, killed" if killed else f"the program crashed, status {process.returncode}"
+def one(work: str, value: float, unit: str, asked: float, aim: float | None = None, note: str = "") -> Row:
+    """A row of one measurement."""
+    return Row(work, asked, value, value, unit, aim=aim, note=note)
+
+
+def show_rows(title: str, rows: list[Row]) -> None:
+    """Prints a table, and the notes below it."""
+    table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns=["note", "aim"], errors="ignore")
+    notes = [f"  {row.work.strip()}: {row.note}" for row in rows if row.note]
+    print("\n".join([f"\n{title}", table.to_string(index=False, na_rep="", float_format="{:.3g}".format), *notes]), flush=True)
+
+
+def show(seconds: float) -> str:
+    """Seconds or milliseconds with three digits."""
+    return f"{seconds:.3g} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"

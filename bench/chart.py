@@ -6,6 +6,11 @@ kappa scheme, whose error is smaller still), to a tolerance far below. Steady pa
 thickness the larger of h_min's and that of h at X = 0; the panel in time the largest error in P over all nodes and times. Times are
 of one core, the least of many runs, without planning, input and output; nine tenths of the runs stay below the end of a bar. A star
 is the setting of the thesis. Writes chart.png, .pdf, .csv and conclusion.txt from the same numbers.
+
+--dry: dry_chart.png, .pdf and .csv, of a profile and an area. The error is that of the mean separation against a much finer grid
+of the same surface (Fourier resampling); every solution has a violation of the contact conditions of at most 1e-6 and at most 3000
+iterations. Time is processor time. --peers PYTHON also solves the area by other programs (bench/dry.py), each with the loosest
+of a ladder of tolerances that reaches 1e-6.
 """
 
 from __future__ import annotations
@@ -13,17 +18,22 @@ from __future__ import annotations
 import itertools
 import math
 import sys
-import tempfile
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import bench_program
+import dry
+import h5py
 import namelists
 import numpy as np
-from bench_program import ASPERITY, Answer, Job, conclude, job, measured, new_parser, output_folder, write_csv
+import pandas as pd
+from bench_program import ROOT, Answer, conclude, new_parser, run_program, save, show, solve
+from family_dry import PROBLEMS, height_file, heights, sizes
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from namelists import BARE, Groups, namelist
 
 import figure_style as style  # isort: skip
 
@@ -53,279 +63,311 @@ LOOKS = {
     EULER: {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
     THESIS: {"color": "black", "linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "#ffd700", "zorder": 5},
 }
+# Of dry contacts: a mark is the fastest of so many runs; length [m], mean pressure, E' [Pa] of the area, nodes of its first grid.
+RUNS = 5
+LENGTH, PRESSURE, MODULUS, FIRST = 1e-3, 300e6, 200e9, 64
+NODES = {
+    ("profile", "conjugate_gradient"): (256, 512, 1024, 2048, 4096, 8192, 16384),
+    ("profile", "steepest_descent"): (256, 512, 1024, 2048),
+    ("area", "conjugate_gradient"): (64, 128, 256, 512, 1024),
+    ("area", "steepest_descent"): (64, 128, 256),
+}
+FINEST = {"profile": 65536, "area": 2048}
+DRY_PANELS = {"profile": ("Profile C", "mean separation"), "area": ("Rough area", "mean separation")}
+LOOKS |= dict(zip(("conjugate_gradient", "steepest_descent", *dry.PEERS), style.SERIES, strict=False))
 # Nothing larger is tried: their cost grows with the cube and faster.
 LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
 # No line smoother in time: it diverges with the squeeze term.
 IN_TIME = ("auto", "newton_krylov", "FAS, Gauss-Seidel", "FAS, Block-Jacobi", "newton_dense")
 # Errors of the conclusions; wanted accuracies (&accuracy target) for which the program chooses the grid.
 TARGETS, WANTED = (1e-1, 1e-2, 1e-3, 1e-4), (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
-FILMS, FRICTION = ("h_min", "h_central"), "friction_coefficient"
+FILMS, FRICTION = ["h_min", "h_central"], "friction_coefficient"
 HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
 # In time, where the curves lie closest, the methods take turns on each grid.
 TURNS = 3
 # Not drawn: what lies on the default, is far slower or has the errors of the default; conclusion.txt has them.
 HIDDEN = ("newton_krylov", "block_jacobi", WHOLE)
+# Curves with the numbers of intervals.
+NUMBERED = ("auto", GRADED, "conjugate_gradient")
 # In time there are grids of 5/4 of each power of two besides: the reference has all their nodes, and steps are whole numbers.
 REFERENCE_FACTOR, STEP_UNIT = 5, 4
-COLUMNS = ("cycles", "steps", "residual", "fft_pairs", "work_units", "runs", "setup_median", *FILMS, "p_max", FRICTION)
+COLUMNS = ("cycles", "steps", "residual", "fft_pairs", "work_units", *FILMS, "p_max", FRICTION)
+CASE_1 = "Steady: Case 1 (Eyring)"
+# Title of each panel, its measure of error, and quantities.
+PANELS: dict[str, tuple[str, str, list[str]]] = {
+    "steady": (CASE_1, "film thickness", FILMS),
+    "steady_pressure": (CASE_1, "largest pressure", ["p_max"]),
+    "steady_friction": (CASE_1, "friction", [FRICTION]),
+    "transient": ("In time: ridge, Case 3", "pressure", FILMS),
+    "heavy": (f"Heavily loaded: Barus, M {HEAVY[0]}, L {HEAVY[1]}", "film thickness", FILMS),
+}
 
 
-@dataclass
-class Point:
-    """One method on one grid; nine tenths of the runs stay below `high` [s]."""
-
-    method: str
-    intervals: int
-    seconds: float
-    error: float
-    answer: Answer
-    high: float
+def new_point(panel: str, method: str, answer: Answer, error: float, times: pd.DataFrame) -> dict[str, object]:
+    """A row of chart.csv; the mean processor time counts where other programs made it smaller than the least wall time."""
+    own = times["steady"] + times["transient"]
+    seconds = min(own.min(), times["processor"].mean())
+    clock = {"seconds": seconds, "seconds_least": own.min(), "seconds_high": max(own.quantile(0.9), seconds), "error": error}
+    head = {"panel": panel, "method": method, "intervals": int(answer["intervals"])} | clock | {"way": answer["method"]}
+    return head | {name: answer.get(name, math.nan) for name in COLUMNS} | {"runs": len(times)}
 
 
-@dataclass
-class Panel:
-    """One contact: its name, the measure of error and its quantities, and the points by method; `besides` are not compared."""
-
-    key: str
-    title: str
-    measure: str
-    names: tuple[str, ...] = FILMS
-    curves: dict[str, list[Point]] = field(default_factory=dict)
-    besides: dict[str, list[Point]] = field(default_factory=dict)
+def error_of(panel: str, values: dict[str, float], reference: dict[str, float]) -> float:
+    """The largest one of the relative errors of the quantities of a panel."""
+    return max(abs(values[name] / reference[name] - 1) for name in PANELS[panel][2])
 
 
-def run_time(answer: Answer) -> float:
-    """Least wall time without planning; the mean processor time where other programs on the machine made that smaller."""
-    return min(answer["steady_least"] + answer["transient_least"], answer["processor"])
+def steady_points(panels: list[str], text: partial, sizes: list[int], effort: dict[str, float]) -> tuple[list[dict], list[str]]:
+    """Solves a steady contact by all methods, for panels of its quantities, and which runs failed; `text` is its namelist."""
+    tight = {"method": "newton_krylov", "tolerance": 1e-12} | KAPPA_SCHEME
+    found = {("reference", 4 * sizes[-1]): solve(text(4 * sizes[-1], tight, **BARE))}
+    for method, n in itertools.product((*METHODS, KAPPA), sizes):
+        if n <= LARGEST.get(method, n):
+            found[method, n] = solve(text(n, METHODS.get(method, KAPPA_SCHEME), **BARE), **effort)
+    for target in WANTED:
+        found[GRADED, target] = solve(text(None, {}, accuracy={"target": target}, output=BARE["output"]), **effort)
+    if panels[0] == "steady":  # the thesis's contact
+        found[THESIS, THESIS_GRID] = solve(text(THESIS_GRID, THESIS_SOLVER, **BARE), **effort)
+    (_, reference), *others = found.items()
+    good = [(method, answer) for (method, _), answer in others if answer.converged]
+    points = [new_point(panel, m, a, error_of(panel, a, reference), a.times) for panel in panels for m, a in good]
+    default = {n: found["auto", n] for n in sizes if found["auto", n].converged}
+    for full in list(default)[2:]:
+        times = bench_program.times_of(text(full, {}, output=BARE["output"]), **effort)
+        limits = limits_of(*(default[full // part] for part in (1, 2, 4)))
+        points += [new_point(p, LIMITS, default[full], error_of(p, limits, reference), times) for p in panels]
+    points += whole_program(panels[0], points, {n: text(n, {}) for n in sizes}, effort)
+    return points, [f"{m}:{n}: {a['reason'].strip()}" for (m, n), a in found.items() if not a.converged]
 
 
-def new_point(method: str, intervals: int, answer: Answer, error: float, timed: Answer | None = None) -> Point:
-    """The point of a run, at the time of it or of another one."""
-    timed = timed or answer
-    seconds = run_time(timed)
-    return Point(method, intervals, seconds, error, answer, max(timed["steady_high"] + timed["transient_high"], seconds))
-
-
-def error_of(names: tuple[str, ...], values: dict[str, float], reference: dict[str, float]) -> float:
-    """The largest one of the relative errors of these quantities."""
-    return max(abs(values[name] / reference[name] - 1) for name in names)
-
-
-def steady_panels(panels: list[Panel], text: object, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
-    """Solves a steady contact by all methods, for panels of its quantities; `text(intervals, solver, accuracy)` is its namelist."""
-    finest = 4 * sizes[-1]
-    jobs: list[Job] = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-12} | KAPPA_SCHEME))]
-    every = [(m, n) for m in METHODS | {KAPPA: None} for n in sizes if n <= LARGEST.get(m, n)]
-    jobs += [job(f"{method}:{n}", text(n, METHODS.get(method, KAPPA_SCHEME)), **effort) for method, n in every]
-    jobs += [job(f"bars:{n}", text(n, {}), bars=1, **effort) for n in sizes[2:]]
-    jobs += [job(f"target:{target:g}", text(None, {}, {"target": target}), **effort) for target in WANTED]
-    if panels[0].key == "steady":  # the thesis's contact
-        jobs.append(job("thesis", text(THESIS_GRID, THESIS_SOLVER), **effort))
-    answers = bench_program.run(jobs)
-    reference = answers["reference"]
-
-    for panel in panels:
-        every_key = [(panel.curves, method, f"{method}:{n}") for method, n in every]
-        every_key += [(panel.curves, GRADED, f"target:{target:g}") for target in WANTED]
-        for curves, method, key in (*every_key, (panel.besides, THESIS, "thesis")):
-            answer = answers.get(key.replace(" ", "_"))
-            if answer and answer.converged:
-                error = error_of(panel.names, answer, reference)
-                curves.setdefault(method, []).append(new_point(method, int(answer["intervals"]), answer, error))
-        add_limits(panel, answers, reference)
-    add_whole_program(panels[0], {n: text(n, {}) for n in sizes}, effort)
-    return [answer for answer in answers.values() if not answer.converged]
-
-
-def add_whole_program(panel: Panel, texts: dict[int, str], effort: dict[str, float]) -> None:
-    """The default on the same grids as a user calls it: the error of the default, the time of the process."""
-    points = panel.besides[WHOLE] = []
-    for plain in (point for point in panel.curves.get("auto", []) if point.intervals in texts):
-        with tempfile.TemporaryDirectory() as name:
-            path = Path(name) / "case.nml"
-            path.write_text(texts[plain.intervals], encoding="utf-8")
-            used: list[float] = []
-            while len(used) < effort["runs"] and sum(used) < effort["seconds"]:
-                run = measured([ASPERITY, path, "--output", name, "--quiet"])
-                used.append(run.wall)
-                if run.status != 0:
-                    break
-            else:
-                points.append(replace(plain, method=WHOLE, seconds=min(used), high=float(np.quantile(used, 0.9))))
-
-
-def add_limits(panel: Panel, answers: dict[str, Answer], reference: Answer) -> None:
-    """The default on n, n/2 and n/4 intervals, extrapolated with the observed order between 1 and 2, as in /summary.
+def limits_of(full: Answer, half: Answer, quarter: Answer) -> dict[str, float]:
+    """Quantities on n, n/2 and n/4 intervals, extrapolated with the observed order between 1 and 2, as in /summary.
 
     The time is that of the run with error bars, which passes the coarser grids on its way.
     """
-    points = panel.curves.get("auto", [])
-    for quarter, half, full in zip(points, points[1:], points[2:], strict=False):
-        values = {}
-        for name in panel.names:
-            q1, q2, q4 = (point.answer[name] for point in (full, half, quarter))
-            order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
-            values[name] = q1 + (q1 - q2) / (2**order - 1)
-        n, error = full.intervals, error_of(panel.names, values, reference)
-        panel.curves.setdefault(LIMITS, []).append(new_point(LIMITS, n, full.answer, error, answers[f"bars:{n}"]))
+    limits = {}
+    for name in (name for name in (*FILMS, "p_max", FRICTION) if name in full):
+        q1, q2, q4 = (answer[name] for answer in (full, half, quarter))
+        order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
+        limits[name] = q1 + (q1 - q2) / (2**order - 1)
+    return limits
 
 
-def transient_panel(panel: Panel, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
+def whole_program(panel: str, points: list[dict], texts: dict[int, str], effort: dict[str, float]) -> list[dict]:
+    """The default on the same grids as a user calls it: the error of the default, the time of the process."""
+    found = []
+    for plain in (point for point in points if (point["panel"], point["method"]) == (panel, "auto")):
+        used: list[float] = []
+        while plain["intervals"] in texts and len(used) < effort["runs"] and sum(used) < effort["seconds"]:
+            used.append(run_program(texts[plain["intervals"]]).wall)
+        if used:
+            times = {"seconds": min(used), "seconds_least": min(used), "seconds_high": np.quantile(used, 0.9)}
+            found.append(plain | {"method": WHOLE} | times)
+    return found
+
+
+def pressures(file: h5py.File) -> Answer:
+    """With P of all nodes and times, and the largest residual of all steps."""
+    own = {"pressure": file["transient/pressure"][()], "residual": file["transient/residual"][1:].max()}
+    return Answer(bench_program.answer(file) | own)
+
+
+def largest_difference(one: np.ndarray, other: np.ndarray) -> float:
+    """At the nodes and times that both have: of every grid the nodes and times of one contain those of the other."""
+    for axis in (0, 1):
+        least = min(each.shape[axis] for each in (one, other)) - 1
+        one, other = (each.take(range(0, each.shape[axis], (each.shape[axis] - 1) // least), axis) for each in (one, other))
+    return float(np.abs(one - other).max())
+
+
+def transient_points(panel: str, sizes: list[int], effort: dict[str, float]) -> tuple[list[dict], list[str]]:
     """A ridge enters the contact of Case 1 on the fast surface; time steps dX/2. The largest grid is a power of two."""
 
-    def text(n: int, solver: dict, time: dict) -> str:
+    def text(n: int, solver: dict, time: dict, **others: dict) -> str:
         steps = STEP_UNIT * round(SHORT_WINDOW / (5.5 / sizes[0] / 2) / STEP_UNIT) * n // sizes[0]
         settings = {"transient": True, "end_time": steps * 2.75 / n, "time_step": 2.75 / n} | time
-        return namelists.case_1(n, solver, surface_2=namelists.RIDGE | {"position": -1.5}, time=settings)
+        return namelists.case_1(n, solver, surface_2=namelists.RIDGE | {"position": -1.5}, time=settings, **others)
 
     euler = {"scheme": "backward_euler"}
     methods = {name: (METHODS[name], {}) for name in IN_TIME} | {EULER: ({}, euler), THESIS: (THESIS_SOLVER, euler)}
     largest = LARGEST | {"newton_dense": 256}
-    every = [(THESIS, min(THESIS_GRID, sizes[-1]), 0)]
+    every = [(THESIS, min(THESIS_GRID, sizes[-1]))]
+    every += [(method, n) for n in sizes for method in methods if method != THESIS and n <= largest.get(method, n)]
+    stored = BARE | {"output": {"adequacy": False, "profile_stride": 1}}
+    reference = solve(
+        text(REFERENCE_FACTOR * sizes[-1], METHODS["newton_krylov"] | {"tolerance": 1e-8}, {}, **stored), read=pressures
+    )
+    points, failures = [], []
     for n in sizes:
-        own = [method for method in methods if method != THESIS and n <= largest.get(method, n)]
-        every += [(method, n, turn) for turn, method in itertools.product(range(TURNS), own)]
-    finest = REFERENCE_FACTOR * sizes[-1]
-    jobs = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-8}, {}), reference=1)]
-    jobs += [job(f"{method}:{n}:{turn}", text(n, *methods[method]), compare=1, **effort) for method, n, turn in every]
-    answers = bench_program.run(jobs)
-    failures = [] if answers["reference"].converged else [answers["reference"]]
-    for method, n in dict.fromkeys((method, n) for method, n, _ in every):
-        turns = [answers[f"{method}:{n}:{turn}".replace(" ", "_")] for m, k, turn in every if (m, k) == (method, n)]
-        points = [new_point(method, n, answer, answer["difference"]) for answer in turns if answer.converged]
-        if points:
-            best = min(points, key=lambda point: point.seconds)
-            best.high = max(point.high for point in points)
-            (panel.besides if method == THESIS else panel.curves).setdefault(method, []).append(best)
-        else:
-            failures.append(turns[0])
-    add_whole_program(panel, {n: text(n, {}, {}) for n in sizes if n & (n - 1) == 0}, effort)
-    return failures
+        texts = {method: text(n, *methods[method], **stored) for method, own in every if own == n}
+        found = {method: solve(text, read=pressures) for method, text in texts.items()}
+        turns = [m for m, answer in found.items() if answer.converged] * TURNS
+        times = [bench_program.times_of(texts[method], **effort).assign(method=method) for method in turns]
+        for method, own in pd.concat(times).groupby("method", sort=False):
+            error = largest_difference(found[method]["pressure"], reference["pressure"])
+            points.append(new_point(panel, method, found[method], error, own))
+        failures += [f"{method}:{n}: {answer['reason']}" for method, answer in found.items() if not answer.converged]
+    points += whole_program(panel, points, {n: text(n, {}, {}) for n in sizes if n & (n - 1) == 0}, effort)
+    return sorted(points, key=lambda point: [*methods, WHOLE].index(point["method"])), failures
 
 
-def fastest(panel: Panel, target: float) -> dict[str, Point]:
+def profile_case() -> Groups:
+    """Reference profile C, harmonics 1 to 64, elastic at a mean pressure of 1 GPa."""
+    file = str(ROOT / "input" / "profiles_ABCD.csv")
+    return {
+        "case": {"problem": "dry_line"},
+        "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3},
+        "load": {"mean_pressure": 1e9},
+        "surface_1": {"shape": "file", "file": file, "positions": "x_m", "dataset": "zC_m", "harmonics": 64},
+    }
+
+
+def area_case(surface: dict) -> Groups:
+    """A rough area, elastic, about 10 % in contact."""
+    bodies, load = {"reduced_modulus": MODULUS}, {"mean_pressure": PRESSURE}
+    return {"case": {"problem": PROBLEMS[1]}, "bodies": bodies, "load": load, "surface_1": surface}
+
+
+def area_heights() -> np.ndarray:
+    """The rough area on its first grid: waves from an eighth to a twenty-fourth of the length."""
+    waves = {"wavelength_rolloff": 1.25e-4, "wavelength_short": 1e-3 / 24}
+    surface = {"shape": "synthetic", "seed": 1, "rms_height": 1e-6} | waves
+    text = namelist(area_case(surface) | {"domain": sizes(2, FIRST, LENGTH)})
+    return run_program(text, lambda file: file["solution/height_undeformed"][()]).found
+
+
+def dry_points(folder: Path, quick: bool, peers: str | None) -> Iterator[dict[str, object]]:
+    """Of each method on each grid: processor seconds of the fastest and the slowest run, error of the mean separation."""
+    z = area_heights()
+    path = folder / "area.h5"
+    path.write_bytes(height_file(z, [LENGTH / FIRST] * 2))
+    grids = {key: nodes[:2] for key, nodes in NODES.items()} if quick else NODES
+    area = area_case({"shape": "file", "file": str(path.resolve()), "dataset": "z"})
+
+    def solved(kind: str, method: str, nodes: int, tolerance: float) -> list[Answer]:
+        case, domain = (profile_case(), {"intervals": nodes}) if kind == "profile" else (area, sizes(2, nodes, LENGTH))
+        case = case | BARE | {"domain": domain, "solver": {"method": method, "tolerance": tolerance, "max_cycles": 3000}}
+        return sorted((solve(namelist(case)) for _ in range(RUNS)), key=lambda answer: answer["cpu_seconds"])
+
+    finest = {"profile": 4096, "area": 256} if quick else FINEST
+    best = {kind: solved(kind, "conjugate_gradient", nodes, 1e-8)[0]["mean_separation"] for kind, nodes in finest.items()}
+    for (kind, method), nodes in ((key, nodes) for key, every in grids.items() for nodes in every):
+        first, *_, last = solved(kind, method, nodes, 1e-6)
+        head = {"panel": kind, "method": method, "intervals": nodes, "iterations": first["cycles"], "pairs": first["fft_pairs"]}
+        times = {"seconds": first["cpu_seconds"], "seconds_high": last["cpu_seconds"], "kkt": first["kkt"]}
+        yield head | times | {"converged": first.converged, "error": abs(first["mean_separation"] / best[kind] - 1)}
+    # the area by other programs, resampled as ours does it; a grid on which one fails is left out
+    for peer, nodes in itertools.product(dry.PEERS if peers else (), grids["area", "conjugate_gradient"]):
+        fine = heights(np.fft.fft2(z) / z.size, nodes) / LENGTH
+        runs = dry.peer_runs(peer, peers, dry.Contact(fine, PRESSURE / (0.5 * MODULUS)))
+        runs = sorted((run for run in runs if run.error <= 2 * dry.WANTED), key=lambda run: run.seconds)
+        if runs:
+            head = {"panel": "area", "method": peer, "intervals": nodes, "kkt": runs[0].error, "converged": True}
+            times = {"seconds": runs[0].seconds, "seconds_high": runs[-1].seconds}
+            yield head | times | {"error": abs(runs[0].separation * LENGTH / best["area"] - 1)}
+
+
+def fastest(points: pd.DataFrame, target: float) -> pd.DataFrame:
     """Of each method the quickest run whose error is within the target."""
-    good = {method: [point for point in points if point.error <= target] for method, points in panel.curves.items()}
-    return {method: min(points, key=lambda point: point.seconds) for method, points in good.items() if points}
+    good = points[points["error"] <= target]
+    return good.loc[good.groupby("method")["seconds"].idxmin()].set_index("method")
 
 
-def show_time(seconds: float) -> str:
-    """Seconds or milliseconds with three digits."""
-    return f"{seconds:.3g} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
-
-
-def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
+def conclusions(points: pd.DataFrame, failures: list[str]) -> str:
     """What the numbers say, made from nothing else."""
     lines = []
-    for panel in panels:
-        lines.append(f"{panel.title}: least wall time [ms] for an error of {panel.measure} [%], with the intervals")
+    for panel, own in points.groupby("panel", sort=False):
+        lines.append(f"{PANELS[panel][0]}: least wall time [ms] for an error of {PANELS[panel][1]} [%], with the intervals")
         lines.append(f"  {'method':22s}" + "".join(f"{100 * target:>15g}" for target in TARGETS))
-        best = [fastest(panel, target) for target in TARGETS]
+        curves, besides = own[~own["method"].isin((THESIS, WHOLE))], own.set_index("method")
+        best = [fastest(curves, target) for target in TARGETS]
         # Further quantities of a contact: only methods that differ in the discretisation.
-        is_further = WHOLE not in panel.besides
-        for method in ("auto", KAPPA, GRADED, LIMITS) if is_further else panel.curves:
-            points = [each.get(method) for each in best]
-            cells = (f"{f'{1e3 * p.seconds:.3g} ({p.intervals})' if p else '-':>15s}" for p in points)
-            lines.append(f"  {method:22s}{''.join(cells)}")
-        lines += [] if is_further else besides(panel)
-    lines += [f"Not converged, not shown: {answer['name']}: {answer['reason'].strip()}" for answer in failures]
+        for method in dict.fromkeys(curves["method"]) if WHOLE in besides.index else ("auto", KAPPA, GRADED, LIMITS):
+            cells = [each.loc[method] if method in each.index else None for each in best]
+            words = ("-" if p is None else f"{1e3 * p['seconds']:.3g} ({p['intervals']})" for p in cells)
+            lines.append(f"  {method:22s}" + "".join(f"{word:>15s}" for word in words))
+        if THESIS in besides.index and WHOLE in besides.index:
+            star = besides.loc[THESIS]
+            error = f"error {100 * star['error']:.3g} %, {show(star['seconds'])}"
+            lines.append(f"  the thesis's setting ({star['intervals']} intervals): {error}")
+            if "auto" in (default := fastest(curves, star["error"])).index:
+                ratio = f"{star['seconds'] / default.loc['auto', 'seconds']:.3g} x the default"
+                lines[-1] += f", {ratio} of at most this error ({default.loc['auto', 'intervals']} intervals)"
+        if WHOLE in besides.index:
+            whole = besides.loc[[WHOLE]].iloc[[0, -1]]
+            first, last = (f"{show(s)} on {n}" for s, n in zip(whole["seconds"], whole["intervals"], strict=True))
+            lines.append(f"  the whole program takes {first} and {last} intervals")
+    lines += [f"Not converged, not shown: {failure}" for failure in failures]
     return "\n".join(lines) + "\n"
 
 
-def besides(panel: Panel) -> list[str]:
-    """The thesis's setting beside the default of at most its error, the whole program beside the solution."""
-    lines = []
-    for point in panel.besides.get(THESIS, []):
-        error = f"error {100 * point.error:.3g} %, {show_time(point.seconds)}"
-        lines.append(f"  the thesis's setting ({point.intervals} intervals): {error}")
-        if default := fastest(panel, point.error).get("auto"):
-            ratio = f"{point.seconds / default.seconds:.3g} x the default"
-            lines[-1] += f", {ratio} of at most this error ({default.intervals} intervals)"
-    if whole := panel.besides.get(WHOLE, []):
-        first, last = (f"{show_time(point.seconds)} on {point.intervals}" for point in (whole[0], whole[-1]))
-        lines.append(f"  the whole program takes {first} and {last} intervals")
-    return lines
-
-
-def draw_panel(axes: Axes, panel: Panel) -> None:
+def draw_panel(axes: Axes, title: str, measure: str, points: pd.DataFrame) -> None:
     """The curves of one contact; thin bars are the spread of the times, numbers the intervals."""
-    for method, points in (item for item in (panel.curves | panel.besides).items() if item[0] not in HIDDEN):
-        times, errors = [p.seconds * 1e3 for p in points], [100 * p.error for p in points]
-        axes.loglog(times, errors, label=method, **LOOKS[method])
-        axes.hlines(errors, times, [p.high * 1e3 for p in points], color=LOOKS[method]["color"], linewidth=0.6)
-        for point in points if method in ("auto", GRADED) else ():
+    for method, own in points[~points["method"].isin(HIDDEN)].groupby("method", sort=False):
+        times, errors = 1e3 * own["seconds"], 100 * own["error"]
+        axes.loglog(times, errors, label=method.replace("_", " "), **LOOKS[method])
+        axes.hlines(errors, times, 1e3 * own["seconds_high"], color=LOOKS[method]["color"], linewidth=0.6)
+        for at in zip(times, errors, own["intervals"], strict=True) if method in NUMBERED else ():
             look = {"fontsize": 7, "textcoords": "offset points", "path_effects": [withStroke(linewidth=1.5, foreground="white")]}
-            axes.annotate(str(point.intervals), (point.seconds * 1e3, 100 * point.error), xytext=(4, 2), **look)
-    axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
+            axes.annotate(str(at[2]), at[:2], xytext=(4, 2), **look)
+    axes.set(title=title, xlabel="Time [ms]", ylabel=f"Error of {measure} [%]")
+    axes.title.set_fontsize(8.5)
+    axes.grid(which="major", color="0.9", linewidth=0.5)
+    axes.margins(x=0.16, y=0.1)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(10, numticks=12))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
-def draw(panels: list[Panel], folder: Path) -> None:
-    """The figure of all panels; the last place has the legend."""
-    figure, grid = style.new_figure(style.TWO_COLUMNS, 245, nrows=3, ncols=2)
+def draw(points: pd.DataFrame, panels: dict[str, tuple], height: float, path: Path) -> None:
+    """The figure of all panels; a place that is left has the legend."""
+    figure, grid = style.new_figure(style.TWO_COLUMNS, height, nrows=(len(panels) + 1) // 2, ncols=2)
     handles = {}
-    for axes, panel in zip(grid.flat, panels, strict=False):
-        draw_panel(axes, panel)
+    for axes, (panel, (title, measure, *_)) in zip(grid.flat, panels.items(), strict=False):
+        draw_panel(axes, title, measure, points[points["panel"] == panel])
         handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
-    grid.flat[-1].set_axis_off()
-    grid.flat[-1].legend(handles=list(handles.values()), loc="center")
-    for axes in grid.flat[:-1]:
-        axes.title.set_fontsize(8.5)
-        axes.grid(which="major", color="0.9", linewidth=0.5)
-        axes.margins(x=0.16, y=0.1)
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(LogLocator(10, numticks=12))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_formatter(NullFormatter())
-    style.save_figure(figure, [folder / "chart.png", folder / "chart.pdf"])
-
-
-def save(panels: list[Panel], path: Path) -> None:
-    """All points as CSV."""
-    rows = []
-    for panel in panels:
-        for point in (point for points in (panel.curves | panel.besides).values() for point in points):
-            answer = point.answer
-            times = (point.seconds, answer["steady_least"] + answer["transient_least"], point.high)
-            own = (panel.key, point.method, point.intervals, *times, point.error, answer["method"])
-            rows.append((*own, *(answer[column] for column in COLUMNS)))
-    head = ("panel", "method", "intervals", "seconds", "seconds_least", "seconds_high", "error", "way", *COLUMNS)
-    write_csv(path, head, rows)
+    if len(panels) % 2:
+        grid.flat[-1].set_axis_off()
+        grid.flat[-1].legend(handles=list(handles.values()), loc="center")
+    else:
+        style.legend_below(figure, list(handles.values()), len(handles))
+    style.save_figure(figure, [path.with_suffix(".png"), path.with_suffix(".pdf")])
 
 
 def grids(first: int, last: int) -> list[int]:
     """Powers of two from first to last."""
-    return [2**k for k in range(int(math.log2(first)), int(math.log2(last)) + 1)]
+    return [2**k for k in range(first.bit_length() - 1, last.bit_length())]
 
 
-def main() -> int:
+def main() -> None:
     """Command line."""
-    options = new_parser(__doc__, "coarser grids and fewer runs, under 3 minutes", "results/chart").parse_args()
-    folder, quick = output_folder(options), options.quick
+    parser = new_parser(__doc__, "coarser grids and fewer runs, under 3 minutes", "results/chart")
+    parser.add_argument("--dry", action="store_true", help="dry contacts")
+    parser.add_argument("--peers", metavar="PYTHON", help="python of an environment with other programs")
+    options = parser.parse_args()
+    folder, quick = options.output, options.quick
+    if options.dry:
+        points = pd.DataFrame(dry_points(folder, quick, options.peers))
+        save(folder / "dry_chart.csv", points)
+        print(points.to_string(index=False))
+        draw(points, DRY_PANELS, 80, folder / "dry_chart")
+        return
     effort = {"runs": 15 if quick else 101, "seconds": 0.5 if quick else 1}
-    panels = [
-        Panel("steady", "Steady: Case 1 (Eyring)", "film thickness"),
-        Panel("steady_pressure", "Steady: Case 1 (Eyring)", "largest pressure", ("p_max",)),
-        Panel("steady_friction", "Steady: Case 1 (Eyring)", "friction", (FRICTION,)),
-        Panel("transient", "In time: ridge, Case 3", "pressure"),
-        Panel("heavy", f"Heavily loaded: Barus, M {HEAVY[0]}, L {HEAVY[1]}", "film thickness"),
-    ]
-
-    def case_1(n: int | None, solver: dict, accuracy: dict | None = None) -> str:
-        return namelists.case_1(n, solver, accuracy=accuracy or {})
-
-    def heavy(n: int | None, solver: dict, accuracy: dict | None = None) -> str:
-        return namelists.moes(*HEAVY, n, solver, domain=namelists.WINDOW, accuracy=accuracy or {})
-
     last = 256 if quick else 1024
     between = [5 * n // 4 for n in grids(64, last // 2)]
-    failures = steady_panels(panels[:3], case_1, grids(32, 1024 if quick else 4096), effort)
-    failures += transient_panel(panels[3], sorted(grids(64, last) + between), effort | {"runs": 3 if quick else 21})
-    failures += steady_panels(panels[4:], heavy, grids(128, 2048 if quick else 8192), effort)
-    save(panels, folder / "chart.csv")
-    draw(panels, folder)
-    conclude(folder / "conclusion.txt", conclusions(panels, failures))
-    return 0
+    steady, in_time, heavy = list(PANELS)[:3], "transient", ["heavy"]
+    heavy_text = partial(namelists.moes, *HEAVY, domain=namelists.WINDOW)
+    parts = [
+        steady_points(steady, namelists.case_1, grids(32, 1024 if quick else 4096), effort),
+        transient_points(in_time, sorted(grids(64, last) + between), effort | {"runs": 3 if quick else 21}),
+        steady_points(heavy, heavy_text, grids(128, 2048 if quick else 8192), effort),
+    ]
+    points = pd.DataFrame([point for part, _ in parts for point in part])
+    save(folder / "chart.csv", points)
+    draw(points, PANELS, 245, folder / "chart")
+    conclude(folder / "conclusion.txt", conclusions(points, [failure for _, failures in parts for failure in failures]))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the speed of dry contacts against other programs and against the bare transforms: results/bench/dry.csv and dry.txt.
+"""Measures the speed of dry contacts against other programs and against the bare transforms: results/bench/dry.csv.
 
 Every program gets the same surface and load; one error measure, the largest violation of the contact conditions, judges every
 answer. The peers run with the loosest of a ladder of tolerances that reaches 1e-6. Times are processor seconds of one core,
@@ -17,16 +17,17 @@ import functools
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
 import numpy as np
-from bench_program import ASPERITY, ENVIRONMENT, ROOT, measured, new_parser, output_folder, read_csv, write_csv
+import pandas as pd
+from bench_program import ENVIRONMENT, ROOT, Answer, Row, Run, answer, new_parser, one, run_program, save, show_rows
 from family_dry import PROBLEMS, height_file
 from namelists import BARE, namelist
 
-COLUMNS = ("work", "asked", "aim", "value", "unit", "verdict", "note")
 PEERS = {"aspher": (1e-6, 1e-7, 1e-8, 1e-10), "tamaas": (1e-6, 1e-8, 1e-10, 1e-12), "ContactMechanics": (1e-4, 1e-6, 1e-8)}
 WANTED = 1e-6
 ONE_THREAD = ENVIRONMENT | {"OMP_WAIT_POLICY": "passive"}
@@ -116,21 +117,11 @@ def profile(nodes: int, seed: int = 1) -> np.ndarray:
     return rough(waves, waves, -1.3, noise, (nodes,))
 
 
-def sphere(nodes: int, radius: float = 1.0) -> np.ndarray:
-    """A sphere as a paraboloid, at the centre of the unit square."""
-    x = (np.arange(nodes) + 0.5) / nodes - 0.5
-    return -(x[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
-
-
-# Prints the least processor seconds of a pair of transforms by FFTW itself, plans measured, and the least wall seconds:
-# prefix, nodes along x and y, threads.
+# Prints the least processor seconds of a pair of transforms by FFTW itself, plans measured: prefix, nodes along x and y.
 PAIR = """
 import ctypes, ctypes.util, sys, time
-prefix, nx, ny, threads = sys.argv[1], *map(int, sys.argv[2:])
-name = {"fftw": "fftw3", "fftwf": "fftw3f"}[prefix]
-f, t = (ctypes.CDLL(ctypes.util.find_library(each), mode=ctypes.RTLD_GLOBAL) for each in (name, name + "_threads"))
-if threads > 1:
-    getattr(t, prefix + "_init_threads")(), getattr(t, prefix + "_plan_with_nthreads")(threads)
+prefix, nx, ny = sys.argv[1], *map(int, sys.argv[2:])
+f = ctypes.CDLL(ctypes.util.find_library({"fftw": "fftw3", "fftwf": "fftw3f"}[prefix]))
 for routine in ("plan_dft_r2c", "plan_dft_c2r", "malloc"):
     getattr(f, prefix + "_" + routine).restype = ctypes.c_void_p
 call = lambda routine, *args: getattr(f, prefix + "_" + routine)(*args)
@@ -140,53 +131,31 @@ sizes = (ctypes.c_int * 2)(ny, nx) if ny > 1 else (ctypes.c_int * 1)(nx)
 there = ctypes.c_void_p(call("plan_dft_r2c", len(sizes), sizes, x, y, ctypes.c_uint(0)))
 back = ctypes.c_void_p(call("plan_dft_c2r", len(sizes), sizes, y, x, ctypes.c_uint(0)))
 ctypes.memset(x, 0, count)
-processor, wall, begun, repeat = 1e9, 1e9, time.perf_counter(), max(1, 300000 // (nx * ny))
-while time.perf_counter() - begun < 0.2 or wall == 1e9:
-    start = time.process_time(), time.perf_counter()
+least, begun, repeat = 1e9, time.perf_counter(), max(1, 300000 // (nx * ny))
+while time.perf_counter() - begun < 0.2 or least == 1e9:
+    start = time.process_time()
     for _ in range(repeat):
         call("execute", there), call("execute", back)
-    processor = min(processor, (time.process_time() - start[0]) / repeat)
-    wall = min(wall, (time.perf_counter() - start[1]) / repeat)
-print(processor, wall)
+    least = min(least, (time.process_time() - start) / repeat)
+print(least)
 """
 
 
 @functools.cache
-def pair_seconds(prefix: str, nx: int, ny: int, threads: int = 1) -> tuple[float, float]:
-    """Processor and wall time of a pair of transforms by FFTW itself."""
-    command = [sys.executable, "-c", PAIR, prefix, *map(str, (nx, ny, threads))]
-    return tuple(map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()))
+def pair_seconds(prefix: str, nx: int, ny: int) -> float:
+    """Processor time of a pair of transforms by FFTW itself."""
+    command = [sys.executable, "-c", PAIR, prefix, str(nx), str(ny)]
+    return float(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def limit_of(done: np.ndarray) -> float:
     """FFTW's own time of the transforms in the rows (nx, ny, pairs in double, pairs in single precision)."""
-    pairs = (
-        (kind, nx, ny, count) for nx, ny, *both in done.astype(int) for kind, count in zip(("fftw", "fftwf"), both, strict=True)
-    )
-    return sum(count * pair_seconds(kind, nx, ny)[0] for kind, nx, ny, count in pairs if count)
+    sizes = [(nx, ny, *both) for nx, ny, *both in done.astype(int).tolist()]
+    double = sum(count * pair_seconds("fftw", nx, ny) for nx, ny, count, _ in sizes if count)
+    return double + sum(count * pair_seconds("fftwf", nx, ny) for nx, ny, _, count in sizes if count)
 
 
-@dataclass
-class Answer:
-    """What a run of ours took and gave; seconds of processor time except `wall`."""
-
-    pressure: np.ndarray
-    solve: float
-    prepare: float
-    wall: float
-    pairs: float
-    iterations: int
-    transforms: np.ndarray
-    memory: float
-    process: float
-
-    @property
-    def seconds(self) -> float:
-        """With planning."""
-        return self.solve + self.prepare
-
-
-def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Answer:
+def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Run:
     """The fastest of some runs."""
     groups = {
         "case": {"problem": PROBLEMS[contact.z.ndim - 1]},
@@ -196,21 +165,17 @@ def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Answer:
         "domain": {"periodic": not contact.is_open},
         "solver": {"tolerance": 1e-6},
     }
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "z.h5").write_bytes(height_file(contact.z, [1.0 / contact.z.shape[0]] * contact.z.ndim))
-        (folder / "case.nml").write_text(namelist(groups | BARE), encoding="utf-8")
-        answers = []
-        for _ in range(runs):
-            used = measured([ASPERITY, "case.nml", "--quiet", "--threads", threads], folder, ONE_THREAD)
-            if used.status != 0:
-                sys.exit(f"dry.py: exit status {used.status}")
-            with h5py.File(folder / "case.h5") as file:
-                report, pairs = file["report"], float(file["sweep/fft_pairs"][0])
-                prepare, solve, wall = (float(report[f"{key}_seconds"][()]) for key in ("cpu_prepare", "cpu", "wall_solve"))
-                done = int(report["cycles"][()]), np.reshape(report["transforms"][:], (-1, 4)), used.memory / 1024, used.processor
-                answers.append(Answer(file["solution/pressure"][:] / 1e9, solve - prepare, prepare, wall, pairs, *done))
-    return min(answers, key=lambda answer: answer.seconds)
+
+    def read(file: h5py.File) -> Answer:
+        transforms = np.reshape(file["report/transforms"][:], (-1, 4))
+        return Answer(answer(file) | {"pressure": file["solution/pressure"][:] / 1e9, "transforms": transforms})
+
+    files = {"z.h5": height_file(contact.z, [1.0 / contact.z.shape[0]] * contact.z.ndim)}
+    words = namelist(groups | BARE), read, files, ("--threads", threads)
+    done = [run_program(*words, environment=ONE_THREAD) for _ in range(runs)]
+    if any(run.status for run in done):
+        sys.exit(f"dry.py: {done[0].words}")
+    return min(done, key=lambda run: run.found["cpu_seconds"])
 
 
 @dataclass
@@ -222,153 +187,131 @@ class PeerRun:
     separation: float
 
 
-def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
-    """Runs from the loosest tolerance to the first that is good enough, each twice if it is fast; until it fails."""
-    runs = []
+def peer_run(peer: str, python: str, contact: Contact, tolerance: float) -> list[PeerRun]:
+    """One run; none if it fails."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for tolerance in PEERS[peer]:
-            np.savez(folder / "in.npz", tolerance=tolerance, **vars(contact))
-            command = [python, str(ROOT / "bench" / "dry_peer.py"), peer, "in.npz", "out.npz"]
-            for _ in range(2):
-                done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=False, capture_output=True, text=True)
-                if done.returncode != 0:
-                    print(f"    {peer}: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'failed'}")
-                    return runs
-                with np.load(folder / "out.npz") as data:
-                    pressure = data["pressure"].reshape(contact.z.shape)
-                    runs.append(PeerRun(float(data["seconds"]), contact.error(pressure), contact.separation(pressure)))
-                if runs[-1].seconds > 3.0 or runs[-1].error > WANTED:
-                    break
-            if runs[-1].error <= WANTED:
-                break
+        np.savez(folder / "in.npz", tolerance=tolerance, **vars(contact))
+        command = [python, str(ROOT / "bench" / "dry_peer.py"), peer, "in.npz", "out.npz"]
+        done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=False, capture_output=True, text=True)
+        if done.returncode != 0:
+            print(f"    {peer}: {(done.stderr.strip().splitlines() or ['failed'])[-1]}")
+            return []
+        with np.load(folder / "out.npz") as data:
+            pressure = data["pressure"].reshape(contact.z.shape)
+            return [PeerRun(float(data["seconds"]), contact.error(pressure), contact.separation(pressure))]
+
+
+def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
+    """Runs from the loosest tolerance to the first that is good enough, that one twice if it is fast; until it fails."""
+    runs = []
+    for tolerance in PEERS[peer]:
+        found = peer_run(peer, python, contact, tolerance)
+        runs += found
+        if not found:
+            break
+        if found[0].error <= WANTED:
+            return runs + (peer_run(peer, python, contact, tolerance) if found[0].seconds <= 3.0 else [])
     return runs
 
 
-class Table:
-    """The rows, as they are on file."""
-
-    def __init__(self, path: Path) -> None:
-        """Rows of earlier parts."""
-        self.path, self.rows = path, {row["work"]: row for row in read_csv(path)}
-
-    def add(self, work: str, value: float, unit: str, asked: float, aim: float, note: str = "") -> None:
-        """A row; a ratio (unit `times`) is to be large, all else small. Saved at once."""
-        good = (lambda bound: value >= bound) if unit == "times" else (lambda bound: value <= bound)
-        verdict = "MISSED" if not good(asked) else "met, aim too" if good(aim) else "met"
-        self.rows[work] = dict(zip(COLUMNS, (work, f"{asked:g}", f"{aim:g}", f"{value:.3g}", unit, verdict, note), strict=True))
-        print(line_of(self.rows[work]) + (f"\n    {note}" if note else ""), flush=True)
-        write_csv(self.path, COLUMNS, (row.values() for row in self.rows.values()))
-
-
-def line_of(row: dict[str, str]) -> str:
-    """A row of the table."""
-    sign = ">=" if row["unit"] == "times" else "<="
-    return f"{row['work']:<46} {sign} {row['asked']:>5} {row['value']:>9} {row['unit']:<6} {row['verdict']}"
-
-
-class Bench:
-    """The parts."""
-
-    def __init__(self, options: argparse.Namespace) -> None:
-        """Options of the command line."""
-        self.options = options
-        self.table = Table(output_folder(options) / "dry.csv")
-
-    def beside_peers(self, work: str, contact: Contact, asked: float, aim: float) -> Answer:
-        """A row with the ratio to the fastest peer that is good enough, and one with the ratio to the transforms."""
-        answer = ours(contact)
-        error = contact.error(answer.pressure)
-        share = 100 * (answer.pressure > 0).mean()
-        note = f"{share:.1f} % contact, {answer.seconds:.3f} s, {answer.pairs:.0f} pairs, error {error:.0e}"
-        best = float("nan")
-        for peer in ([self.options.only] if self.options.only else PEERS) if self.options.peers else ():
-            runs = peer_runs(peer, self.options.peers, contact)
-            # the cheapest one that is good enough, or the best one
-            for run in sorted(runs, key=lambda run: (run.error > WANTED, run.seconds if run.error <= WANTED else run.error))[:1]:
-                note += f"; {peer} {run.seconds:.2f} s, {run.error:.0e}"
-                if run.error <= 2 * WANTED and not run.seconds >= best:
-                    best = run.seconds
-        if not np.isnan(best):
-            self.table.add(work, best / answer.seconds, "times", asked, aim, note)
-            note = f"the same solutions over {answer.process:.3f} s for reading, solving and writing"
-            bounds = WHOLE_PROCESS[len(contact.z)]
-            self.table.add(f"{work}: whole process", best / answer.process, "times", *bounds, note)
-        limit = limit_of(answer.transforms)
-        note = f"solve {answer.solve:.3f} s, planning {answer.prepare:.3f} s, transforms alone {limit:.3f} s"
-        self.table.add(f"{work}: over transforms", answer.solve / limit, "x", 1.5, 1.5, note)
-        return answer
-
-    def areas(self) -> None:
-        """Elastic areas."""
-        for nodes in self.options.nodes or ([256] if self.options.quick else [512, 1024, 2048]):
-            z = area(nodes)
-            for share in self.options.shares:
-                self.beside_peers(f"elastic {nodes}^2, {share} %", Contact(z, share / 100 * 0.05), 5, 10)
-
-    def capped(self) -> None:
-        """Areas with a hardness that makes about a fifth of the contact plastic."""
-        for nodes in self.options.nodes or ([256] if self.options.quick else [256, 1024]):
-            answer = self.beside_peers(f"capped {nodes}^2, 5 %", Contact(area(nodes), 0.0025, hardness=0.075), 15, 30)
-            print(f"    plastic: {100 * (answer.pressure >= 0.075).sum() / (answer.pressure > 0).sum():.0f} % of the contact")
-
-    def sphere(self) -> None:
-        """Hertz's sphere on an open half-space, contact radius a fifth of the side."""
-        nodes = 256 if self.options.quick else 1024
-        self.beside_peers(f"open sphere {nodes}^2", Contact(sphere(nodes), 4 / 3 * 0.2**3, is_open=True), 5, 12)
-
-    def growth(self) -> None:
-        """Iterations at fixed contact area over the number of nodes."""
-        sizes = (128, 256, 512) if self.options.quick else (256, 512, 1024, 2048, 4096)
-        counts = [ours(Contact(area(nodes), 0.0025), runs=1).iterations for nodes in sizes]
-        power = np.log(counts[-1] / counts[0]) / np.log((sizes[-1] / sizes[0]) ** 2)
-        note = f"iterations {', '.join(map(str, counts))}"
-        self.table.add(f"growth of iterations, {sizes[0]}^2 to {sizes[-1]}^2", power, "power", 0.25, 0.125, note)
-
-    def profile(self) -> None:
-        """A long profile at 12 % contact."""
-        nodes = 2**14 if self.options.quick else 2**20
-        contact = Contact(profile(nodes), 0.0058)
-        answer = ours(contact, runs=1)
-        share = 100 * (answer.pressure > 0).mean()
-        note = f"{share:.1f} % contact, error {contact.error(answer.pressure):.0e}, {answer.iterations} iterations"
-        self.table.add(f"profile of {nodes} nodes", answer.seconds, "s", 10, 3, note)
-        self.table.add(f"profile of {nodes} nodes: pairs", answer.pairs, "pairs", 900, 900)
-
-    def memory(self) -> None:
-        """Largest area: memory, and two threads."""
-        nodes = 1024 if self.options.quick else 4096
-        contact = Contact(area(nodes), 0.0025)
-        one, two = (ours(contact, runs=1, threads=threads) for threads in (1, 2))
-        note = f"{one.seconds:.1f} s, error {contact.error(one.pressure):.0e}; reading and writing included"
-        self.table.add(f"memory of {nodes}^2", one.memory, "GB", 2.5, 2.5, note)
-        bare = pair_seconds("fftwf", nodes, nodes)[1] / pair_seconds("fftwf", nodes, nodes, 2)[1]
-        note = f"wall {one.wall:.2f} s and {two.wall:.2f} s; transforms of FFTW alone: {bare:.2f} times"
-        self.table.add(f"{nodes}^2 by two threads", one.wall / two.wall, "times", 1, 1.5, note)
-
-    def sweep(self) -> None:
-        """Thirteen loads of four profiles of 512 nodes, beyond start-up, reading and writing."""
-        runs, errors = [], []
-        with tempfile.TemporaryDirectory() as folder:
-            for name in "ABCD":
-                groups = {
-                    "case": {"problem": "dry_line"},
-                    "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3, "hardness": 4e9},
-                    "load": {"mean_pressure": [load / 0.4 * 1e6 for load in LOADS]},
-                    "surface_1": {"shape": "file", "file": str(PROFILES), "positions": "x_m", "dataset": f"z{name}_m"},
-                }
-                (Path(folder) / f"{name}.nml").write_text(namelist(groups), encoding="utf-8")
-            for _ in range(3):
-                subprocess.run([ASPERITY, *[f"{name}.nml" for name in "ABCD"], "--quiet"], cwd=folder, env=ONE_THREAD, check=True)
-                runs.append(0.0)
-                for name in "ABCD":
-                    with h5py.File(Path(folder) / f"{name}.h5") as file:
-                        runs[-1] += float(file["report/cpu_seconds"][()])
-                        errors.append(file["sweep/kkt"][:].max())
-        self.table.add("sweep of 13 loads, 4 profiles of 512 nodes", min(runs), "s", 0.1, 0.1, f"largest error {max(errors):.0e}")
+def beside_peers(options: argparse.Namespace, work: str, contact: Contact, asked: float, aim: float) -> Iterator[Row]:
+    """A row with the ratio to the fastest peer that is good enough, and one with the ratio to the transforms."""
+    run = ours(contact)
+    found, on = run.found, run.found["pressure"] > 0
+    note = f"{100 * on.mean():.1f} % contact, {found['cpu_seconds']:.3f} s, {found['fft_pairs']:.0f} pairs"
+    note += f", error {contact.error(found['pressure']):.0e}"
+    if contact.hardness:
+        note += f", {100 * (found['pressure'] >= contact.hardness).sum() / on.sum():.0f} % of the contact plastic"
+    best = np.inf
+    for peer in ([options.only] if options.only else PEERS) if options.peers else ():
+        runs = peer_runs(peer, options.peers, contact)
+        # the cheapest one that is good enough, or the best one
+        for other in sorted(runs, key=lambda run: (run.error > WANTED, run.seconds if run.error <= WANTED else run.error))[:1]:
+            note += f"; {peer} {other.seconds:.2f} s, {other.error:.0e}"
+            best = min(best, other.seconds) if other.error <= 2 * WANTED else best
+    if best < np.inf:
+        yield one(work, best / found["cpu_seconds"], "times", asked, aim, note)
+        note = f"the same solutions over {run.processor:.3f} s for reading, solving and writing"
+        yield one(f"{work}: whole process", best / run.processor, "times", *WHOLE_PROCESS[len(contact.z)], note)
+    limit, solve = limit_of(found["transforms"]), found["cpu_seconds"] - found["cpu_prepare_seconds"]
+    note = f"solve {solve:.3f} s, planning {found['cpu_prepare_seconds']:.3f} s, transforms alone {limit:.3f} s"
+    yield one(f"{work}: over transforms", solve / limit, "x", 1.5, 1.5, note)
 
 
-PARTS = ("areas", "capped", "sphere", "growth", "profile", "memory", "sweep")
+def areas(options: argparse.Namespace) -> Iterator[Row]:
+    """Elastic areas."""
+    for nodes in options.nodes or ([256] if options.quick else [512, 1024, 2048]):
+        z = area(nodes)
+        for share in (1, 5, 15):  # of contact [%]
+            yield from beside_peers(options, f"elastic {nodes}^2, {share} %", Contact(z, share / 100 * 0.05), 5, 10)
+
+
+def capped(options: argparse.Namespace) -> Iterator[Row]:
+    """Areas with a hardness that makes about a fifth of the contact plastic."""
+    for nodes in options.nodes or ([256] if options.quick else [256, 1024]):
+        yield from beside_peers(options, f"capped {nodes}^2, 5 %", Contact(area(nodes), 0.0025, hardness=0.075), 15, 30)
+
+
+def open_sphere(options: argparse.Namespace) -> Iterator[Row]:
+    """Hertz's sphere on an open half-space, contact radius a fifth of the side: a paraboloid at the centre of the unit square."""
+    nodes = 256 if options.quick else 1024
+    x = (np.arange(nodes) + 0.5) / nodes - 0.5
+    contact = Contact(-(x[:, None] ** 2 + x[None, :] ** 2) / 2, 4 / 3 * 0.2**3, is_open=True)
+    yield from beside_peers(options, f"open sphere {nodes}^2", contact, 5, 12)
+
+
+def growth(options: argparse.Namespace) -> Iterator[Row]:
+    """Iterations at fixed contact area over the number of nodes."""
+    sizes = (128, 256, 512) if options.quick else (256, 512, 1024, 2048, 4096)
+    counts = [ours(Contact(area(nodes), 0.0025), runs=1).found["cycles"] for nodes in sizes]
+    power = np.log(counts[-1] / counts[0]) / np.log((sizes[-1] / sizes[0]) ** 2)
+    note = f"iterations {', '.join(map(str, counts))}"
+    yield one(f"growth of iterations, {sizes[0]}^2 to {sizes[-1]}^2", power, "power", 0.25, 0.125, note)
+
+
+def long_profile(options: argparse.Namespace) -> Iterator[Row]:
+    """A long profile at 12 % contact."""
+    nodes = 2**14 if options.quick else 2**20
+    contact = Contact(profile(nodes), 0.0058)
+    found = ours(contact, runs=1).found
+    share = 100 * (found["pressure"] > 0).mean()
+    note = f"{share:.1f} % contact, error {contact.error(found['pressure']):.0e}, {found['cycles']} iterations"
+    yield one(f"profile of {nodes} nodes", found["cpu_seconds"], "s", 10, 3, note)
+    yield one(f"profile of {nodes} nodes: pairs", found["fft_pairs"], "pairs", 900, 900)
+
+
+def memory(options: argparse.Namespace) -> Iterator[Row]:
+    """Largest area: memory, and two threads."""
+    nodes = 1024 if options.quick else 4096
+    contact = Contact(area(nodes), 0.0025)
+    first, second = (ours(contact, runs=1, threads=threads) for threads in (1, 2))
+    error, walls = contact.error(first.found["pressure"]), [run.found["wall_solve_seconds"] for run in (first, second)]
+    note = f"{first.found['cpu_seconds']:.1f} s, error {error:.0e}; reading and writing included"
+    yield one(f"memory of {nodes}^2", first.memory / 1024, "GB", 2.5, 2.5, note)
+    note = f"wall {walls[0]:.2f} s and {walls[1]:.2f} s"
+    yield one(f"{nodes}^2 by two threads", walls[0] / walls[1], "times", 1, 1.5, note)
+
+
+def sweep(_: argparse.Namespace) -> Iterator[Row]:
+    """Thirteen loads of four profiles of 512 nodes, beyond start-up, reading and writing."""
+    groups = {
+        "case": {"problem": "dry_line"},
+        "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3, "hardness": 4e9},
+        "load": {"mean_pressure": [load / 0.4 * 1e6 for load in LOADS]},
+        "surface_1": {"shape": "file", "file": str(PROFILES), "positions": "x_m"},
+    }
+    texts = [namelist(groups | {"surface_1": groups["surface_1"] | {"dataset": f"z{name}_m"}}) for name in "ABCD"]
+    read = lambda file: (file["report/cpu_seconds"][()], file["sweep/kkt"][:].max())  # noqa: E731
+    runs = np.array([run_program(texts, read, environment=ONE_THREAD).results for _ in range(3)])
+    seconds, note = runs[:, :, 0].sum(axis=1).min(), f"largest error {runs[:, :, 1].max():.0e}"
+    yield one("sweep of 13 loads, 4 profiles of 512 nodes", seconds, "s", 0.1, 0.1, note)
+
+
+PARTS = {
+    **{"areas": areas, "capped": capped, "sphere": open_sphere, "growth": growth},
+    **{"profile": long_profile, "memory": memory, "sweep": sweep},
+}
 
 
 def main() -> None:
@@ -376,13 +319,16 @@ def main() -> None:
     parser = new_parser(__doc__, "small grids", "results/bench")
     parser.add_argument("--peers", metavar="PYTHON", help="python of the environment of the peers")
     parser.add_argument("--only", choices=PEERS, help="one peer instead of all")
-    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS)
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=[*PARTS])
     parser.add_argument("--nodes", type=int, nargs="+", help="nodes a side of the areas")
-    parser.add_argument("--shares", type=int, nargs="+", default=[1, 5, 15], help="contact of the elastic areas [%%]")
     options = parser.parse_args()
-    bench = Bench(options)
+    path = options.output / "dry.csv"
+    table = pd.read_csv(path).rename(columns={"value": "median"}) if path.exists() else pd.DataFrame()
     for part in options.parts:
-        getattr(bench, part)()
+        for row in PARTS[part](options):
+            show_rows(part, [row])
+            table = pd.concat([table, pd.DataFrame([row])]).drop_duplicates("work", keep="last")
+            save(path, table)
 
 
 if __name__ == "__main__":

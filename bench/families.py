@@ -14,11 +14,13 @@ from __future__ import annotations
 import sys
 
 import family_dry as dry
+import family_passages as passages
 import family_shipped as shipped
 import family_steady as steady
 import family_time as in_time
-from bench_program import new_parser, output_folder, save, side_by_side
-from judge import Family, Row, judge, table
+import pandas as pd
+from bench_program import conclude, new_parser, save, side_by_side
+from judge import Family, Row, judge, judged
 
 # Drawn after the rules stood: nothing was fitted on it.
 SEED = 662201
@@ -41,6 +43,7 @@ GRID = "error_grid"
 NUMERICAL = "error_grid+error_domain+error_iteration"
 FORCES = summary("asperity_load_share", "friction_coefficient", "friction_coefficient_oil", "friction_coefficient_boundary")
 MIXED = FIGURES + FORCES + summary("x_meniscus", "temperature_rise_film")
+HISTORY = FIGURES + summary("friction_coefficient", "mean_power", "asperity_load_share")
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
 ALL = {"is_sample": True}
 NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
@@ -52,12 +55,12 @@ FAMILIES = [
         for part, longer, bar in (("grid", False, GRID), ("whole", True, "error_estimate"))
     ),
     *(
-        Family("passages", f"{name}_{scheme}_{n}", f"{name} passages", SAMPLED, in_time.sample(seeds, n, scheme), 240, GRID, **ALL)
+        Family("passages", f"{name}_{scheme}_{n}", f"{name} passages", SAMPLED, passages.sample(seeds, n, scheme), 240, GRID, **ALL)
         for name, seeds in (("fitted", (1, 2)), ("fresh", (21, 22)))
         for n in (256, 128)
         for scheme in ("bdf2", "backward_euler")
     ),
-    Family("graded", "graded", "Smooth contacts of all kinds, chosen domain and grid", MOST, steady.graded, 300, aim=0.01),
+    Family("graded", "graded", "Smooth contacts of all kinds, chosen domain and grid", MOST, steady.graded, 300),
     Family("graded", "graded_even", "The same beside even grids, kappa scheme", OTHERS, steady.other, 100, is_other=True),
     Family("domain", "outlet", "Given outlets, far ahead of film rupture to far behind it", FILMS, steady.given_outlet, 30),
     Family("domain", "open", "Domain and grid chosen by the program", FILMS + CENTRAL, steady.open_domain, 40),
@@ -92,7 +95,7 @@ FAMILIES = [
     Family("dry_target", "target_open_line", "A target: rough rollers", AREA, dry.synthetic_body(1)),
     Family("dry_target", "target_open_area", "A target: rough balls", AREA, dry.synthetic_body(2)),
     Family("friction", "friction_given", "Friction, both oils, given domain and grid", FRICTION, steady.friction_given),
-    Family("friction", "friction_time", "Friction over a passage, all chosen", FRICTION, in_time.passing, 12),
+    Family("friction", "friction_time", "Friction over a passage, all chosen", FRICTION, in_time.moving(is_coarse=False), 12),
     Family("kappa", "kappa_spikes", "Spikes by the kappa scheme, given grids", FIGURES, steady.spike, 96, GRID),
     Family("kappa", "wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, steady.wide),
     Family("kappa", "stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, steady.stiff, 48),
@@ -102,30 +105,44 @@ FAMILIES = [
     Family("point", "point_reversing", "Points that reverse", FIGURES + FRICTION[:1], in_time.point_reversing, 24, GRID),
     Family("pressure", "pressure_grids", "Largest pressure, grids of 64 to 4096 intervals", P_MAX, steady.pressure_on_a_grid, 60),
     Family("pressure", "pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, steady.rolling, 60),
-    Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, in_time.pressure_in_time, 40, GRID),
+    Family("pressure", "pressure_in_time", "Largest pressure of passages", P_MAX, passages.pressure_in_time, 40, GRID),
     Family("shipped", "shipped_film", "Lubricated inputs and template", FIGURES, shipped.members("film"), given=True),
     Family("shipped", "shipped_dry", "Dry elastic inputs", DRY, shipped.members("dry"), given=True),
     Family("shipped", "shipped_plastic", "Dry inputs with a hardness", PLASTIC[:3], shipped.members("plastic"), given=True),
-    Family("target_in_time", "target_in_time", "A target in time: error bars", FIGURES, in_time.target_in_time, 24, GRID),
+    Family("histories", "histories", "Histories, and points of the scenes", HISTORY, shipped.members("history"), given=True),
+    Family("target_in_time", "target_in_time", "A target in time: error bars", FIGURES, passages.target_in_time, 24, GRID),
     Family("times", "strides", "Passages of which little is stored", FIGURES, in_time.strides),
     Family("times", "periodic", "Waves that fill the contact at the start", FIGURES, in_time.periodic),
     Family("times", "placed", "Features without a place", FIGURES, in_time.placed, truth_goes_on=True),
     Family("times", "inside", "Features that begin inside the contact", FIGURES, in_time.inside),
     Family("times", "narrow", "Narrow features in heavy contacts", FIGURES + CENTRAL, in_time.narrow),
     Family("times", "beside_waves", "Features that pass beside waves", FIGURES, in_time.beside_waves),
-    Family("waves", "waves_at_rest", "Narrow waves at rest, chosen grid", FILMS, in_time.resting),
-    Family("waves", "waves_passing", "Narrow waves that pass, chosen grid and time step", FILMS, in_time.passing),
-    Family("waves", "waves_coarse_grid", "Narrow waves at rest, 1 to 64 nodes a wave", FILMS, in_time.on_a_coarse_grid),
-    Family("waves", "waves_long_steps", "Narrow waves that pass, 1 to 64 steps a wave", FILMS, in_time.in_long_steps),
+    Family("waves", "waves_at_rest", "Narrow waves at rest, chosen grid", FILMS, in_time.standing(is_coarse=False)),
+    Family("waves", "waves_passing", "Narrow waves that pass, chosen grid and time step", FILMS, in_time.moving(is_coarse=False)),
+    Family("waves", "waves_coarse_grid", "Narrow waves at rest, 1 to 64 nodes a wave", FILMS, in_time.standing(is_coarse=True)),
+    Family("waves", "waves_long_steps", "Narrow waves that pass, 1 to 64 steps a wave", FILMS, in_time.moving(is_coarse=True)),
 ]  # fmt: skip
 
 
 def chosen(names: list[str]) -> list[Family]:
-    """Those of the named groups, or of all but the passages of `make accuracy-time`."""
+    """Those of the named groups, or of all but those of `make accuracy-time` and `make scenes`."""
     known = sorted({family.group for family in FAMILIES})
     if unknown := sorted(set(names) - set(known)):
         sys.exit(f"families.py: no group {unknown[0]}; there are {', '.join(known)}")
-    return [family for family in FAMILIES if family.group in (names or {*known} - {"passages"})]
+    return [family for family in FAMILIES if family.group in (names or {*known} - {"passages", "histories"})]
+
+
+def table(rows: pd.DataFrame) -> str:
+    """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
+    asked = {family.name: family.asked for family in FAMILIES}
+    lines = [f"{'family':26s} {'judged':>6s} {'within [%]':>10s} {'below 10 x [%]':>14s}"]
+    for family, own in judged(rows).groupby("family", sort=False):
+        shares = own.groupby("quantity", sort=False)[["within", "tight"]].mean()
+        missed = shares.index[(shares < asked[family]).any(axis=1)].str.removeprefix("summary/")
+        within, tight = 100 * own[["within", "tight"]].mean()
+        words = f"  * {', '.join(missed)}" if len(missed) else ""
+        lines.append(f"{family:26s} {len(own):6d} {within:10.1f} {tight:14.1f}{words}")
+    return "\n".join(lines) + "\n"
 
 
 def main() -> int:
@@ -134,21 +151,17 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="groups of families; default: all")
     parser.add_argument("--members", type=int, default=0, help="members of each family; default: those of the family")
     options = parser.parse_args()
-    folder = output_folder(options)
-    families = chosen(options.names)
     rows: list[Row] = []
-    text = ""
-    for k, family in enumerate(families):
+    for family in chosen(options.names):
         members = family.members(options.seed, options.members or (QUICK if options.quick else family.count))
         named = [(member.name or f"{i:03d}", member) for i, member in enumerate(members)]
-        print(family.name, end=": ", file=sys.stderr)
+        print(f"{family.name}, {family.title}", end=": ", file=sys.stderr)
         for own in side_by_side(lambda pair, family=family: judge(family, pair[1], pair[0]), named, options.processes):
             rows += own
-        save(folder / "families.csv", rows)
-        text = table(families[: k + 1], rows)
-        (folder / "families.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
-    return 1 if "  missed" in text else 0
+        save(options.output / "families.csv", rows)
+    text = table(pd.DataFrame(rows))
+    conclude(options.output / "families.txt", text)
+    return 1 if "  * " in text else 0
 
 
 if __name__ == "__main__":

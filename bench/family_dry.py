@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 from bench_program import run_program
 from judge import Member, rounded_up
-from namelists import Groups, namelist
+from namelists import NO_BARS, Groups, namelist
 
 MODULUS, LENGTH = 2e11, 1e-3
 PROBLEMS = ("dry_line", "dry_area")
@@ -57,13 +57,13 @@ def resized(groups: Groups, nodes: int | None) -> Groups:
 
 
 def both(lines: int, nodes: int, load: dict, surface: dict, bodies: dict) -> tuple[Groups, Groups]:
-    """A contact, and the same on at least eight times the nodes a side, of many nodes four times."""
+    """A contact, and the same on the finer grid of a truth."""
     case = contact(lines, load, surface, sizes(lines, nodes), bodies)
-    return case, resized(case, finer(lines, nodes)) | {"accuracy": {"error_bars": False}}
+    return case, resized(case, finer(lines, nodes)) | {"accuracy": NO_BARS}
 
 
 def finer(lines: int, nodes: int) -> int:
-    """Nodes a side of a truth."""
+    """At least eight times the nodes a side, of many nodes four times."""
     return rounded_up(nodes * (8 if nodes <= (2048, 64)[lines - 1] else 4))
 
 
@@ -123,15 +123,15 @@ def series(source: random.Random, lines: int, nodes: int) -> np.ndarray:
     return spectrum / np.sqrt((np.abs(spectrum) ** 2).sum())
 
 
-def heights(spectrum: np.ndarray, nodes: int, *, centres: bool = False) -> np.ndarray:
-    """The series on so many nodes; at the centres of their cells, or from 0 on."""
+def heights(spectrum: np.ndarray, nodes: int, shift: float = 0.0) -> np.ndarray:
+    """The series on so many nodes, from `shift` of the domain on along each axis."""
     full, old = spectrum, spectrum.shape[0]
+    number = np.fft.fftfreq(old, 1 / old).astype(int)
     for axis in range(spectrum.ndim):
-        number = np.fft.fftfreq(old, 1 / old).astype(int)
-        wider = np.zeros((*full.shape[:axis], nodes, *full.shape[axis + 1 :]), complex)
-        turned = full * np.exp(1j * np.pi * number / nodes * centres).reshape((-1,) + (1,) * (full.ndim - 1 - axis))
-        np.moveaxis(wider, axis, 0)[number % nodes] = np.moveaxis(turned, axis, 0)
-        full = np.fft.ifft(wider, axis=axis) * nodes
+        full = np.moveaxis(full, axis, -1)
+        wider = np.zeros((*full.shape[:-1], nodes), complex)
+        wider[..., number % nodes] = full * np.exp(2j * np.pi * number * shift)
+        full = np.moveaxis(np.fft.ifft(wider) * nodes, -1, axis)
     return full.real
 
 
@@ -182,7 +182,7 @@ def rough_body(lines: int, *, many: bool = False) -> Draw:
             x = ((np.arange(n) + 0.5) / n - 0.5) * LENGTH
             square = sum(g**2 for g in np.meshgrid(*[x] * lines))
             # Cell centres begin half a cell from the border; the series is that of the domain.
-            files[name] = height_file(heights(spectrum, n, centres=True) - square / (2 * radius))
+            files[name] = height_file(heights(spectrum, n, 0.5 / n) - square / (2 * radius))
             cases.append(contact(lines, load, FILE | {"file": name}, OPEN, hardness, bars=name == "z.h5"))
         return Member(*cases, files=files)
 
@@ -219,14 +219,8 @@ def aim(source: random.Random, member: Member) -> Member:
     return replace(member, case=case, truth=member.truth and resized(member.truth, FINE[k]), target=target)
 
 
-def synthetic(source: random.Random, lines: int) -> tuple[int, dict, dict, dict]:
-    """Nodes, a synthetic surface with 8 of them in its shortest wave, a load and bodies."""
-    nodes = source.choice(FIRST[lines - 1])
-    return nodes, *synthetic_on(source, nodes)
-
-
-def synthetic_on(source: random.Random, nodes: int) -> tuple[dict, dict, dict]:
-    """The same on so many nodes."""
+def synthetic(source: random.Random, nodes: int) -> tuple[dict, dict, dict]:
+    """A synthetic surface with 8 of these nodes in its shortest wave, a load and bodies."""
     shortest, rolloff = 8 * LENGTH / nodes, LENGTH / source.uniform(1, 4)
     surface = {"shape": "synthetic", "seed": source.randint(1, 10**6), "rms_height": 1e-6, "hurst": source.uniform(0.3, 1)}
     surface |= {"wavelength_short": shortest, "wavelength_rolloff": rolloff}
@@ -242,17 +236,18 @@ def synthetic_on(source: random.Random, nodes: int) -> tuple[dict, dict, dict]:
 def solved_heights(lines: int, nodes: int, surface: dict) -> np.ndarray:
     """The heights of a synthetic surface on so many nodes [m]."""
     case = contact(lines, {"mean_pressure": 1.0}, surface, sizes(lines, nodes), bars=False)
-    return run_program(namelist(case), lambda file: file["solution/height_undeformed"][()])[2]
+    return run_program(namelist(case), lambda file: file["solution/height_undeformed"][()]).found
 
 
 def synthetic_surface(lines: int, *, in_file: bool = False) -> Draw:
     """Periodic surfaces from a seed, or in a file: of areas with few waves, others need more nodes than a truth has."""
 
     def draw(source: random.Random, _: int) -> Member:
-        nodes, surface, load, bodies = synthetic(source, lines)
+        nodes = source.choice(FIRST[lines - 1])
+        surface, load, bodies = synthetic(source, nodes)
         case = contact(lines, load, FILE if in_file else surface, sizes(lines, nodes), bodies)
         files = {"z.h5": height_file(solved_heights(lines, nodes, surface))}
-        return aim(source, Member(case, case | {"surface_1": FILE, "accuracy": {"error_bars": False}}, files=files))
+        return aim(source, Member(case, case | {"surface_1": FILE, "accuracy": NO_BARS}, files=files))
 
     return draw
 
@@ -262,18 +257,15 @@ def synthetic_body(lines: int) -> Draw:
 
     def draw(source: random.Random, _: int) -> Member:
         nodes, half_width = source.choice(FIRST[lines - 1]), source.uniform(0.3, 0.7) * LENGTH / 2
-        surface, _, _ = synthetic_on(source, nodes)
+        surface, _, _ = synthetic(source, nodes)
         load, hardness, radius = body(source, lines, half_width)
         case = contact(lines, load, surface, sizes(lines, nodes) | OPEN, {"reduced_radius": radius} | hardness)
         case["surface_2"] = PARABOLA
         z = solved_heights(lines, nodes, surface)
-        # the heights at the centres of the cells of the fine grid, which begin half a cell of the first one earlier
-        spectrum, old = np.fft.fftn(z) / z.size, z.shape[0]
-        for axis in range(z.ndim):
-            turn = np.exp(-1j * np.pi * np.fft.fftfreq(old, 1 / old) / old)
-            spectrum = spectrum * turn.reshape((-1,) + (1,) * (z.ndim - 1 - axis))
-        files = {"z.h5": height_file(heights(spectrum, FINE[lines - 1], centres=True))}
-        return aim(source, Member(case, case | {"surface_1": FILE, "accuracy": {"error_bars": False}}, files=files))
+        # the centres of the cells of the fine grid begin half a cell of the first one earlier
+        fine = FINE[lines - 1]
+        files = {"z.h5": height_file(heights(np.fft.fftn(z) / z.size, fine, 0.5 / fine - 0.5 / nodes))}
+        return aim(source, Member(case, case | {"surface_1": FILE, "accuracy": NO_BARS}, files=files))
 
     return draw
 

@@ -6,20 +6,22 @@ dX that (nearly) resolves it; Eyring's law makes it a corner, where a grid errs 
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from collections.abc import Callable
 
 import namelists
 from judge import GRADED, LONGER, Member, beside, finer_sample
-from namelists import LAWS, Groups, plane, scales, steel
-from samples import contacts, fresh_contacts
+from namelists import CASE_1, LAWS, RIDGE, Groups, merged, plane, scales, steel
 
 NEWTONIAN = (LAWS[0], LAWS[3], {"viscosity_law": "constant", "density_law": "constant"})
 OILS = (LAWS[0], LAWS[3], LAWS[1], LAWS[2])
 POINT = {"case": {"problem": "ehl_point"}}
 # Wanted accuracy of stiff contacts; None: the program's grid.
 TARGETS = (None, 0.01, 0.003)
+# Contacts of the fresh sample, and its seed: the rules of the error estimates were fitted on the fitted one.
+FRESH, SEED = 224, 20261121
 Draw = Callable[[random.Random, int], Member]
 
 
@@ -32,6 +34,52 @@ def width(m: float, l: float) -> float:  # noqa: E741
     """S = sqrt(2 H_c) of a rough fit of the Newtonian film [half-widths]."""
     film = ((2.45 / m) ** 1.5 + (1.3 * l**0.75 * m**-0.12) ** 1.5) ** (1 / 1.5) if l > 0 else (2.45 / m + 3.1 * m**-0.2)
     return math.sqrt(2 * film * math.pi / (8 * m))
+
+
+def contacts() -> list[tuple[str, Groups]]:
+    """Newtonian contacts over the Moes plane with two oils, Eyring contacts in SI, Case 1 and its like, ridges at rest."""
+    found: list[tuple[str, Groups]] = []
+    loads = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+    for m, l in itertools.product(loads, (0, 2.5, 5, 10, 15, 20, 30)):  # noqa: E741
+        found.append((f"incompressible_{m}_{l}", plane(m, l)))
+        if l > 0:
+            found.append((f"compressible_{m}_{l}", plane(m, l, LAWS[3])))
+    heavy, oils = (1, 5, 20, 50, 100, 200, 500), (5, 10, 20, 30)
+    for m, l, sliding in itertools.product(heavy, oils, ((0.5, 5e6), (1.0, 3.3e6), (2.0, 1.5e6))):  # noqa: E741
+        found.append((f"eyring_{m}_{l}_{sliding[0]}", steel(m, l, *sliding)))
+    for stress, factor in itertools.product((1e6, 3.3e6, 1e7), (0.5, 1, 2)):
+        speeds = {"speed_1": 0.1 * factor, "speed_2": 1.1 * factor}
+        groups = merged(CASE_1, bodies=speeds, lubricant={"eyring_stress": stress})
+        found.append((f"case1_{stress:g}_{factor}", groups))
+    for height, place in itertools.product((1e-7, 2e-7), (-1.0, 0.0, 0.5)):
+        ridge = RIDGE | {"position": place, "amplitude": height}
+        found.append((f"ridge_{height:g}_{place}", merged(CASE_1, bodies={"speed_1": 0.0}, surface_1=ridge)))
+    return found
+
+
+def fresh_contacts(count: int = FRESH, seed: int = SEED) -> list[tuple[str, Groups]]:
+    """Contacts drawn at random from the stated range: what the rules of the estimates were not fitted on."""
+    source = random.Random(seed)
+    found = []
+    for i in range(count):
+        m, l = 10 ** source.uniform(-1, 3), source.uniform(0.5, 30)  # noqa: E741
+        kind = ("moes", "moes", "moes", "eyring", "eyring", "case1", "ridge")[i % 7]
+        if kind == "moes":
+            groups = plane(m, l, LAWS[i // 7 % 4])
+        elif kind == "eyring":
+            m, l = 10 ** source.uniform(0, 2.7), source.uniform(3, 30)  # noqa: E741
+            groups = steel(m, l, source.uniform(0.1, 2), 10 ** source.uniform(6, 7.3))
+        else:
+            speed, load = 10 ** source.uniform(-0.5, 0.5), 1e5 * 10 ** source.uniform(-1, 0.5)
+            changes = {"bodies": {"speed_1": 0.1 * speed, "speed_2": 1.1 * speed}, "load": {"load_per_length": load}}
+            changes["lubricant"] = {"eyring_stress": 10 ** source.uniform(6, 7.3)}
+            if kind == "ridge":
+                changes["bodies"]["speed_1"] = 0.0
+                ridge = {"position": source.uniform(-1.2, 0.8), "amplitude": source.uniform(-2e-7, 2e-7)}
+                changes["surface_1"] = RIDGE | ridge | {"wavelength": source.uniform(0.5e-4, 2e-4)}
+            groups = merged(CASE_1, **changes)
+        found.append((f"fresh_{i:03d}_{kind}", groups))
+    return found
 
 
 def sample(fresh: bool, longer: bool) -> Draw:

@@ -1,84 +1,31 @@
-"""Random waves and passages: narrow for the grid, fast for the step, begun inside the contact, with a target; and their truths.
+"""Random waves and passages: narrow for the grid, fast for the step, begun inside the contact; and their truths.
 
-Passages on the domain, grid and step of the program are compared with a finer, longer run (judge.finer_passage). Passages of Case
-1 at another load, slide and oil have a given domain, and eight times the intervals and steps in the truth: `error_grid` is
-judged.
+Passages on the domain, grid and step of the program are compared with a finer, longer run (judge.finer_passage).
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import namelists
 from family_steady import OILS as LAWS
-from family_steady import half_axis, log_uniform, point_in_si
-from judge import Member, Resolution, finer_passage
-from namelists import NO_BARS, Groups, merged
-from samples import KINDS, OILS, Passage, passages
+from family_steady import Draw, half_axis, log_uniform, point_in_si
+from judge import Member, Resolution, beside, finer_passage
+from namelists import NO_BARS, Groups
 
 # Domains of the truth of a wave at rest and in time, so long that they change nothing; the case leaves its own to the program.
 LONG, LONG_IN_TIME = {"x_inlet": -25.0, "x_outlet": 4.0}, (-16.0, 2.5)
 # A given grid needs a given domain, to know the nodes in a wave.
 GIVEN = {"x_inlet": -8.0, "x_outlet": 2.5}
+LONG_LENGTH, GIVEN_LENGTH = (each["x_outlet"] - each["x_inlet"] for each in (LONG, GIVEN))
 # Fewest nodes in a wave of the truth, and steps in its passage.
 FINE, FINE_IN_TIME = 128, 64
 STEEL_RADIUS, STEEL_MODULUS, ALPHA = 0.01, 226.4e9, 2.2e-8
-# Slide-to-roll ratios of contacts; of passages, where the second surface, or both, go through the contact in a short time.
+# Slide-to-roll ratios.
 SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0, 5 / 3, 1.9)
-PASSING, BOTH_PASSING = (-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3, 1.9, 2.5, 4.0), (-1.0, -0.3, 0.0, 0.3, 1.0)
-# H_c of Case 1; wanted accuracies.
-CASE_1_H, TARGETS = 0.469, (0.01, 0.02, 0.05)
-
-
-@dataclass(frozen=True)
-class Wave:
-    """A contact in SI with one wave: lengths over the half-width b [m], speed over the mean one, heights over the film."""
-
-    groups: Groups
-    half_width: float
-    film: float
-    speed: float
-    kind: str
-    length: float
-    height: float
-    position: float
-
-    def case(self, domain: dict, **others: dict) -> Groups:
-        """Its groups."""
-        height = self.height * self.film * {"ridge": 1.0, "dent": -1.0, "sinusoid": 0.4}[self.kind]
-        shape = {"shape": "sinusoid" if self.kind == "sinusoid" else "feature", "amplitude": height}
-        shape |= {"wavelength": self.length * self.half_width, "position": self.position}
-        if self.kind == "sinusoid" and "time" in others:
-            shape["entry_length"] = 1.0
-        return self.groups | {"surface_1": shape, "domain": domain} | others
-
-    def step(self, steps: float) -> float:
-        """The time step that makes so many in the passage of the wave, which ends when it has passed X = 1."""
-        return min(self.length / (self.speed * steps), (1.0 - self.position) / self.speed)
-
-    def passing(self, step: float | None = None) -> Member:
-        """Its passage on the grid of the program, with a time step or the program's."""
-        time = {"transient": True, "end_time": (1.0 - self.position) / self.speed, "time_step": step}
-        case = self.case({}, time=time)
-
-        def fewest(length: float) -> int:
-            return max(power_of_two(FINE_IN_TIME * length / self.length), 2**11)
-
-        return Member(case, finer_passage(case, LONG_IN_TIME, fewest, self.step(FINE_IN_TIME)))
-
-    def at_rest(self, domain: dict) -> Member:
-        """Its steady contact."""
-        fine = max(power_of_two(FINE * length_of(LONG) / self.length), 2**15)
-        return Member(self.case(domain), self.case(LONG | {"intervals": fine}, accuracy=NO_BARS))
-
-
-def length_of(domain: dict) -> float:
-    """Its length."""
-    return domain["x_outlet"] - domain["x_inlet"]
+WAVES = ("ridge", "dent", "sinusoid")
 
 
 def power_of_two(intervals: float) -> int:
@@ -102,42 +49,55 @@ def rough_contact(source: random.Random, speed: float) -> tuple[Groups, float, f
     return {"bodies": bodies, "load": {"hertz_pressure": pressure}, "lubricant": oil}, half_width, film
 
 
-def wave_at_rest(source: random.Random) -> Wave:
-    """A wave of 0.02 to 0.5 half-widths that stands in the contact."""
-    contact = rough_contact(source, 0.0)
-    kind, length = source.choice(("ridge", "dent", "sinusoid")), 10 ** source.uniform(-1.7, -0.3)
-    return Wave(*contact, 0.0, kind, length, source.uniform(0.1, 0.7), source.uniform(-1.2, 1.1))
+def wave(kind: str, length: float, height: float, position: float) -> dict[str, object]:
+    """A surface with one wave: a ridge, a dent or a sinusoid, lengths and height in m, the place in half-widths."""
+    sign = {"ridge": 1.0, "dent": -1.0, "sinusoid": 0.4}[kind]
+    shape = {"shape": "sinusoid" if kind == "sinusoid" else "feature", "amplitude": sign * height}
+    return shape | {"wavelength": length, "position": position}
 
 
-def moving_wave(source: random.Random) -> Wave:
-    """A wave of 0.2 to 0.8 half-widths that passes, on the slow or the fast surface."""
-    speed = source.uniform(0.4, 1.9)
-    groups, half_width, film = rough_contact(source, speed)
-    kind, length = source.choice(("ridge", "dent", "sinusoid")), 10 ** source.uniform(-0.7, -0.1)
-    front = -1 - math.sqrt(2 * film * STEEL_RADIUS) / half_width  # X = -1 - sqrt(2 H_c): where the film is made
-    return Wave(groups, half_width, film, speed, kind, length, source.uniform(0.1, 0.6), front - length)
+def standing(*, is_coarse: bool) -> Draw:
+    """Waves of 0.02 to 0.5 half-widths that stand in the contact, on the program's grid, or a given one of 1 to 64 nodes a wave."""
+
+    def draw(source: random.Random, _: int) -> Member:
+        groups, half_width, film = rough_contact(source, 0.0)
+        kind, length = source.choice(WAVES), 10 ** source.uniform(-1.7, -0.3)
+        height, place = source.uniform(0.1, 0.7), source.uniform(-1.2, 1.1)
+        groups["surface_1"] = wave(kind, length * half_width, height * film, place)
+        domain = {}
+        if is_coarse:
+            domain = GIVEN | {"intervals": power_of_two(2 ** source.uniform(0, 6) * GIVEN_LENGTH / length)}
+        fine = max(power_of_two(FINE * LONG_LENGTH / length), 2**15)
+        return beside(groups, domain, LONG | {"intervals": fine})
+
+    return draw
 
 
-def resting(source: random.Random, _: int) -> Member:
-    """The grid is left to the program."""
-    return wave_at_rest(source).at_rest({})
+def moving(*, is_coarse: bool) -> Draw:
+    """Waves of 0.2 to 0.8 half-widths pass on the program's grid, in its time steps or in 1 to 64 given ones a wave."""
 
+    def draw(source: random.Random, _: int) -> Member:
+        speed = source.uniform(0.4, 1.9)
+        groups, half_width, film = rough_contact(source, speed)
+        kind, length = source.choice(WAVES), 10 ** source.uniform(-0.7, -0.1)
+        front = -1 - math.sqrt(2 * film * STEEL_RADIUS) / half_width  # X = -1 - sqrt(2 H_c): where the film is made
+        place = front - length
+        groups["surface_1"] = wave(kind, length * half_width, source.uniform(0.1, 0.6) * film, place)
+        if kind == "sinusoid":
+            groups["surface_1"]["entry_length"] = 1.0
+        end = (1.0 - place) / speed  # when it has passed X = 1
 
-def on_a_coarse_grid(source: random.Random, _: int) -> Member:
-    """The grid is given, with 1 to 64 nodes in the wave."""
-    wave, nodes = wave_at_rest(source), 2 ** source.uniform(0, 6)
-    return wave.at_rest(GIVEN | {"intervals": power_of_two(nodes * length_of(GIVEN) / wave.length)})
+        def step(steps: float) -> float:
+            return min(length / (speed * steps), end)
 
+        def fewest(domain: float) -> int:
+            return max(power_of_two(FINE_IN_TIME * domain / length), 2**11)
 
-def passing(source: random.Random, _: int) -> Member:
-    """Grid and time step are left to the program."""
-    return moving_wave(source).passing()
+        given = step(2 ** source.uniform(0, 6)) if is_coarse else None
+        groups["time"] = {"transient": True, "end_time": end, "time_step": given}
+        return Member(groups, finer_passage(groups, LONG_IN_TIME, fewest, step(FINE_IN_TIME)))
 
-
-def in_long_steps(source: random.Random, _: int) -> Member:
-    """The time step is given, with 1 to 64 steps in the passage of the wave; the grid is the program's."""
-    wave, steps = moving_wave(source), 2 ** source.uniform(0, 6)
-    return wave.passing(wave.step(steps))
+    return draw
 
 
 class Contact:
@@ -161,10 +121,11 @@ class Contact:
         intervals = {"intervals": 1024 if self.m < 10 else 512}
         return self.groups | surfaces | {"domain": intervals, "time": {"transient": True} | time} | others
 
-    def truth(self, surfaces: Groups, time: dict[str, object]) -> Callable[[Resolution], Groups]:
-        """The same on a long domain, finer than the case in space and in time."""
+    def member(self, case: tuple[Groups, dict], truth: tuple[Groups, dict] | None = None, **others: dict) -> Member:
+        """Surfaces and time of a case and of its truth: on a long domain, finer in space and in time."""
         ends = -14.0 if self.m < 10 else -8.0 if self.m < 40 else -5.0, 3.0 if self.m < 10 else 2.0
-        return finer_passage(self.case(surfaces, time), ends, 2048, 0.004 / max(abs(self.speed), 0.5))
+        finer = finer_passage(self.case(*(truth or case)), ends, 2048, 0.004 / max(abs(self.speed), 0.5))
+        return Member(self.case(*case, **others), finer)
 
 
 def ridge(source: random.Random, heights: tuple[float, float], lengths: tuple[float, float]) -> tuple[str, float, float]:
@@ -176,9 +137,8 @@ def strides(source: random.Random, _: int) -> Member:
     """A ridge passes; profiles are stored of few steps, of one field, or of nothing but the start."""
     contact = Contact(source, source.choice(SLIDES))
     surfaces = {"surface_2": contact.wave(*ridge(source, (0.1, 0.5), (0.5, 1.5)), -5.0)}
-    time = {"end_time": 7.0 / contact.speed}
     output = {"profile_stride": source.choice((3, 10, 50, 1000)), "fields": source.choice(("pressure", "film_thickness"))}
-    return Member(contact.case(surfaces, time, output=output), contact.truth(surfaces, time))
+    return contact.member((surfaces, {"end_time": 7.0 / contact.speed}), output=output)
 
 
 def periodic(source: random.Random, _: int) -> Member:
@@ -194,15 +154,15 @@ def periodic(source: random.Random, _: int) -> Member:
     # whole periods later: the same phase at the end, of which the last one counts
     periods = max(2, round(10 / period))
     later = {"end_time": end + period * periods, "statistics_from": end + period * (periods - 1)}
-    return Member(contact.case(surfaces, {"end_time": end}), contact.truth(surfaces, later))
+    return contact.member((surfaces, {"end_time": end}), (surfaces, later))
 
 
 def placed(source: random.Random, _: int) -> Member:
     """Ridges and dents that are given no place; the truth begins far in front of the contact."""
     contact = Contact(source, source.choice(SLIDES))
     shape = ridge(source, (0.1, 0.5), (0.5, 1.5))
-    case = contact.case({"surface_2": contact.wave(*shape, None)}, {"end_time": source.uniform(1.0, 8.0) / contact.speed})
-    return Member(case, contact.truth({"surface_2": contact.wave(*shape, -6.0)}, {"end_time": 9.0 / contact.speed}))
+    case = {"surface_2": contact.wave(*shape, None)}, {"end_time": source.uniform(1.0, 8.0) / contact.speed}
+    return contact.member(case, ({"surface_2": contact.wave(*shape, -6.0)}, {"end_time": 9.0 / contact.speed}))
 
 
 def inside(source: random.Random, _: int) -> Member:
@@ -215,8 +175,8 @@ def inside(source: random.Random, _: int) -> Member:
     begin = source.choice((None, 5.0))
     delay = (5.0 + place) / speed
     later = {"end_time": end + delay, "statistics_from": (begin or 4.8) + delay}
-    case = contact.case({"surface_2": contact.wave(*shape, place)}, {"end_time": end, "statistics_from": begin})
-    return Member(case, contact.truth({"surface_2": contact.wave(*shape, place - speed * delay)}, later))
+    case = {"surface_2": contact.wave(*shape, place)}, {"end_time": end, "statistics_from": begin}
+    return contact.member(case, ({"surface_2": contact.wave(*shape, place - speed * delay)}, later))
 
 
 def beside_waves(source: random.Random, _: int) -> Member:
@@ -225,12 +185,13 @@ def beside_waves(source: random.Random, _: int) -> Member:
     other = 2 - contact.speed
     shape = ridge(source, (0.1, 0.4), (0.5, 1.2))
     place, length = source.uniform(-9.0, -2.0), source.uniform(0.5, 1.5)
-    wave = {"surface_1": contact.wave("sinusoid", source.uniform(0.02, 0.15), length, 0.0)}
+    waves = {"surface_1": contact.wave("sinusoid", source.uniform(0.02, 0.15), length, 0.0)}
     end = (1.5 + 0.5 * shape[2] - place) / contact.speed + source.uniform(0.0, 2.0)
     delay = length / other * round(6 * other / length)
-    case = contact.case({"surface_2": contact.wave(*shape, place)} | wave, {"end_time": end})
-    later = {"surface_2": contact.wave(*shape, place - contact.speed * delay)} | wave
-    return Member(case, contact.truth(later, {"end_time": end + delay}))
+    early = waves | {"surface_2": contact.wave(*shape, place - contact.speed * delay)}
+    return contact.member(
+        (waves | {"surface_2": contact.wave(*shape, place)}, {"end_time": end}), (early, {"end_time": end + delay})
+    )
 
 
 def narrow(source: random.Random, _: int) -> Member:
@@ -238,97 +199,7 @@ def narrow(source: random.Random, _: int) -> Member:
     contact = Contact(source, source.choice((-1.0, -0.5, 0.0, 0.5, 1.0)), loads=(1.5, 2.5), eyring=0.25)
     length = 10 ** source.uniform(-1.0, -0.3)
     shape = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.05, 0.5), length, -1.5 - length)
-    surfaces, time = {"surface_2": shape}, {"end_time": (2.6 + 1.5 * length) / contact.speed}
-    return Member(contact.case(surfaces, time), contact.truth(surfaces, time))
-
-
-@dataclass(frozen=True)
-class Whole(Passage):
-    """A passage that begins in front of the contact, until all has gone through; the wave in units of the given grid's spacing."""
-
-    intervals: int
-    scheme: str
-
-    @property
-    def reach(self) -> float:
-        """S = sqrt(2 H_c), about."""
-        return math.sqrt(2 * CASE_1_H * self.load**-1.1)
-
-    @property
-    def domain(self) -> dict:
-        """Ends that cut no film off."""
-        return {"x_inlet": -max(4.0, 1 + 3.5 * self.reach), "x_outlet": 1.5 + 0.5 * self.reach}
-
-    @property
-    def dx(self) -> float:
-        """Spacing of the given grid, and time step."""
-        return length_of(self.domain) / self.intervals
-
-    @property
-    def length(self) -> float:
-        """Wavelength over b."""
-        return self.wave * self.dx
-
-    def place(self, surface: int) -> float:
-        """Where a feature is in front of the contact."""
-        return -math.copysign(1 + self.reach + 0.5 * self.length, self.speed(surface))
-
-    def roughness(self, half_width: float) -> dict[str, float]:
-        """A wave at least as long as the given grid resolves."""
-        wave = self.length * half_width
-        return {"wavelength_long": 4 * wave, "wavelength_rolloff": 2 * wave, "wavelength_short": wave}
-
-    def overtaking(self) -> dict[int, float]:
-        """Heights on both surfaces, over that of the passage."""
-        return {2: 1.0, 1: -0.7}
-
-    @property
-    def end_time(self) -> float:
-        """When all features have left, or waves and roughness have entered and settled."""
-        if self.kind in ("waviness", "roughness"):
-            return 2 * (2 + self.reach) + (4 * self.length + 4 + self.reach) / self.speed(2)
-        slowest = self.speed(2) if self.kind != "overtaking" else min(self.speed(1), self.speed(2))
-        return (3 + self.reach + 2 * self.length) / slowest
-
-    def finer(self, factor: int, **others: dict) -> Groups:
-        """Its groups, with so many times the intervals and steps."""
-        time = {"transient": True, "end_time": self.end_time, "time_step": self.dx / factor, "scheme": self.scheme}
-        domain = self.domain | {"intervals": factor * self.intervals}
-        return merged(self.groups(), domain=domain, time=time, **others)
-
-
-def pressure_in_time(source: random.Random, i: int) -> Member:
-    """Whole passages with both schemes, on given grids with dT = dX that resolve every wave."""
-    kind, load, oil = KINDS[i % len(KINDS)], 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
-    slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
-    height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 7)
-    case = Whole(kind, load, slide, oil, height, nodes, i, (256, 512)[i // 2 % 2], ("bdf2", "backward_euler")[i % 2])
-    return Member(case.finer(1), case.finer(8, accuracy=NO_BARS))
-
-
-def target_in_time(source: random.Random, i: int) -> Member:
-    """Grid and step chosen by trial runs, and the error bars of the result; the target is not judged."""
-    kind = KINDS[i % len(KINDS)]
-    slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
-    load, oil = 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
-    height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 6.5)
-    case = Whole(kind, load, slide, oil, height, nodes, i, (192, 256)[i % 2], "bdf2")
-    free = case.finer(1, accuracy={"target": TARGETS[i // 2 % 3]})
-    free["domain"] = free["domain"] | {"intervals": None}
-    free["time"] = free["time"] | {"time_step": None}
-    return Member(free, case.finer(8, accuracy=NO_BARS))
-
-
-def sample(seeds: tuple[int, int], intervals: int, scheme: str) -> Callable[[random.Random, int], Member]:
-    """Passages of two seeds on given grids with dT = dX; the truth is BDF2 on four times the intervals and a fourth of the step."""
-    every = [case for seed in seeds for case in passages(120, seed)]
-
-    def draw(_: random.Random, i: int) -> Member:
-        case = every[i]
-        truth = case.on_grid(4 * intervals, 1, accuracy=NO_BARS)
-        return Member(case.on_grid(intervals, 1, time={"scheme": scheme}), truth, name=f"{i:03d}_{case.kind}")
-
-    return draw
+    return contact.member(({"surface_2": shape}, {"end_time": (2.6 + 1.5 * length) / contact.speed}))
 
 
 def point_at_random(source: random.Random, i: int, heaviest: float) -> tuple[Groups, float, float]:

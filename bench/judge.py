@@ -20,13 +20,14 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import h5py
 import numpy as np
-from bench_program import run_program
+import pandas as pd
+from bench_program import Answer, Run, answer, run_program
 from namelists import NO_BARS, Groups, namelist
 
 WITHIN, TIGHT = 0.95, 0.80
@@ -99,8 +100,6 @@ class Family:
     given: bool = False
     # The truth is no finer than the result, and has its own estimates.
     is_other: bool = False
-    # Relative error that the program is to reach in all quantities: the table says how often, and with how many intervals.
-    aim: float = 0.0
 
     @property
     def asked(self) -> tuple[float, float]:
@@ -127,7 +126,6 @@ class Row:
     estimate: float = math.nan
     true_error: float = math.nan
     reason: str = ""
-    intervals: int = 0
 
 
 def beside(groups: Groups, domain: dict, fine: dict, **others: dict) -> Member:
@@ -174,61 +172,41 @@ def rounded_up(wanted: float) -> int:
     return power * math.ceil(wanted / power)
 
 
-def as_text(value: object) -> str:
-    """A string of HDF5."""
-    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
-
-
-@dataclass
-class Result:
-    """What a run says: reason of a failure, note, quantities with their estimates by path, resolution if in time."""
-
-    reason: str
-    note: str
-    values: dict[str, tuple[float, float]]
-    resolution: Resolution | None
-
-
-def read(family: Family, file: h5py.File) -> Result:
-    """What is judged of a result; of a sweep the last load."""
-    parts = as_text(file["report/note"][()]).split("; ") if "report/note" in file and not family.is_sample else []
+def read(family: Family, file: h5py.File) -> tuple[Answer, str, dict[str, tuple[float, float]], Resolution | None]:
+    """What is judged of a result: its answer, note, quantities with their estimates by path (of a sweep the last), resolution."""
+    found = answer(file)
+    parts = found.get("note", "").split("; ") if not family.is_sample else []
     note = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
     values = {}
     for path in (path for path in family.quantities if path in file):
-        data = file[path]
-        bar = sum(data.attrs.get(part, math.nan) for part in family.estimate.split("+"))
-        values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], bar))
-    domain, resolution = file["input/effective/domain"].attrs, None
-    if "x_inlet" in domain and (key := "intervals_x" if "intervals_x" in domain else "intervals") in domain:
-        (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain[key])
+        bar = sum(file[path].attrs.get(part, math.nan) for part in family.estimate.split("+"))
+        values[path] = tuple(float(np.ravel(each)[-1]) for each in (file[path][()], bar))
+    n, resolution = found.get("intervals_x", found.get("intervals")), None
+    if "x_inlet" in found and n:
+        start, end = found["x_inlet"], found["x_outlet"]
         step = float(file["input/effective/time"].attrs.get("time_step", math.nan))
-        resolution = Resolution((end - start) / n, step, start, end, n)
-    return Result("" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"]), "; ".join(note), values, resolution)
+        resolution = Resolution((end - start) / n, step, start, end, int(n))
+    return found, "; ".join(note), values, resolution
 
 
 def judge(family: Family, member: Member, name: str) -> list[Row]:
     """All quantities of a member."""
     take = partial(read, family)
-
-    def all_of_them(verdict: str, reason: str) -> list[Row]:
-        return [Row(family.name, name, path, verdict, reason=reason) for path in family.quantities]
-
-    _, said, found = run_program(namelist(member.case), take, member.files)
-    if found is None or found.reason:  # a film below the roughness has errors, too
-        return all_of_them(REFUSED, found.reason if found else said)
-    rows = []
-    for path, (value, estimate) in found.values.items():
+    run = run_program(namelist(member.case), take, member.files)
+    if reason := why_not(run):
+        return [Row(family.name, name, path, REFUSED, reason=reason) for path in family.quantities]
+    rows, (_, note, values, resolution) = [], run.found
+    for path, (value, estimate) in values.items():
         bar = member.target * abs(value) or estimate
-        verdict = NOTED if found.note else UNKNOWN if math.isnan(bar) else JUDGED
-        intervals = found.resolution.intervals if found.resolution else 0
-        rows.append(Row(family.name, name, path, verdict, value, bar, reason=found.note, intervals=intervals))
+        verdict = NOTED if note else UNKNOWN if math.isnan(bar) else JUDGED
+        rows.append(Row(family.name, name, path, verdict, value, bar, reason=note))
     truth = {path: (value, 0.0) for path, value in member.exact.items()}
     if member.truth and any(row.verdict == JUDGED for row in rows):
-        finer = member.truth(found.resolution) if callable(member.truth) else member.truth
-        _, said, fine = run_program(namelist(finer), take, member.files) if finer else (1, "", None)
-        if fine is None or fine.reason:
-            return [replace(row, verdict="no truth", reason=fine.reason if fine else said) for row in rows]
-        truth = fine.values | truth
+        finer = member.truth(resolution) if callable(member.truth) else member.truth
+        fine = run_program(namelist(finer), take, member.files) if finer else None
+        if fine is None or why_not(fine):
+            return [replace(row, verdict="no truth", reason=why_not(fine) if fine else "") for row in rows]
+        truth = fine.found[2] | truth
     for row in rows:
         value, bar = truth.get(family.limits.get(row.quantity, row.quantity), (math.nan, math.nan))
         row.true_error = abs(row.value - value)
@@ -238,51 +216,15 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     return rows
 
 
-def is_within(row: Row) -> bool:
-    """Whether the truth is within the estimate."""
-    return row.true_error <= row.estimate
+def why_not(run: Run) -> str:
+    """Why there is no number that looks like an answer; a film below the roughness has errors, too."""
+    if run.found is None:
+        return run.words or "no result"
+    return "" if run.found[0].converged else run.found[0]["reason"]
 
 
-def is_tight(row: Row, floor: float = FLOOR) -> bool:
-    """Whether the estimate is below ten times the true error."""
-    return row.estimate <= 10 * max(row.true_error, floor * abs(row.value))
-
-
-def share(rows: Sequence, test: Callable[[object], bool]) -> float:
-    """Which part passes a test; of none, all."""
-    return sum(map(test, rows)) / len(rows) if rows else 1.0
-
-
-def quantile(values: Sequence[float], part: float) -> float:
-    """The value below which this part lies."""
-    ordered = sorted(values)
-    return ordered[min(int(part * len(ordered)), len(ordered) - 1)] if ordered else math.nan
-
-
-def table(families: list[Family], rows: list[Row]) -> str:
-    """A line a quantity, with the verdict on the family."""
-    head = f"{'cases':>5s} {'refused':>7s} {'noted':>5s} {'not known':>9s} {'within':>7s} {'< 10 x':>7s}"
-    lines = [f"{'family, quantity':44s} {head}"]
-    for family in families:
-        lines.append(family.title)
-        for path in family.quantities:
-            own = [row for row in rows if row.family == family.name and row.quantity == path and row.verdict != "no truth"]
-            judged = [row for row in own if row.verdict == JUDGED]
-            refused, noted, unknown = (sum(row.verdict == verdict for row in own) for verdict in (REFUSED, NOTED, UNKNOWN))
-            within, tight = (share(judged, test) for test in (is_within, is_tight))
-            verdict = "" if within >= family.asked[0] and tight >= family.asked[1] else "  missed"
-            label = f"  {family.name} {path.removeprefix('summary/')}"
-            numbers = f"{len(own):5d} {refused:7d} {noted:5d} {unknown:9d} {100 * within:5.1f} % {100 * tight:5.1f} %"
-            lines.append(f"{label:44s} {numbers}{verdict}")
-        if family.aim:
-            lines.append(reached(family, [row for row in rows if row.family == family.name]))
-    return "\n".join(lines) + "\n"
-
-
-def reached(family: Family, rows: list[Row]) -> str:
-    """Which part of the members has a solution, which of these has all errors that are known below the aim, and the intervals."""
-    solved = {row.member: row.intervals for row in rows if row.verdict != REFUSED}
-    wide = {row.member for row in rows if row.estimate > 1.000001 * family.aim * abs(row.value)}
-    shares = f"{100 * len(solved) / len({row.member for row in rows}):.1f} % solved, {100 - 100 * len(wide) / len(solved):.1f} %"
-    sizes = ", ".join(str(quantile([*solved.values()], part)) for part in (0.1, 0.5, 0.8, 0.9, 1.0))
-    return f"  {shares} of them known to {100 * family.aim:g} %; intervals (10, 50, 80, 90, 100 %): {sizes}"
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Those that are judged: whether the truth is within the estimate, and this below ten times the true error (`tight`)."""
+    own = rows[rows["verdict"] == JUDGED]
+    largest = 10 * np.maximum(own["true_error"], FLOOR * own["value"].abs())
+    return own.assign(within=own["true_error"] <= own["estimate"], tight=own["estimate"] <= largest)

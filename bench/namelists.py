@@ -68,15 +68,6 @@ def case_1(intervals: int | None, solver: dict | None = None, **others: dict) ->
     return namelist(merged(CASE_1 | {"domain": WINDOW | {"intervals": intervals}, "solver": solver or {}}, **others))
 
 
-def case_3(
-    intervals: int, solver: dict | None = None, steps_per_dx: float = 2, end_time: float = 2.1806640625, **time: object
-) -> str:
-    """Chapter 5, Case 3: the ridge on the fast surface; time steps of dX/steps_per_dx, the scheme of the thesis."""
-    step = 5.5 / intervals / steps_per_dx
-    settings = {"transient": True, "end_time": end_time, "time_step": step, "scheme": "backward_euler"} | time
-    return case_1(intervals, solver, surface_2=RIDGE, time=settings)
-
-
 def plane(m: float, oil: float, law: dict | None = None) -> Groups:
     """Groups of a smooth Newtonian contact by Moes' numbers (speed sum); Barus and incompressible without a law."""
     barus = {"viscosity_law": "barus" if oil > 0 else "constant", "density_law": "constant"}

@@ -13,13 +13,13 @@ import shutil
 import subprocess
 import sys
 import textwrap
-from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 
-from bench_program import ROOT, read_csv
-from families import FAMILIES
-from judge import JUDGED, Row, is_tight, is_within, share
+import pandas as pd
+from bench_program import ROOT
+from families import table as families_table
+from stability import is_right
 from stability_cells import NAMES
 
 RESULTS, PAGE, IMAGES = ROOT / "results", ROOT / "docs" / "performance.md", ROOT / "docs" / "images" / "performance"
@@ -60,60 +60,43 @@ def as_it_is(*paths: Path) -> str:
 
 def bench_text(path: Path) -> str:
     """Targets of speed and memory, and the median of what was measured; a star where that misses the target."""
-    lines = []
-    for row in (row for row in read_csv(path) if row["asked"]):
-        star = "*" * (row["verdict"] in {"MISSED", "met (min.)", "met (CPU)"})
-        line = f"{row['work']:<44} <= {float(row['asked']):<6g} {float(row['median']):8.3g} {row['unit']:<2} {star}"
-        lines.append(line.rstrip())
+    rows = pd.read_csv(path).dropna(subset=["asked"]).fillna({"unit": ""})
+    stars = rows["verdict"].isin(("MISSED", "met (min.)", "met (CPU)"))
+    lines = [
+        f"{work:<44} <= {asked:<6g} {median:8.3g} {unit:<2} {'*' * star}".rstrip()
+        for work, asked, median, unit, star in zip(*(rows[key] for key in ("work", "asked", "median", "unit")), stars, strict=True)
+    ]
     return fenced("\n".join(lines))
 
 
 def families_text(path: Path) -> str:
-    """A line a family: quantities judged, shares, and behind a star those of its quantities that miss a target."""
-    found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
-    numbers = ("value", "estimate", "true_error", "intervals")
-    for row in read_csv(path):
-        each = Row(**{key: float(value) if key in numbers else value for key, value in row.items()})
-        if each.verdict == JUDGED:
-            found[each.family][each.quantity.removeprefix("summary/")].append(each)
-    asked = {family.name: family.asked for family in FAMILIES}
-    lines = [f"{'family':26s} {'judged':>6s} {'within [%]':>10s} {'below 10 x [%]':>14s}"]
-    for family, quantities in found.items():
-        every = [row for own in quantities.values() for row in own]
-        within, tight = asked[family]
-        missed = [name for name, own in quantities.items() if share(own, is_within) < within or share(own, is_tight) < tight]
-        shares = f"{100 * share(every, is_within):10.1f} {100 * share(every, is_tight):14.1f}"
-        lines.append(f"{family:26s} {len(every):6d} {shares}" + (f"  * {', '.join(missed)}" if missed else ""))
-    return fenced("\n".join(lines))
+    """The table of the families."""
+    return fenced(families_table(pd.read_csv(path)))
 
 
 def maps_text(*paths: Path) -> str:
     """Cells in which each method is right: it converges, or its grid or step is too coarse and was called so."""
     lines = ["| map | cells | right |", "|---|---|---|"]
     for path in paths:
-        right: dict[str, list[bool]] = defaultdict(list)
-        for row in read_csv(path):
-            right[row["method"]].append(row["reason"] == "converged" or row["status"] == "too coarse")
-        words = "; ".join(f"{method} {sum(each)}" for method, each in right.items() if not all(each))
-        lines.append(f"| {path.stem[10:]} | {len(next(iter(right.values())))} | {words + '; the others ' if words else ''}all |")
+        rows = pd.read_csv(path)
+        right = is_right(rows).groupby(rows["method"], sort=False).agg(["sum", "size"])
+        words = "; ".join(f"{method} {count}" for method, count in right["sum"][right["sum"] < right["size"]].items())
+        lines.append(f"| {path.stem[10:]} | {right['size'].iloc[0]} | {words + '; the others ' if words else ''}all |")
     return "\n".join(lines) + "\n"
 
 
 def dry_text(path: Path) -> str:
     """The table of `make bench-dry`, the shares of contact [%] of a row beside each other."""
-    groups = defaultdict(list)
-    for row in read_csv(path):
-        groups[re.sub(r", \d+ %", "", row["work"])].append(row)
-    lines = []
-    for work, own in groups.items():
-        cells = [f"{share[0][:-2]}: " if (share := re.findall(r"\d+ %", row["work"])) else "" for row in own]
-        cells = [f"{cell}{row['value']}{'*' * (row['verdict'] == 'MISSED')}" for cell, row in zip(cells, own, strict=True)]
-        sign = ">=" if own[0]["unit"] == "times" else "<="
-        lines.append(f"{work:<44} {sign} {own[0]['asked']:>4} {own[0]['unit']:<6} {'; '.join(cells)}")
+    rows, lines = pd.read_csv(path).rename(columns={"value": "median"}), []
+    for work, own in rows.groupby(rows["work"].str.replace(r", \d+ %", "", regex=True), sort=False):
+        shares = own["work"].str.extract(r"(\d+) %")[0].add(": ").fillna("")
+        cells = shares + own["median"].map("{:.3g}".format) + own["verdict"].eq("MISSED").map({True: "*", False: ""})
+        sign, unit = (">=" if own["unit"].iloc[0] == "times" else "<="), own["unit"].iloc[0]
+        lines.append(f"{work:<44} {sign} {own['asked'].iloc[0]:>4g} {unit:<6} {'; '.join(cells)}")
     return fenced("\n".join(lines))
 
 
-# Of each block what it needs below results/, the figures, and its text, made from the paths of the former; auto.py writes `auto`.
+# Of each block what it needs below results/, the figures, and its text, made from the paths of the former.
 BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "bench": (["bench/bench.csv"], [], bench_text),
     "chart": (["chart/conclusion.txt"], ["chart/chart.png"], as_it_is),
@@ -123,6 +106,7 @@ BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "stability": ([f"stability/stability_{name}.csv" for name in NAMES], ["stability/stability.png"], maps_text),
     "dry": (["bench/dry.csv"], [], dry_text),
     "adequacy": (["adequacy/adequacy.txt"], [], as_it_is),
+    "auto": (["auto/auto.txt"], ["auto/auto.png"], as_it_is),
 }
 
 

@@ -167,7 +167,7 @@ def test_each_task_fits_a_screen():
 
 SCENES = sorted((ROOT / "input" / "scenes").glob("*.nml"))
 NUMERICAL = {"grid", "time_step", "domain", "iteration", "validity"}
-# Ingredients of each scene by verdict; bench/scenes.py compares them with those of fine grids.
+# Ingredients of each scene by verdict; bench/adequacy.py --kinds scene compares them with fine grids.
 OIL = "compressibility elasticity piezoviscosity roelands shear_thinning"
 VERDICTS = {
     "01_journal_bearing": {"irrelevant": "compressibility roelands", "matters below the accuracy": "elasticity piezoviscosity"},

@@ -4,10 +4,9 @@ import bench_program
 import pytest
 import stability
 import stability_cells
-import stability_dry
-import stability_figure
 from bench_program import Answer
 from cases import write
+from namelists import namelist
 
 
 def answer(cycles, reason="converged", steps=0):
@@ -30,7 +29,6 @@ def answer(cycles, reason="converged", steps=0):
         (answer(0, "refused: 1 finding"), "refused"),
         (answer(6000, "the error is 1.2E-05 after 6000 iterations"), "limit"),
         (answer(40, "the error has stopped falling at 1.2E-05"), "stalled"),
-        (None, "blank"),
     ],
 )
 def test_class_of_a_cell(found, word):
@@ -38,9 +36,9 @@ def test_class_of_a_cell(found, word):
 
 
 def test_every_class_has_a_look_and_what_failed_one_colour():
-    looks = stability_figure.CLASSES
-    assert {looks[word][0] for word in ("limit", "stalled", "failed")} == {stability_figure.NOT_CONVERGED}
-    assert looks["late"][0] != stability_figure.NOT_CONVERGED
+    looks = stability.CLASSES
+    assert {looks[word][0] for word in ("limit", "stalled", "failed")} == {stability.NOT_CONVERGED}
+    assert looks["late"][0] != stability.NOT_CONVERGED
     assert len({sign for _, sign, _ in looks.values()}) == len(looks)
 
 
@@ -48,11 +46,11 @@ def test_dry_cells_have_the_same_classes(program, monkeypatch):
     monkeypatch.setattr(bench_program, "ASPERITY", program)
 
     def word_of(method, **keys):
-        case = stability_dry.cell(**keys)
+        case = stability_cells.dry_cell(**keys)
         case["solver"] |= {"method": method, "max_cycles": 100}
-        return stability_dry.class_of(stability_dry.run(case))
+        return stability.status(bench_program.solve(namelist(case)))
 
-    few, many = stability_dry.METHODS
+    few, many = stability_cells.DRY_METHODS
     line = {"load": 0.03, "nodes": 512, "is_area": False}
     assert word_of(few, **line) == "converged"
     assert word_of(many, **line) == "limit"
@@ -62,14 +60,10 @@ def test_dry_cells_have_the_same_classes(program, monkeypatch):
 
 
 def test_maps_in_time_have_contacts_without_sliding(asperity, tmp_path):
-    each = stability_cells.rolling_map(quick=True)
+    each = next(each for each in stability_cells.passing_maps(quick=True) if each.key == "rolling")
     cells = list(each.cells.values())
     assert len(cells) == len(each.methods) * len(each.x.values) * len(each.y.values)
     assert {name.split(": ")[1] for name in each.methods} == {"Eyring", "Newtonian"}
     assert all("speed_1 = 0.6\n   speed_2 = 0.6\n" in cell for cell in cells)
     write(tmp_path, "cell.nml", cells[0])
     assert asperity("--check", "cell.nml").returncode == 0
-
-
-def test_all_maps_are_named():
-    assert [each.key for each in stability_cells.all_maps(quick=True)] == list(stability_cells.NAMES)

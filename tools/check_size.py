@@ -36,7 +36,7 @@ BOUNDS = {
     "sources": 48_344,
     "how sure": 5_707,
     "tests": 34_321,
-    "bench": 5_658,
+    "bench": 4_273,
     "words of pages": 44_975,
     "imports of a file": 20,
     "components of a type": 15,

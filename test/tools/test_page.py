@@ -17,7 +17,7 @@ def test_a_page_without_the_block_is_refused(text):
         page.with_block(text, "dry", "new\n")
 
 
-@pytest.mark.parametrize("name", [*page.BLOCKS, "auto"])
+@pytest.mark.parametrize("name", page.BLOCKS)
 def test_the_page_has_every_block(name):
     text = page.PAGE.read_text(encoding="utf-8")
     assert page.with_block(text, name, "new\n").count("new\n") == text.count("new\n") + 1
