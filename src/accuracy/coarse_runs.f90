@@ -5,7 +5,7 @@ module coarse_runs
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
    use experiment, only: coarser, experiment_t, outcome_t, run_experiment, solution_t
-   use inlet_errors, only: inlet_change_t
+   use inlet_errors, only: domain_change_t
    use kinds, only: wp
    use listener, only: listener_t
    use quantities, only: x_cavitation
@@ -19,18 +19,13 @@ module coarse_runs
    !> Up to this loss of film the inlet rule gives the error; beyond, the change is measured.
    real(wp), parameter :: small_loss = 0.05_wp
 
-   !> A coarse run on `factor` times fewer intervals, in time with larger steps. It does not depend
-   !> on the actual run: another thread may make it at the same time, or a trial run was that.
-   type :: side_run_t
-      integer :: factor
-      type(outcome_t) :: outcome
-      type(error_t), allocatable :: error
-   end type side_run_t
-
-   !> All coarse runs in their order: behind one without a solution all others are useless.
+   !> Coarse runs on n/2 and n/4 intervals, in time with larger steps; with a first-order scheme one
+   !> on n by the second-order one before them. They do not depend on the actual run: another thread
+   !> may make them at the same time, or trial runs were those. Behind one without a solution all
+   !> others are useless.
    type :: side_runs_t
       type(experiment_t) :: experiment
-      type(side_run_t), allocatable :: runs(:)
+      type(outcome_t), allocatable :: runs(:)
       !> Number begun so far.
       integer :: begun = 0
       !> Whether they have become useless.
@@ -41,16 +36,13 @@ module coarse_runs
 
 contains
 
-   !> Prepares runs on n/2 and n/4 intervals, in time by a first-order scheme with the second-order
-   !> one and also on n, first.
+   !> Prepares the coarse runs of an experiment.
    pure function new_side_runs(experiment) result(side_runs)
       type(experiment_t), intent(in) :: experiment
       type(side_runs_t) :: side_runs
 
       side_runs%experiment = experiment
-      side_runs%runs = [side_run_t(2), side_run_t(4)]
-      if (experiment%time%scheme == 'backward_euler') side_runs%runs = [side_run_t(1), &
-         side_runs%runs]
+      allocate (side_runs%runs(merge(3, 2, experiment%time%scheme == 'backward_euler')))
    end function new_side_runs
 
    !> Makes the runs that are not known one after the other while they are useful. Any number of
@@ -75,14 +67,13 @@ contains
          are_off = side_runs%are_off
          if (are_off .or. i > last) return
          associate (run => side_runs%runs(i), runs => side_runs%runs)
-            if (run%outcome%is_known) cycle
-            call run_experiment(coarser(accurate, run%factor), listener, run%outcome, run%error)
-            if (i < last .and. allocated(run%outcome%coarser)) then
+            if (run%is_known) cycle
+            call run_experiment(coarser(accurate, 2**(i + 2 - last)), listener, run)
+            if (i < last .and. allocated(run%coarser)) then
                ! a steady one has passed the next on its way
-               if (size(run%outcome%coarser) > 0) runs(i + 1)%outcome = outcome_t(.true., &
-                  run%outcome%coarser(1))
+               if (size(run%coarser) > 0) runs(i + 1) = outcome_t(.true., summary=run%coarser(1))
             end if
-            if (run%outcome%is_known) cycle
+            if (run%is_known) cycle
          end associate
          ! those behind it are useless, and before it another thread may be at work
          !$omp atomic write
@@ -100,74 +91,69 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
-      associate (experiment => side_runs%experiment)
+      associate (experiment => side_runs%experiment, runs => side_runs%runs)
          bars = new_error_bars(experiment%contact, experiment%time, &
             experiment%settings%space_scheme)
-      end associate
-      do i = 1, size(side_runs%runs)
-         associate (run => side_runs%runs(i), outcome => side_runs%runs(i)%outcome)
-            if (allocated(run%error)) error = run%error
-            if (allocated(error) .or. .not. outcome%is_known) return
-            if (run%factor == 1) then
-               bars%second_order = outcome%summary
+         do i = 1, size(runs)
+            if (allocated(runs(i)%error)) error = runs(i)%error
+            if (allocated(error) .or. .not. runs(i)%is_known) return
+            if (i == size(runs) - 2) then
+               bars%second_order = runs(i)%summary
             else
-               call copy_coarser(bars, [bars%coarser(:bars%grids), outcome%summary])
+               call copy_coarser(bars, [bars%coarser(:bars%grids), runs(i)%summary])
             end if
-         end associate
-      end do
+         end do
+      end associate
    end subroutine copy_side_runs
 
    !> Runs the case at the spacing of n/2 intervals on a domain lengthened behind the outlet, to
    !> measure what the outlet cuts off: twice the length; in steady contacts up to eight times,
    !> until nothing is cut off. On a graded grid, with this outlet and with that of the program.
-   subroutine run_longer(bars, experiment, listener, error)
+   subroutine run_longer(bars, experiment, listener)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: longer
       type(outcome_t) :: outcome
       integer :: doubling
 
       longer = experiment
       if (longer%contact%domain%grid == 'graded') then
-         call run_experiment(longer, listener, outcome, error)
-         if (allocated(error) .or. .not. outcome%is_known) return
-         bars%cut = outcome%summary
+         call run_experiment(longer, listener, outcome)
+         if (.not. outcome%is_known) return
+         bars%outlet%near = outcome%summary
          longer%contact%domain%has_outlet = .false.
-         call run_experiment(longer, listener, outcome, error)
-         if (allocated(error)) return
-         bars%has_longer = outcome%is_known
-         bars%longer = outcome%summary
+         call run_experiment(longer, listener, outcome)
+         bars%outlet%is_known = outcome%is_known
+         bars%outlet%far = outcome%summary
          return
       end if
       if (bars%grids == 0) return
-      bars%cut = bars%coarser(1)
-      associate (domain => longer%contact%domain, is_transient => experiment%time%is_transient)
+      bars%outlet%near = bars%coarser(1)
+      associate (domain => longer%contact%domain, is_transient => experiment%time%is_transient, &
+         outlet => bars%outlet)
          do doubling = 1, merge(1, 3, is_transient)
             domain%x_outlet = 2*domain%x_outlet - domain%x_inlet
             if (domain%x_outlet > farthest) return
             domain%intervals = 2*domain%intervals
             if (domain%intervals/2 > max_chosen(experiment%settings)) return
-            call run_experiment(coarser(longer, 2), listener, outcome, error)
-            if (allocated(error)) return
-            bars%has_longer = outcome%is_known
-            if (.not. bars%has_longer) return
-            bars%longer = outcome%summary
-            bars%has_longer = is_transient .or. bars%longer%of(x_cavitation)%value &
+            call run_experiment(coarser(longer, 2), listener, outcome)
+            outlet%is_known = outcome%is_known
+            if (.not. outlet%is_known) return
+            outlet%far = outcome%summary
+            outlet%is_known = is_transient .or. outlet%far%of(x_cavitation)%value &
                < domain%x_outlet - 3*(domain%x_outlet - domain%x_inlet)/domain%intervals
-            if (bars%has_longer) return
+            if (outlet%is_known) return
          end do
       end associate
    end subroutine run_longer
 
    !> Measures the influence of the inlet of a steady contact that loses much film by the inlet rule
    !> (`inlet_error`): on a graded grid of its domain and on one with a far inlet.
-   subroutine run_farther(bars, experiment, listener, error)
+   subroutine run_farther(bars, experiment, listener)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: graded
       type(outcome_t) :: near, far
 
@@ -175,30 +161,28 @@ contains
       graded = experiment
       graded%settings%target = 0.0_wp
       graded%contact%domain%grid = 'graded'
-      call run_experiment(graded, listener, near, error)
-      if (allocated(error) .or. .not. near%is_known) return
+      call run_experiment(graded, listener, near)
+      if (.not. near%is_known) return
       graded%contact%domain%has_inlet = .false.
       call choose_domain(graded%contact)
-      call run_experiment(graded, listener, far, error)
-      if (allocated(error)) return
-      bars%inlet = inlet_change_t(far%is_known, near%summary, far%summary)
+      call run_experiment(graded, listener, far)
+      bars%inlet = domain_change_t(far%is_known, near%summary, far%summary)
    end subroutine run_farther
 
    !> Runs a steady case solved with kappa also with upwind2, on its grid and the coarser ones of
    !> the nested start.
-   subroutine run_other_scheme(bars, experiment, listener, error)
+   subroutine run_other_scheme(bars, experiment, listener)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: other
       type(outcome_t) :: outcome
 
       if (.not. bars%is_kappa) return
       other = experiment
       other%settings%space_scheme = 'upwind2'
-      call run_experiment(other, listener, outcome, error)
-      if (allocated(error) .or. .not. outcome%is_known) return
+      call run_experiment(other, listener, outcome)
+      if (.not. outcome%is_known) return
       if (size(outcome%coarser) > 0) bars%other_scheme = [outcome%summary, outcome%coarser]
    end subroutine run_other_scheme
 

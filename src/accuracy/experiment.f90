@@ -32,8 +32,9 @@ module experiment
 
    !> Result of a run.
    type :: outcome_t
-      !> Whether there is a solution.
+      !> Whether there is a solution, and why there is none if memory or a library failed.
       logical :: is_known = .false.
+      type(error_t), allocatable :: error
       !> Its quantities (of a transient their extremes), and of a steady contact those on the n/2,
       !> n/4 ... intervals of its nested start.
       type(line_summary_t) :: summary
@@ -101,28 +102,31 @@ contains
       end associate
    end function coarser
 
-   !> Runs the experiment unless it has no intervals; with `solution` the listener receives its time
-   !> steps, too. Error: memory or a library failed.
-   subroutine run_experiment(self, listener, outcome, error, solution)
+   !> Runs the experiment, unless it has no intervals or another one has failed: an error stops the
+   !> listener. With `solution` that receives its time steps, too.
+   subroutine run_experiment(self, listener, outcome, solution)
       type(experiment_t), intent(in) :: self
       class(listener_t), intent(inout), target :: listener
       type(outcome_t), intent(out) :: outcome
-      type(error_t), allocatable, intent(out) :: error
       type(solution_t), intent(out), optional :: solution
       type(collector_t) :: collector
       type(line_contact_t) :: contact
       type(line_state_t) :: last
       type(report_t) :: report
 
-      if (self%contact%domain%intervals == 0) return
+      if (self%contact%domain%intervals == 0 .or. allocated(listener%error)) return
       contact = self%contact
       contact%domain%may_lengthen = .false.
       collector%parent => listener
       collector%passes_on = present(solution)
       if (present(solution)) collector%stress_stride = listener%stress_stride
       collector%passage = passage_extremes_t(new_passage_times(contact, self%time))
-      call solve_ehl_line(contact, self%settings, self%time, collector, last, report, error)
-      if (allocated(error)) return
+      call solve_ehl_line(contact, self%settings, self%time, collector, last, report, outcome%error)
+      if (allocated(outcome%error)) then
+         listener%error = outcome%error
+         listener%is_stopping = .true.
+         return
+      end if
       outcome%is_known = report%converged
       outcome%work = report%cycles*real(contact%domain%intervals, wp)
       if (.not. outcome%is_known) return
