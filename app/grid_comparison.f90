@@ -5,13 +5,12 @@ module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_notes, only: add_note
    use case_record, only: case_t
-   use coarse_runs, only: make_side_runs, new_side_runs, run_farther, run_longer, &
-      run_other_scheme, side_runs_t
    use domain_choice, only: choose_domain, cut_asperities
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
-   use experiment, only: experiment_t, new_experiment
+   use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, run_farther, &
+      run_longer, run_other_scheme, side_runs_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces

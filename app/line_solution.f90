@@ -4,9 +4,9 @@ module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_error, note_unusual, &
       time_text
    use case_record, only: case_t, list_passage, set_effective
-   use coarse_runs, only: copy_side_runs, make_side_runs, side_runs_t
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
+   use experiment, only: copy_side_runs, make_side_runs, side_runs_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, solve_with_coarse_runs
    use iteration_report, only: phase_error_bars, report_t

@@ -21,8 +21,8 @@ module ablation_runs
    implicit none (type, external)
    private
 
-   public :: change_between, doubt_between, largest_change, measure_at_rest, set_change, &
-      set_change_by_one
+   public :: change_between, doubt_between, measure_at_rest, set_change, set_change_by_one, &
+      set_step_error
 
    !> Error of a change: this many times its difference from the coarser grid, a share of the
    !> change, a share of the largest change of a film, and at least the error of the iteration.
@@ -40,6 +40,12 @@ module ablation_runs
    !> Intervals of the finer of the two grids: at most the first where the budget allows, at least
    !> the second.
    integer, parameter :: most_intervals = 256, least_intervals = 64
+
+   !> The error by the time step: this many times the change from twice the step on n/4, or from the
+   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
+   !> single change may vanish by chance.
+   real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp], &
+      by_scheme(2) = [2.0_wp, 0.3_wp]
 
 contains
 
@@ -227,6 +233,18 @@ contains
          end if
       end do
    end subroutine set_change
+
+   !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these
+   !> `factors`.
+   pure subroutine set_step_error(better, other, factors, row)
+      type(line_summary_t), intent(in) :: better, other
+      real(wp), intent(in) :: factors(2)
+      type(influence_t), intent(inout) :: row
+
+      row%change = change_between(better, other)
+      row%change = factors(1)*abs(row%change) + factors(2)*largest_change(row%change)
+      row%error = 0.0_wp*row%change
+   end subroutine set_step_error
 
    !> The largest known change of a film.
    pure real(wp) function largest_change(change) result(largest)

@@ -7,8 +7,8 @@
 !> take one steady solution on each grid; without the squeeze term, steady solutions follow the
 !> waves. With `adequacy%is_full` whatever remains open is run in time on n/2 and n/4, at any cost.
 module measured_adequacy
-   use ablation_runs, only: change_between, doubt_between, largest_change, measure_at_rest, &
-      set_change, widths
+   use ablation_runs, only: by_larger_step, by_scheme, change_between, doubt_between, &
+      measure_at_rest, set_change, set_step_error, widths
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out, roughness, squeeze
    use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use domain_choice, only: choose_domain
@@ -30,7 +30,7 @@ module measured_adequacy
    private
 
    public :: full_cost, measure_adequacy, measure_change, new_pair, passage_pair_t, run_pair, &
-      sees_all, set_step_error, solved_t
+      sees_all, solved_t
 
    !> A solved case: its settings, quantities, Newton steps and error bars.
    type :: solved_t
@@ -81,12 +81,6 @@ module measured_adequacy
       no_film_at_rest = 'the contact stops or reverses: no steady film there'
    !> Most intervals of the smooth steady contact.
    integer, parameter :: most_at_rest = 128
-   !> The error by the time step: this many times the change from twice the step on n/4, or from the
-   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
-   !> single change may vanish by chance.
-   real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp]
-   real(wp), parameter :: by_scheme(2) = [2.0_wp, 0.3_wp]
-
 contains
 
    !> Measures every ingredient of a converged result, whose last state is `state`, at the accuracy
@@ -289,18 +283,6 @@ contains
       call measure_at_rest(contact, solution%state, adequacy, listener)
       adequacy%rows%is_at_rest = .not. is_of_surfaces(list)
    end subroutine measure_smooth
-
-   !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these
-   !> `factors`.
-   pure subroutine set_step_error(better, other, factors, row)
-      type(line_summary_t), intent(in) :: better, other
-      real(wp), intent(in) :: factors(2)
-      type(influence_t), intent(inout) :: row
-
-      row%change = change_between(better, other)
-      row%change = factors(1)*abs(row%change) + factors(2)*largest_change(row%change)
-      row%error = 0.0_wp*row%change
-   end subroutine set_step_error
 
    !> The transient of `experiment` on `factors` times fewer intervals, not run yet.
    pure function new_pair(experiment, factors) result(pair)

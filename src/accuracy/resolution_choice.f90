@@ -5,11 +5,10 @@
 !> is taken. `bench/targets.py` measures how often the target is met and at what cost.
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use coarse_runs, only: new_side_runs, side_runs_t
    use domain_choice, only: inlet_error
    use errors, only: fail, input_error
-   use experiment, only: experiment_t, min_intervals, new_experiment, outcome_t, run_experiment, &
-      solution_t
+   use experiment, only: experiment_t, min_intervals, new_experiment, new_side_runs, outcome_t, &
+      run_experiment, side_runs_t, solution_t
    use grid_errors, only: error_in_time, observed_order
    use inlet_errors, only: film_safety
    use kinds, only: not_known, wp
