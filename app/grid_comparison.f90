@@ -5,13 +5,12 @@ module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_notes, only: add_note
    use case_record, only: case_t
-   use coarse_runs, only: make_side_runs, new_side_runs, run_farther, run_longer, &
-      run_other_scheme, side_runs_t
    use domain_choice, only: choose_domain, cut_asperities
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
-   use experiment, only: experiment_t, new_experiment
+   use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, run_farther, &
+      run_longer, run_other_scheme, side_runs_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces
@@ -41,12 +40,10 @@ contains
 
    !> Both ends of the domain of the solved contact, for its error bars. A note where one cuts off
    !> asperities, or the outlet the film, unless that is known to change the quantities a little.
-   !> Error: memory or a library failed.
-   subroutine check_ends(case, listener, report, error)
+   subroutine check_ends(case, listener, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
-      type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
       real(wp) :: change
@@ -60,18 +57,13 @@ contains
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          ! roughness passes, the inlet stays
          if (case%time%is_transient) at_rest%contact = without_surfaces(case%contact)
-         call run_farther(bars, at_rest, listener, error)
-         if (allocated(error)) return
-         if (.not. case%time%is_transient) call run_other_scheme(bars, at_rest, listener, error)
-         if (allocated(error)) return
+         call run_farther(bars, at_rest, listener)
+         if (.not. case%time%is_transient) call run_other_scheme(bars, at_rest, listener)
       end if
-      if (report%fit%outlet_pressure > 0.0_wp) then
-         bars%is_cut = .true.
-         if (case%solver%wants_coarse_runs) then
-            call run_longer(bars, new_experiment(case%contact, case%solver, case%time), &
-               listener, error)
-            if (allocated(error)) return
-         end if
+      bars%is_cut = report%fit%outlet_pressure > 0.0_wp
+      if (bars%is_cut) then
+         if (case%solver%wants_coarse_runs) call run_longer(bars, new_experiment(case%contact, &
+            case%solver, case%time), listener)
          change = outlet_error(bars)
          is_small = ieee_is_finite(change)
          if (is_small) is_small = change <= largest_change

@@ -36,7 +36,8 @@ contains
       associate (choice => listener%writer%choice)
          call choose_model(experiment_t(case%contact, case%solver, case%time), &
             case%solver%target, allocated(case%time%resume_from) &
-            .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
+            .or. size(case%output_settings%film_thresholds) > 0, choice, listener)
+         call move_alloc(listener%error, error)
          if (allocated(error) .or. .not. (choice%is_steady .or. choice%is_quasi_steady)) return
          call apply_model(choice, case%contact, case%time)
          call listener%log%say(case%file//': solves '//solved_text(choice))
@@ -78,8 +79,9 @@ contains
             writer%quantities_at_end(state, report))
          call measure_adequacy(solved_t(new_experiment(case%contact, case%solver, case%time), &
             writer%run%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
-            state, writer%adequacy, listener, error)
+            state, writer%adequacy, listener)
       end associate
+      call move_alloc(listener%error, error)
       if (allocated(error)) return
       report%converged = .not. listener%is_stopping
       report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start

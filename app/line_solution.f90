@@ -4,9 +4,9 @@ module line_solution
    use case_notes, only: add_note, hour, note_coarse_waves, note_missed_error, note_unusual, &
       time_text
    use case_record, only: case_t, list_passage, set_effective
-   use coarse_runs, only: copy_side_runs, make_side_runs, side_runs_t
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
+   use experiment, only: copy_side_runs, make_side_runs, side_runs_t
    use film_heating, only: friction_doubt
    use grid_comparison, only: check_ends, solve_with_coarse_runs
    use iteration_report, only: phase_error_bars, report_t
@@ -48,7 +48,8 @@ contains
       else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
          start = wall_seconds()
          listener%is_trial = .true.
-         call choose_resolution(case%contact, case%solver, case%time, side_runs, listener, error)
+         call choose_resolution(case%contact, case%solver, case%time, side_runs, listener)
+         call move_alloc(listener%error, error)
          if (allocated(error) .or. listener%is_stopping) return
          listener%is_trial = .false.
          seconds = wall_seconds() - start
@@ -92,7 +93,8 @@ contains
          seconds = seconds + wall_seconds() - start
          report%converged = .not. listener%is_stopping
       end if
-      call check_ends(case, listener, report, error)
+      call check_ends(case, listener, report)
+      call move_alloc(listener%error, error)
       if (allocated(error)) return
       if (case%solver%target > 0.0_wp) call note_missed_error(case, listener, &
          listener%writer%quantities_at_end(state, report), report)

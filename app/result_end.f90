@@ -144,8 +144,8 @@ contains
             words%decision = 'auto      '//solved_text(writer%choice)
          end if
          if (allocated(adequacy%rows)) then
-            words%model = model_sentence(adequacy%rows%judged_t, adequacy%accuracy)
-            if (listener%log%is_verbose) words%model = model_line(adequacy%rows%judged_t, &
+            words%model = model_sentence(adequacy%rows, adequacy%accuracy)
+            if (listener%log%is_verbose) words%model = model_line(adequacy%rows, &
                adequacy%accuracy)
          end if
          call close_case(listener%log, writer%summary, report, writer%name%path, &

@@ -1,10 +1,11 @@
 !> One dry case from its record to its result file and its exit status: solved on its grid, or on
 !> finer and finer grids until the contact area meets its target accuracy.
 module run_dry_case
+   use adequacy, only: adequacy_t
    use case_notes, only: note_unusual
    use case_outcome, only: case_outcome_t, outcome_of
    use case_record, only: case_t, list_dry
-   use dry_adequacy, only: dry_adequacy_t, measure_dry_adequacy
+   use dry_adequacy, only: measure_dry_adequacy
    use dry_case, only: dry_case_t, is_refinable, refine_heights
    use dry_errors, only: area_doubt, dry_trial_t, estimate_dry_errors, finer_nodes, unknown_doubt
    use dry_record, only: dry_record_t, dry_sweep_t
@@ -42,7 +43,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(result_file_t) :: result
       type(dry_record_t) :: record
-      type(dry_adequacy_t) :: adequacy
+      type(adequacy_t) :: adequacy
       character(:), allocatable :: words
 
       associate (grid => case%dry%grid)
@@ -60,7 +61,8 @@ contains
          if (.not. allocated(error) .and. case%dry%wants_adequacy) then
             call begin_activity('looking at the model')
             call measure_dry_adequacy(record, case%dry%target, case%dry%radius > 0.0_wp, &
-               adequacy, error)
+               adequacy)
+            call move_alloc(record%error, error)   ! error: handed up
          end if
          if (.not. allocated(error)) then
             call note_unusual(case, words)
@@ -153,7 +155,8 @@ contains
          if (dry%is_compared()) record%sweep = dry_sweep_t(dry%grid, dry%height, scaling, &
             dry%loads, dry%settings)
          call begin_activity('error bars on other grids')
-         if (dry%has_error_bars) call estimate_dry_errors(record, error)   ! error: handed up
+         if (dry%has_error_bars) call estimate_dry_errors(record)
+         call move_alloc(record%error, error)   ! error: handed up
          seconds(phase_error_bars) = wall_seconds() - start - seconds(phase_steady)
       end associate
    end subroutine solve_grid

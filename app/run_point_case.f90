@@ -41,7 +41,8 @@ contains
       run%threads = min(listener%threads, processors())
       if (case%time%is_transient) then
          if (case%solver%target > 0.0_wp) then   ! of a resumed passage too
-            call choose_passage(run, case%point, listener, error)
+            call choose_passage(run, case%point, listener)
+            call move_alloc(listener%error, error)
             if (allocated(error)) return
             case%time = run%time
          end if
@@ -63,12 +64,12 @@ contains
          if (allocated(error)) return
          if (.not. listener%is_stopping) then
             if (report%steps > 0) summary = writer%run%passage%extremes(summary_of(state))
-            call find_quantities(run, case%point, listener, report, summary, missing, error)
-            if (allocated(error)) return
+            call find_quantities(run, case%point, listener, report, summary, missing)
          end if
          adequacy%is_full = wish == 'full'
          if (.not. listener%is_stopping .and. wish /= '.false.') call &
-            measure_point_adequacy(run, case%point, summary, adequacy, listener, report, error)
+            measure_point_adequacy(run, case%point, summary, adequacy, listener, report)
+         call move_alloc(listener%error, error)
          if (allocated(error)) return
          report%converged = report%converged .and. .not. listener%is_stopping
          report%cost%peak_memory = peak_memory()

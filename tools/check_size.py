@@ -33,11 +33,11 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 48_344,
-    "how sure": 5_707,
-    "tests": 34_321,
+    "sources": 47_983,
+    "how sure": 5_344,
+    "tests": 34_314,
     "bench": 4_273,
-    "words of pages": 44_975,
+    "words of pages": 44_969,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,

@@ -8,7 +8,6 @@ module ablation_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: ingredient_t, ingredients_of
    use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence, no_solution
-   use errors, only: error_t
    use kinds, only: exceeds, not_known, quotient, wp
    use line_contact, only: intervals_for_waves, line_contact_t
    use lean_levels, only: kappa, lean_level_t, pose, pressure_on, refined, solve_by, &
@@ -22,8 +21,8 @@ module ablation_runs
    implicit none (type, external)
    private
 
-   public :: change_between, doubt_between, largest_change, measure_at_rest, set_change, &
-      set_change_by_one
+   public :: change_between, doubt_between, measure_at_rest, set_change, set_change_by_one, &
+      set_step_error
 
    !> Error of a change: this many times its difference from the coarser grid, a share of the
    !> change, a share of the largest change of a film, and at least the error of the iteration.
@@ -42,18 +41,21 @@ module ablation_runs
    !> the second.
    integer, parameter :: most_intervals = 256, least_intervals = 64
 
+   !> The error by the time step: this many times the change from twice the step on n/4, or from the
+   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
+   !> single change may vanish by chance.
+   real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp], &
+      by_scheme(2) = [2.0_wp, 0.3_wp]
+
 contains
 
    !> Measures the ingredients of a steady `contact`, whose domain is complete, from the pressure of
-   !> `state` on n intervals: a row each, among those that are there, if any. `budget`: nodes times
-   !> Newton steps that may be spent, of which what is left is returned.
-   subroutine measure_at_rest(contact, state, budget, adequacy, listener, error)
+   !> `state` on n intervals, within the budget: a row each, among those that are there, if any.
+   subroutine measure_at_rest(contact, state, adequacy, listener)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
-      real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(ingredient_t), allocatable :: list(:)
       type(lean_level_t) :: levels(2, 2)   ! with all ingredients, without one
       integer, allocatable :: rows(:)
@@ -63,21 +65,21 @@ contains
       if (.not. allocated(adequacy%rows)) adequacy%rows = new_influence(list%name, list%text)
       rows = [(findloc(adequacy%rows%name == list(i)%name, .true., 1), i=1, size(list))]
       adequacy%rows(rows) = new_influence(list%name, list%text)
-      adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
+      adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), adequacy%budget)
       associate (grids => adequacy%at_rest, full => levels(:, 1))
          if (any(grids == 0)) return
          do g = 1, 2
-            call pose(full(g), contact, grids(g), error)
-            if (allocated(error)) return
-            call solve_by(full(g), kappa, pressure_on(state, grids(g)), budget, listener)
+            call pose(full(g), contact, grids(g), listener)
+            if (listener%is_stopping) return
+            call solve_by(full(g), kappa, pressure_on(state, grids(g)), adequacy%budget, listener)
             if (listener%is_stopping) return
             full(g)%by(upwind)%state = pressure_on(state, grids(g))   ! where it starts from
          end do
          do i = 1, size(list)
-            if (budget < usual_steps*sum(grids)) cycle
+            if (adequacy%budget < usual_steps*sum(grids)) cycle
             levels(:, 2)%ingredient = list(i)
-            call measure_one(contact, levels, budget, adequacy, rows(i), listener, error)
-            if (allocated(error) .or. listener%is_stopping) return
+            call measure_one(contact, levels, adequacy, rows(i), listener)
+            if (listener%is_stopping) return
          end do
       end associate
    end subroutine measure_at_rest
@@ -85,66 +87,61 @@ contains
    !> One ingredient, row `i`: by kappa, which errs less, on the coarser grid first, from whose
    !> solution the finer one takes few steps; if that finds none, or what is plainly needed ends
    !> early, by both schemes.
-   subroutine measure_one(contact, levels, budget, adequacy, i, listener, error)
+   subroutine measure_one(contact, levels, adequacy, i, listener)
       type(line_contact_t), intent(in) :: contact
       type(lean_level_t), intent(inout) :: levels(2, 2)
-      real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       integer, intent(in) :: i
       class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(film_state_t) :: start
       logical :: is_known
       integer :: g
 
-      associate (full => levels(:, 1), lean => levels(:, 2))
+      associate (full => levels(:, 1), lean => levels(:, 2), budget => adequacy%budget)
          is_known = all(full%by(kappa)%is_known) .and. .not. adequacy%ends_early
          do g = 2, 1, -1
             if (.not. is_known) exit
             lean(g)%kept = 0.0_wp
             start = full(g)%by(kappa)%state
             if (g == 1) start = refined(lean(2)%by(kappa)%state)
-            call solve_without(lean(g), contact, kappa, start, budget, listener, error)
-            if (allocated(error) .or. listener%is_stopping) return
+            call solve_without(lean(g), contact, kappa, start, budget, listener)
+            if (listener%is_stopping) return
             is_known = lean(g)%is_solved
          end do
+         if (is_known) then
+            call set_row(levels, kappa, adequacy%rows(i))
+            return
+         end if
+         do g = 1, 2
+            start = full(g)%by(upwind)%state
+            if (.not. full(g)%by(upwind)%is_known) call solve_by(full(g), upwind, start, budget, &
+               listener)
+            if (all([full(g)%by(upwind)%is_known, .not. full(g)%by(kappa)%is_known])) call &
+               solve_by(full(g), kappa, full(g)%by(upwind)%state, budget, listener)
+         end do
+         if (all(full%by(upwind)%is_known)) call measure_by_both(contact, levels, adequacy, i, &
+            listener)
       end associate
-      do g = 1, merge(0, 2, is_known)
-         associate (full => levels(g, 1))
-            start = full%by(upwind)%state
-            if (.not. full%by(upwind)%is_known) call solve_by(full, upwind, start, budget, listener)
-            if (all([full%by(upwind)%is_known, .not. full%by(kappa)%is_known])) call solve_by( &
-               full, kappa, full%by(upwind)%state, budget, listener)
-         end associate
-      end do
-      if (is_known) then
-         call set_row(levels, kappa, adequacy%rows(i))
-      else if (all(levels(:, 1)%by(upwind)%is_known)) then
-         call measure_by_both(contact, levels, budget, adequacy, i, listener, &
-            error)   ! error: the caller looks
-      end if
    end subroutine measure_one
 
    !> The same by the scheme of the thesis on the finer grid first, which tells how much of the
    !> ingredient can be left out, and then, unless it is plainly needed and that ends it, by kappa.
-   subroutine measure_by_both(contact, levels, budget, adequacy, i, listener, error)
+   subroutine measure_by_both(contact, levels, adequacy, i, listener)
       type(line_contact_t), intent(in) :: contact
       type(lean_level_t), intent(inout) :: levels(2, 2)
-      real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       integer, intent(in) :: i
       class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(influence_t) :: told
       integer :: g
 
-      associate (row => adequacy%rows(i), full => levels(:, 1), lean => levels(:, 2))
+      associate (full => levels(:, 1), lean => levels(:, 2), budget => adequacy%budget, &
+         row => adequacy%rows(i))
          lean(1)%kept = -1.0_wp
          do g = 1, 2
             if (g == 2) lean(2)%kept = lean(1)%kept
-            call solve_without(lean(g), contact, upwind, full(g)%by(upwind)%state, budget, &
-               listener, error)
-            if (allocated(error) .or. listener%is_stopping) return
+            call solve_without(lean(g), contact, upwind, full(g)%by(upwind)%state, budget, listener)
+            if (listener%is_stopping) return
             if (.not. lean(g)%is_solved) row%unknown = no_solution
             if (.not. lean(1)%is_solved) return
          end do
@@ -237,6 +234,18 @@ contains
       end do
    end subroutine set_change
 
+   !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these
+   !> `factors`.
+   pure subroutine set_step_error(better, other, factors, row)
+      type(line_summary_t), intent(in) :: better, other
+      real(wp), intent(in) :: factors(2)
+      type(influence_t), intent(inout) :: row
+
+      row%change = change_between(better, other)
+      row%change = factors(1)*abs(row%change) + factors(2)*largest_change(row%change)
+      row%error = 0.0_wp*row%change
+   end subroutine set_step_error
+
    !> The largest known change of a film.
    pure real(wp) function largest_change(change) result(largest)
       real(wp), intent(in) :: change(:)
@@ -262,15 +271,9 @@ contains
    pure function change_between(lean, full) result(change)
       type(line_summary_t), intent(in) :: lean, full
       real(wp) :: change(quantity_count)
-      real(wp) :: value
       integer :: i
 
-      change = not_known()
-      do i = 1, quantity_count
-         value = value_between(full, i)
-         if (.not. ieee_is_finite(value)) cycle
-         if (abs(value) > tiny(1.0_wp)) change(i) = value_between(lean, i)/value - 1
-      end do
+      change = [(quotient(value_between(lean, i), value_between(full, i)) - 1, i=1, quantity_count)]
    end function change_between
 
    !> The finer and the coarser of two grids of n/2^k intervals on which this many solutions fit

@@ -16,12 +16,14 @@ module adequacy
    implicit none (type, external)
    private
 
-   public :: accuracy_for, adequacy_t, apply_model, begin_row, influence_t, is_plainly_needed, &
-      judge, judge_at_rest, judged_t, model_choice_t, new_influence, number_choice_t, verdict_of, &
-      verdict_on, verdict_text, why_unknown
+   public :: accuracy_for, adequacy_t, apply_model, influence_t, is_plainly_needed, judge, &
+      judge_at_rest, model_choice_t, new_influence, number_choice_t, verdict_of, verdict_on, &
+      verdict_text, why_unknown
 
    integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
       verdict_irrelevant = 3
+   character(*), parameter :: verdict_words(0:3) = [character(len=26) :: 'not known', 'needed', &
+      'matters below the accuracy', 'irrelevant']
 
    !> Relative error that counts without a target, and the share of it below which a change is
    !> irrelevant.
@@ -33,7 +35,7 @@ module adequacy
       'coarse grids have no solution without it'
 
    !> An ingredient or a numerical choice, and the verdict on it.
-   type :: judged_t
+   type :: influence_t
       character(len=20) :: name = ''
       !> What replaced it.
       character(len=64) :: text = ''
@@ -45,7 +47,17 @@ module adequacy
       character(len=80) :: unknown = 'measuring it would cost more than is allowed'
       character(len=80) :: doubt = &
          'with their errors the changes lie on both sides of the accuracy'
-   end type judged_t
+      !> Relative change of each quantity and its error, in the order of the table of the
+      !> quantities, lubricated or dry; NaN: not known.
+      real(wp) :: change(quantity_count), error(quantity_count)
+      !> Lower bound of a change that is not known; 0: none.
+      real(wp) :: least(quantity_count) = 0.0_wp
+      !> Fraction that was left out.
+      real(wp) :: left_out = 1.0_wp
+      !> Of a transient: whether it was measured on the smooth steady contact, and whether the error
+      !> includes the effect of roughness.
+      logical :: is_at_rest = .false., has_roughness = .false.
+   end type influence_t
 
    !> Whether a quantity is compared: those of the closing table, where the largest pressure also
    !> stands for the central one.
@@ -59,19 +71,6 @@ module adequacy
    !> beyond half of the quantity nothing is known.
    real(wp), parameter :: other_roughness = 2.0_wp, largest_roughness = 0.5_wp
 
-   !> One ingredient or numerical choice.
-   type, extends(judged_t) :: influence_t
-      !> Relative change of each quantity and its error; NaN: not known.
-      real(wp) :: change(quantity_count), error(quantity_count)
-      !> Lower bound of a change that is not known; 0: none.
-      real(wp) :: least(quantity_count) = 0.0_wp
-      !> Fraction that was left out.
-      real(wp) :: left_out = 1.0_wp
-      !> Of a transient: whether it was measured on the smooth steady contact, and whether the error
-      !> includes the effect of roughness.
-      logical :: is_at_rest = .false., has_roughness = .false.
-   end type influence_t
-
    !> Adequacy of a model.
    type :: adequacy_t
       !> Not allocated: nothing was measured.
@@ -83,9 +82,14 @@ module adequacy
       !> Whether everything of a transient is measured, at any cost; whether what is plainly needed
       !> is not measured any further.
       logical :: is_full = .false., ends_early = .false.
+      !> Nodes times Newton steps that may still be spent.
+      real(wp) :: budget = 0.0_wp
       !> Intervals of the two grids on which changes were measured, at rest and in time; 0: none
       !> were.
       integer :: at_rest(2) = 0, in_time(2) = 0
+      !> Of a dry contact: mean pressure of the measurement, the largest of the sweep [Pa]; spacing
+      !> of the first grid over that of the result.
+      real(wp) :: mean_pressure = 0.0_wp, ratio = 1.0_wp
    end type adequacy_t
 
    !> Why an ingredient is kept or left out, short for the closing table and in full.
@@ -141,18 +145,6 @@ module adequacy
 
 contains
 
-   !> A row of which nothing is known yet, with its changes and their errors.
-   pure subroutine begin_row(name, text, row, change, error)
-      character(*), intent(in) :: name, text
-      type(judged_t), intent(out) :: row
-      real(wp), intent(out) :: change(:), error(:)
-
-      row%name = name
-      row%text = text
-      change = not_known()
-      error = not_known()
-   end subroutine begin_row
-
    !> The verdict on relative changes with their errors: needed if one surely exceeds `accuracy`;
    !> not known if one may, or is unknown; else irrelevant if all are below a tenth of it, with
    !> `unseen` (default 0) added to each but not their errors.
@@ -181,23 +173,14 @@ contains
       logical, intent(in) :: is_numerical
       character(:), allocatable :: text
 
-      select case (verdict)
-      case (verdict_needed)
-         text = 'needed'
-         if (is_numerical) text = 'too coarse'
-      case (verdict_small)
-         text = 'matters below the accuracy'
-      case (verdict_irrelevant)
-         text = 'irrelevant'
-      case default   ! verdict_unknown
-         text = 'not known'
-      end select
+      text = trim(verdict_words(verdict))
+      if (is_numerical .and. verdict == verdict_needed) text = 'too coarse'
    end function verdict_text
 
    !> Why a `row` lacks the change of some of `quantities` (`is_told`: those known) or a verdict;
    !> empty: it lacks nothing.
    pure function why_unknown(row, quantities, is_told) result(text)
-      class(judged_t), intent(in) :: row
+      type(influence_t), intent(in) :: row
       character(*), intent(in) :: quantities(:)
       logical, intent(in) :: is_told(:)
       character(:), allocatable :: text
@@ -215,7 +198,10 @@ contains
       character(*), intent(in) :: name, text
       type(influence_t) :: row
 
-      call begin_row(name, text, row%judged_t, row%change, row%error)
+      row%name = name
+      row%text = text
+      row%change = not_known()
+      row%error = not_known()
    end function new_influence
 
    !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of
@@ -261,18 +247,14 @@ contains
    pure function bounded(time_step, grid) result(row)
       type(influence_t), intent(in) :: time_step, grid
       type(influence_t) :: row
-      integer :: i
 
       row = time_step
-      do i = 1, quantity_count
-         if (.not. ieee_is_finite(grid%change(i))) cycle
-         if (.not. ieee_is_finite(row%change(i))) then
-            row%change(i) = 0.5_wp*grid%change(i)
-            row%error(i) = row%change(i)
-         else if (exceeds(row%change(i), grid%change(i))) then
-            row%change(i) = grid%change(i)
-         end if
-      end do
+      where (ieee_is_finite(grid%change) .and. .not. ieee_is_finite(time_step%change))
+         row%change = 0.5_wp*grid%change
+         row%error = 0.5_wp*grid%change
+      else where (exceeds(time_step%change - grid%change, 0.0_wp))
+         row%change = grid%change
+      end where
    end function bounded
 
    !> A numerical choice with estimated errors `errors` (quantity_count).
@@ -322,8 +304,7 @@ contains
       real(wp), intent(in) :: accuracy
       logical, intent(out) :: is_open
       type(influence_t) :: plain, wider, worst
-      real(wp) :: rough
-      integer :: i
+      real(wp) :: rough(quantity_count)
 
       is_open = .not. is_plainly_needed(row, accuracy)
       if (.not. is_open .or. roughness%is_at_rest .or. row%left_out < 1.0_wp) return
@@ -333,13 +314,9 @@ contains
       wider%has_roughness = .true.
       wider%error = not_known()
       wider%unknown = 'roughness changes too much for the smooth steady contact to tell'
-      do i = 1, quantity_count
-         if (.not. all(ieee_is_finite([row%error(i), roughness%error(i)]))) cycle
-         rough = abs(roughness%change(i)) + roughness%error(i)
-         if (other_roughness*rough > largest_roughness) cycle
-         wider%error(i) = row%error(i) + (1 + abs(row%change(i)))*(1 + other_roughness)*rough &
-            /(1 - other_roughness*rough)
-      end do
+      rough = abs(roughness%change) + roughness%error
+      where (.not. exceeds(other_roughness*rough, largest_roughness)) wider%error = row%error &
+         + (1 + abs(row%change))*(1 + other_roughness)*rough/(1 - other_roughness*rough)
       if (verdict_on(wider, accuracy) == verdict_unknown) return
       worst = wider
       worst%change = abs(wider%change) + wider%error
@@ -355,16 +332,11 @@ contains
    pure logical function is_plainly_needed(row, accuracy) result(is_needed)
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy
-      real(wp) :: sure
-      integer :: i
+      real(wp) :: sure(quantity_count)
 
-      is_needed = .false.
-      do i = 1, quantity_count
-         if (.not. compared(i)) cycle
-         sure = row%least(i)
-         if (ieee_is_finite(row%change(i))) sure = abs(row%change(i)) - row%error(i)
-         is_needed = is_needed .or. sure > row%left_out*max(plain_factor*accuracy, plain_change)
-      end do
+      sure = merge(abs(row%change) - row%error, row%least, ieee_is_finite(row%change))
+      is_needed = any(compared .and. exceeds(sure, row%left_out*max(plain_factor*accuracy, &
+         plain_change)))
    end function is_plainly_needed
 
    !> Sets contact and time to the chosen model.

@@ -7,13 +7,12 @@ module dry_adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_problem, only: kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_row_t, mean_pressure, mean_separation, p_max, yields
-   use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes, &
+   use dry_record, only: dry_record_t, dry_setting_t, has_few_nodes, &
       with_elements, without_fine_harmonics, without_images, without_rows, without_yield
-   use errors, only: error_t
    use kinds, only: exceeds, larger, not_known, quotient, wp
    use roughness, only: power_spectrum
    use text, only: to_text
-   use adequacy, only: begin_row, judged_t, usual_accuracy, verdict_of
+   use adequacy, only: adequacy_t, influence_t, new_influence, usual_accuracy, verdict_of
    implicit none (type, external)
    private
 
@@ -23,24 +22,6 @@ module dry_adequacy
    integer, parameter, public :: compared(*) = [contact_area, mean_separation, p_max]
    !> Spacing of the second grid over that of the first.
    real(wp), parameter, public :: coarsening = 2.0_wp
-
-   !> One ingredient, or the grid.
-   type, extends(judged_t), public :: dry_influence_t
-      !> Relative change of each quantity and its error; NaN: not known.
-      real(wp) :: change(size(compared)), error(size(compared))
-   end type dry_influence_t
-
-   !> The adequacy of a dry model.
-   type, public :: dry_adequacy_t
-      !> Not allocated: nothing was measured.
-      type(dry_influence_t), allocatable :: rows(:)
-      !> The relative error that counts.
-      real(wp) :: accuracy = usual_accuracy
-      !> Mean pressure of the measurement, the largest of the sweep [Pa].
-      real(wp) :: mean_pressure = 0.0_wp
-      !> Spacing of the first grid over that of the result.
-      real(wp) :: ratio = 1.0_wp
-   end type dry_adequacy_t
 
    !> Error measure to which contacts are solved.
    real(wp), parameter :: tolerance = 1.0e-6_wp
@@ -73,16 +54,16 @@ contains
 
    !> Measures the adequacy of the solution of a `record` under its largest load, for an accuracy
    !> `target` (0: none). With given separations the load is the one found. `has_parabola`: a body
-   !> touches in the middle of the domain. Fails (internal_error) if FFTW does.
-   subroutine measure_dry_adequacy(record, target, has_parabola, adequacy, error)
+   !> touches in the middle of the domain.
+   subroutine measure_dry_adequacy(record, target, has_parabola, adequacy)
       type(dry_record_t), intent(inout) :: record
       real(wp), intent(in) :: target
       logical, intent(in) :: has_parabola
-      type(dry_adequacy_t), intent(out) :: adequacy
-      type(error_t), allocatable, intent(out) :: error
-      type(dry_influence_t) :: grid
+      type(adequacy_t), intent(out) :: adequacy
+      type(dry_row_t) :: full(2)
       type(dry_setting_t) :: setting
-      integer :: harmonics, heaviest
+      type(influence_t) :: grid
+      integer :: harmonics, heaviest, i
       logical :: can_yield, is_open
 
       if (.not. all(record%outcome%rows%is_converged)) return
@@ -92,18 +73,17 @@ contains
       harmonics = 0
       can_yield = record%sweep%loads%hardness < no_hardness
       is_open = record%sweep%grid%kernel == kernel_open
-      if (.not. (has_parabola .or. is_open)) call count_harmonics(record%sweep, harmonics, error)
-      if (allocated(error)) return
+      if (.not. (has_parabola .or. is_open)) harmonics = harmonics_of(record)
       ! images need another kernel, with them and without
       adequacy%ratio = affordable_ratio(record, heaviest, count([can_yield .and. &
          yields(record%outcome%rows(heaviest)), harmonics > 0, has_parabola, has_parabola]))
       setting = dry_setting_t(adequacy%ratio, tolerance, number=harmonics, load=heaviest)
-      call begin_row('grid', 'the limit of fine grids', grid%judged_t, grid%change, grid%error)
+      grid = new_influence('grid', 'the limit of fine grids')
       grid%is_numerical = .true.
       grid%unknown = 'there is no error estimate'
       grid%error = 0.0_wp
-      if (allocated(record%outcome%errors)) grid%change = quotient(record%outcome%errors(compared, &
-         heaviest), compared_of(record%outcome%rows(heaviest)))
+      if (allocated(record%outcome%errors)) grid%change(compared) = quotient( &
+         record%outcome%errors(compared, heaviest), compared_of(record%outcome%rows(heaviest)))
       if (can_yield) call add(without_yield, 'plasticity', 'elastic bodies', &
          'nothing yields on the grids that it may take, or they have no solution')
       if (harmonics > 0) call add(without_fine_harmonics, 'harmonics', 'the harmonics 1 to ' &
@@ -113,124 +93,137 @@ contains
          'an open half-space', is_open), no_solution)
       if (record%sweep%grid%ny > 1 .and. .not. record%sweep%loads%has_history) call add( &
          without_rows, 'area', 'the mean of '//to_text(profiles)//' profiles along x', no_solution)
-      if (allocated(error)) return
       if (allocated(record%outcome%errors)) adequacy%rows = [adequacy%rows, grid]
-      call judge(adequacy, target)
+      if (allocated(record%outcome%errors)) adequacy%accuracy = larger(usual_accuracy, &
+         grid%change(contact_area))
+      if (target > 0.0_wp) adequacy%accuracy = target
+      ! nodes in contact are counted: a change of 0 may be anything within its error
+      associate (rows => adequacy%rows)
+         do i = 1, size(rows)
+            rows(i)%verdict = verdict_of(rows(i)%change(compared), rows(i)%error(compared), &
+               adequacy%accuracy, unseen=rows(i)%error(compared))
+         end do
+      end associate
 
    contains
 
-      !> Measures one part, unless there was an error.
+      !> Measures one part.
       subroutine add(part, name, instead, unknown)
          integer, intent(in) :: part
          character(*), intent(in) :: name, instead, unknown
-         type(dry_influence_t) :: row
+         type(influence_t) :: row
 
-         if (allocated(error)) return
-         call begin_row(name, instead, row%judged_t, row%change, row%error)
+         row = new_influence(name, instead)
          row%unknown = unknown
          if (part == without_rows) then
-            call compare_profiles(record, heaviest, row, error)   ! error: the caller returns
+            call compare_profiles(record, heaviest, row)
          else
-            call ablate(record, part, setting, grid%change, row, error)   ! error: the caller ends
+            call ablate(record, part, setting, full, grid%change(compared), row)
          end if
          adequacy%rows = [adequacy%rows, row]
       end subroutine add
 
    end subroutine measure_dry_adequacy
 
-   !> Fills the `row` of leaving out `part` on the grid of `setting` and a coarser one; `doubt`:
-   !> relative errors of the result by its grid. If nothing yields, the changes without hardness are
-   !> 0, and their error is the share by which the largest pressure may exceed the hardness within
-   !> its error bar. Fails (internal_error) if FFTW does.
-   subroutine ablate(record, part, setting, doubt, row, error)
+   !> Fills the `row` of leaving out `part` on the grid of `setting` and a coarser one; `full`: with
+   !> all parts on both, 0 nodes until it is known; `doubt`: relative errors of the result by its
+   !> grid. If nothing yields, the changes without hardness are 0, and their error is the share by
+   !> which the largest pressure may exceed the hardness within its error bar.
+   subroutine ablate(record, part, setting, full, doubt, row)
       type(dry_record_t), intent(inout) :: record
       integer, intent(in) :: part
       type(dry_setting_t), intent(in) :: setting
+      type(dry_row_t), intent(inout) :: full(2)
       real(wp), intent(in) :: doubt(:)
-      type(dry_influence_t), intent(inout) :: row
-      type(error_t), allocatable, intent(out) :: error
-      type(dry_setting_t) :: with, without
-      type(dry_row_t), allocatable :: all_parts(:), others(:)
-      real(wp) :: changes(size(compared), 2), edges
+      type(influence_t), intent(inout) :: row
+      type(dry_setting_t) :: one
+      type(dry_row_t), allocatable :: found(:)
+      type(dry_row_t) :: with, without
+      real(wp) :: changes(size(compared), 2), edges, error_of_change(size(compared))
       integer :: g
 
       associate (outcome => record%outcome, load => setting%load)
          if (part == without_yield .and. .not. yields(outcome%rows(load))) then
-            row%change = 0.0_wp
-            row%error = 0.0_wp
+            row%change(compared) = 0.0_wp
+            row%error(compared) = 0.0_wp
             if (.not. allocated(outcome%errors)) return
-            row%error = not_known()
-            if (ieee_is_finite(outcome%errors(p_max, load))) row%error = max(0.0_wp, &
+            row%error(compared) = not_known()
+            if (ieee_is_finite(outcome%errors(p_max, load))) row%error(compared) = max(0.0_wp, &
                (outcome%rows(load)%values(p_max) + outcome%errors(p_max, load)) &
                /record%sweep%loads%hardness - 1.0_wp)
             return
          end if
       end associate
-      with = setting
-      without = setting
-      without%without = part
-      if (part == without_images) with%without = with_elements
       do g = 2, 1, -1
-         with%ratio = setting%ratio*coarsening**(g - 1)
-         without%ratio = with%ratio
-         call record%run(with, all_parts, error)
-         if (allocated(error)) return
-         others = all_parts
-         if (all_parts(1)%is_converged) call record%run(without, others, error)
-         if (allocated(error)) return
-         changes(:, g) = quotient(compared_of(others(1)), compared_of(all_parts(1))) - 1.0_wp
-      end do
-      row%change = changes(:, 1)
-      row%error = safety*abs(changes(:, 1) - changes(:, 2)) + change_share*abs(changes(:, 1))
-      if (ieee_is_finite(row%error(1))) then
-         edges = deviations*edge_deviation(all_parts(1)%edges(1) + others(1)%edges(1), &
-            all_parts(1))
-         ! yielding changes the area by less than the largest pressure (by a third in 70 contacts)
-         if (part == without_yield .and. all(ieee_is_finite([edges, row%change, row%error]))) then
-            edges = min(edges, abs(row%change(3)) + row%error(3))
+         one = setting
+         one%ratio = setting%ratio*coarsening**(g - 1)
+         if (part == without_images) one%without = with_elements
+         with = full(g)
+         if (part == without_images .or. with%nodes == 0) then
+            call record%run(one, found)
+            with = found(1)
          end if
-         row%error(1) = larger(row%error(1), edges)
+         if (part /= without_images) full(g) = with
+         one%without = part
+         without = with
+         if (with%is_converged) then
+            call record%run(one, found)
+            without = found(1)
+         end if
+         changes(:, g) = quotient(compared_of(without), compared_of(with)) - 1.0_wp
+      end do
+      error_of_change = safety*abs(changes(:, 1) - changes(:, 2)) + change_share*abs(changes(:, 1))
+      if (ieee_is_finite(error_of_change(1))) then
+         edges = deviations*edge_deviation(with%edges(1) + without%edges(1), with)
+         ! yielding changes the area by less than the largest pressure (by a third in 70 contacts)
+         if (part == without_yield .and. all(ieee_is_finite([edges, changes(:, 1), &
+            error_of_change]))) edges = min(edges, abs(changes(3, 1)) + error_of_change(3))
+         error_of_change(1) = larger(error_of_change(1), edges)
       end if
       ! a grid on which nothing yields has another contact than the result
-      if (part == without_yield .and. .not. yields(all_parts(1))) row%change = not_known()
+      if (part == without_yield .and. .not. yields(with)) changes(:, 1) = not_known()
       ! changes that follow as 0 from the contact are exact
-      where (exceeds(row%error, 0.0_wp)) row%error = larger(row%error, grid_share*doubt)
+      where (exceeds(error_of_change, 0.0_wp)) error_of_change = larger(error_of_change, &
+         grid_share*doubt)
+      row%change(compared) = changes(:, 1)
+      row%error(compared) = error_of_change
    end subroutine ablate
 
    !> Fills the `row` of replacing an area by profiles along x, each under the same mean pressure:
    !> the change is that of their mean, the error its standard error, or not known for a quantity
    !> equal in all profiles that differ in others, since that says nothing about the profiles in
-   !> between. Fails (internal_error) if FFTW does.
-   subroutine compare_profiles(record, heaviest, row, error)
+   !> between.
+   subroutine compare_profiles(record, heaviest, row)
       type(dry_record_t), intent(inout) :: record
       integer, intent(in) :: heaviest
-      type(dry_influence_t), intent(inout) :: row
-      type(error_t), allocatable, intent(out) :: error
+      type(influence_t), intent(inout) :: row
       type(dry_row_t), allocatable :: line(:)
-      real(wp) :: edges, found(size(compared), profiles)
+      real(wp) :: edges, found(size(compared), profiles), mean(size(compared)), &
+         spread_of_mean(size(compared))
       integer :: i
 
       edges = 0.0_wp
       associate (area => record%outcome%rows(heaviest), ny => record%sweep%grid%ny)
          do i = 1, profiles
             call record%run(dry_setting_t(1.0_wp, tolerance, without_rows, &
-               ((2*i - 1)*ny)/(2*profiles), heaviest), line, error)
-            if (allocated(error)) return
+               ((2*i - 1)*ny)/(2*profiles), heaviest), line)
             found(:, i) = quotient(compared_of(line(1)), compared_of(area)) - 1.0_wp
             edges = edges + edge_deviation(line(1)%edges(1), area)*ny/profiles
          end do
       end associate
-      row%change = sum(found, dim=2)/profiles
-      row%error = students_t*sqrt(sum((found - spread(row%change, 2, profiles))**2, &
+      mean = sum(found, dim=2)/profiles
+      spread_of_mean = students_t*sqrt(sum((found - spread(mean, 2, profiles))**2, &
          dim=2)/(profiles*(profiles - 1.0_wp)))
-      if (any(exceeds(row%error, spacing(1.0_wp)))) then
-         where (.not. exceeds(row%error, spacing(1.0_wp))) row%error = not_known()
+      if (any(exceeds(spread_of_mean, spacing(1.0_wp)))) then
+         where (.not. exceeds(spread_of_mean, spacing(1.0_wp))) spread_of_mean = not_known()
       end if
       ! where the whole contact yields, edges of all profiles may err alike and make up the change
-      if (ieee_is_finite(row%error(1))) row%error(1) = larger(row%error(1), &
-         min(deviations*edges, abs(row%change(1))))
-      if (any(ieee_is_finite(row%error))) row%unknown = &
+      if (ieee_is_finite(spread_of_mean(1))) spread_of_mean(1) = larger(spread_of_mean(1), &
+         min(deviations*edges, abs(mean(1))))
+      if (any(ieee_is_finite(spread_of_mean))) row%unknown = &
          'all profiles have the same, which shows nothing about the others'
+      row%change(compared) = mean
+      row%error(compared) = spread_of_mean
    end subroutine compare_profiles
 
    !> The compared quantities of a load; NaN if it did not converge.
@@ -250,40 +243,19 @@ contains
       deviation = quotient(sqrt(edges*uniform_variance), row%values(contact_area)*row%nodes)
    end function edge_deviation
 
-   !> Sets the accuracy that counts and all verdicts.
-   pure subroutine judge(adequacy, target)
-      type(dry_adequacy_t), intent(inout) :: adequacy
-      real(wp), intent(in) :: target
-      integer :: i
-
-      associate (rows => adequacy%rows)
-         if (size(rows) > 0) then
-            if (rows(size(rows))%is_numerical) adequacy%accuracy = larger(usual_accuracy, &
-               rows(size(rows))%change(1))
-         end if
-         if (target > 0.0_wp) adequacy%accuracy = target
-         do i = 1, size(rows)
-            ! nodes in contact are counted: a change of 0 may be anything within its error
-            rows(i)%verdict = verdict_of(rows(i)%change, rows(i)%error, adequacy%accuracy, &
-               unseen=rows(i)%error)
-         end do
-      end associate
-   end subroutine judge
-
-   !> The last significant harmonic along x in some rows of an area; 0: too few to halve. Fails
-   !> (internal_error) if FFTW does.
-   subroutine count_harmonics(sweep, harmonics, error)
-      type(dry_sweep_t), intent(in) :: sweep
-      integer, intent(out) :: harmonics
-      type(error_t), allocatable, intent(out) :: error
+   !> The last significant harmonic along x in some rows of an area; 0: too few to halve.
+   integer function harmonics_of(record) result(harmonics)
+      type(dry_record_t), intent(inout) :: record
       real(wp), allocatable :: power(:), rows(:, :)
       real(wp) :: beyond, most
 
       harmonics = 0
-      rows = reshape(sweep%height, [sweep%grid%nx, sweep%grid%ny])
-      rows = rows(:, ::(sweep%grid%ny - 1)/max_rows + 1)
-      call power_spectrum(rows, power, error)
-      if (allocated(error)) return
+      associate (sweep => record%sweep)
+         rows = reshape(sweep%height, [sweep%grid%nx, sweep%grid%ny])
+         rows = rows(:, ::(sweep%grid%ny - 1)/max_rows + 1)
+      end associate
+      call power_spectrum(rows, power, record%error)
+      if (allocated(record%error)) return
       beyond = 0.0_wp
       most = negligible_power*sum(power)
       do harmonics = size(power), min_harmonics, -1
@@ -291,7 +263,7 @@ contains
          if (beyond > most) return
       end do
       harmonics = 0
-   end subroutine count_harmonics
+   end function harmonics_of
 
    !> Spacing, relative to the result, of the finer of two grids on which this many `parts` can be
    !> left out under the `heaviest` load within the budget; the other grid has twice the spacing.

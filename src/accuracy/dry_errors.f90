@@ -1,15 +1,11 @@
 !> Errors of the quantities of a dry contact by its grid.
 !>
 !> They are compared with those of the same heights on other grids, solved loosely, since the change
-!> of grid shows after a few iterations. The difference to a finer grid is nearly the error. If
-!> finer grids cost too much, slightly coarser ones are used, which still resolve nearly all waves
-!> of the surface; much coarser ones would measure the roughness. Edges of contact patches lie
-!> anywhere between nodes, so that one difference may vanish by chance; the weighted root mean
-!> square of several hardly does. Areas count nodes: a share of the edge nodes is added; for lines,
-!> whose edges are known between nodes, the excess of the count. Largest pressures are compared by
-!> crests between nodes, and the height of the crest above the highest node is added. The error of a
-!> separation is a sum over all edges, of either sign: for a periodic area with many nodes it
-!> follows from the pressures at the edges.
+!> of grid shows after a few iterations (docs/theory.md, dry rough contact). The difference to a
+!> finer grid is nearly the error. If finer grids cost too much, slightly coarser ones are used,
+!> which still resolve nearly all waves of the surface; much coarser ones would measure the
+!> roughness. The error of a separation is a sum over all edges, of either sign: for a periodic area
+!> with many nodes it follows from the pressures at the edges.
 !>
 !> For a target accuracy of the contact area: where a grid resolves the waves of the surface the
 !> estimated error of the area falls as dx, or with the order observed on the last two grids; the
@@ -22,7 +18,6 @@ module dry_errors
       factor_count, load, mean_separation, p_max, plastic_area, plasticity_index, separation, &
       yields
    use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes
-   use errors, only: error_t
    use grid_transform, only: even_nodes
    use kinds, only: not_known, wp
    implicit none (type, external)
@@ -98,10 +93,8 @@ module dry_errors
 contains
 
    !> Estimates the errors of the solution of a `record` that keeps its pressures; NaN: not known.
-   !> Fails (internal_error) if FFTW does.
-   subroutine estimate_dry_errors(record, error)
+   subroutine estimate_dry_errors(record)
       type(dry_record_t), intent(inout) :: record
-      type(error_t), allocatable, intent(out) :: error
       type(dry_row_t), allocatable :: others(:)
       type(dry_setting_t) :: setting
       real(wp) :: squares(dry_count, size(record%outcome%rows)), &
@@ -122,8 +115,7 @@ contains
          grids: do k = 1, size(ratios)
             if (minval(count) >= least) exit grids
             setting = setting_on(sweep, ratios(k))
-            call record%run(setting, others, error)
-            if (allocated(error)) return
+            call record%run(setting, others)
             loads: do i = 1, size(rows)
                if (.not. others(i)%kkt <= setting%tolerance) cycle loads
                count(i) = count(i) + 1

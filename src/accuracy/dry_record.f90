@@ -1,5 +1,4 @@
-!> A solved dry contact and its runs on other grids or with part of the model left out, each made
-!> once.
+!> A solved dry contact and its runs on other grids or with part of the model left out.
 module dry_record
    use, intrinsic :: iso_fortran_env, only: real32
    use dry_problem, only: dry_grid_t, dry_loads_t, dry_scaling_t, dry_settings_t, kernel_element, &
@@ -46,17 +45,11 @@ module dry_record
       logical :: is_rough = .false.
    end type dry_setting_t
 
-   !> A run that was made.
-   type :: dry_run_t
-      type(dry_setting_t) :: setting
-      type(dry_row_t), allocatable :: rows(:)
-   end type dry_run_t
-
-   !> A contact, its solution and all other runs.
+   !> A contact and its solution; why a run has failed, FFTW: no other is made then.
    type, public :: dry_record_t
       type(dry_sweep_t) :: sweep
       type(dry_outcome_t) :: outcome
-      type(dry_run_t), allocatable :: runs(:)
+      type(error_t), allocatable :: error
    contains
       procedure :: run
    end type dry_record_t
@@ -70,20 +63,17 @@ module dry_record
 
 contains
 
-   !> Returns the `rows` of a run, from the record if it was made before; not converged if nothing
-   !> touches or the grid is too coarse. Fails (internal_error) if FFTW does.
-   subroutine run(self, setting, rows, error)
+   !> Returns the `rows` of a run, not converged if nothing touches, if the grid is too coarse, or
+   !> if a run has failed.
+   subroutine run(self, setting, rows)
       class(dry_record_t), intent(inout) :: self
       type(dry_setting_t), intent(in) :: setting
       type(dry_row_t), allocatable, intent(out) :: rows(:)
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable :: error
       type(dry_outcome_t) :: outcome
-      type(dry_run_t), allocatable :: runs(:)
       type(dry_sweep_t) :: sweep
       logical :: is_possible
-      integer :: i
 
-      if (.not. allocated(self%runs)) allocate (self%runs(0))
       ! one load of the result that no earlier load has deformed
       if (setting%load > 0 .and. setting%without == without_nothing &
          .and. .not. abs(setting%ratio - 1.0_wp) > 0.0_wp &
@@ -91,35 +81,18 @@ contains
          rows = self%outcome%rows(setting%load:setting%load)
          return
       end if
-      do i = 1, size(self%runs)
-         associate (old => self%runs(i)%setting)
-            if (any([old%without, old%number, old%load] /= [setting%without, setting%number, &
-               setting%load]) .or. (old%is_rough .neqv. setting%is_rough)) cycle
-            if (any(abs([old%ratio, old%tolerance] - [setting%ratio, setting%tolerance]) &
-               > 0.0_wp)) cycle
-         end associate
-         rows = self%runs(i)%rows
-         return
-      end do
       allocate (rows(merge(1, size(self%outcome%rows), setting%load > 0)))
+      if (allocated(self%error)) return
       call prepare(self, setting, sweep, is_possible, error)
-      if (allocated(error)) return
-      if (is_possible) then
+      if (.not. allocated(error)) then
+         if (.not. is_possible) return
          call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, &
             sweep%settings, outcome, error)
-         if (.not. allocated(error)) then
-            call move_alloc(outcome%rows, rows)
-         else if (error%kind == input_error) then
-            deallocate (error)   ! nothing touches at that separation on this grid
-         else
-            return
-         end if
+         if (.not. allocated(error)) call move_alloc(outcome%rows, rows)
       end if
-      allocate (runs(size(self%runs) + 1))   ! a constructor of runs would leak memory
-      runs(:size(self%runs)) = self%runs
-      runs(size(runs))%setting = setting
-      runs(size(runs))%rows = rows
-      call move_alloc(runs, self%runs)
+      if (.not. allocated(error)) return
+      ! of bad input: nothing touches at that separation on this grid
+      if (error%kind /= input_error) call move_alloc(error, self%error)
    end subroutine run
 
    !> Prepares the `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails
@@ -133,11 +106,7 @@ contains
       logical :: is_resampled
       integer :: first, last
 
-      sweep%grid = self%sweep%grid
-      sweep%scaling = self%sweep%scaling
-      sweep%loads = self%sweep%loads
-      sweep%settings = self%sweep%settings
-      if (setting%without /= without_rows) sweep%height = self%sweep%height
+      sweep = self%sweep
       associate (grid => sweep%grid, old => self%sweep%grid, settings => sweep%settings)
          settings%method = method_conjugate_gradient
          settings%keeps_pressures = .false.
@@ -185,8 +154,7 @@ contains
                sweep%height, [grid%nx, grid%ny]), -(grid%nx/2), 1), -(grid%ny/2), 2), &
                [grid%nx*grid%ny])
          case (without_rows)
-            sweep%height = self%sweep%height(setting%number*grid%nx + 1:(setting%number + 1) &
-               *grid%nx)
+            sweep%height = sweep%height(setting%number*grid%nx + 1:(setting%number + 1)*grid%nx)
             grid = dry_grid_t(grid%nx, 1, 1.0_wp, grid%kernel)
             sweep%scaling = new_dry_scaling(sweep%height, sweep%scaling%length, &
                sweep%scaling%reduced_modulus)

@@ -8,27 +8,26 @@
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
-   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, &
-      error_on_grids, kappa_share, limit_in_time, orders, safety
-   use inlet_errors, only: inlet_change_t, inlet_shares
+   use grid_errors, only: error_from_levels, error_on_grids, error_with_limit, kappa_share, &
+      orders, pressure_safety_in_time, safety
+   use inlet_errors, only: domain_change_t, inlet_shares
    use iteration_report, only: report_t
-   use kinds, only: exceeds, larger, not_known, wp
+   use kinds, only: exceeds, larger, not_known, quotient, wp
    use line_contact, only: line_contact_t, time_settings_t
    use line_summary, only: line_summary_t, new_quantity, quantity_t
-   use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, &
-      estimate_crest_in_time, spike_law_t, top_of
+   use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, spike_law_t, top_of
    use quantities, only: asperity_share, boundary_friction, friction_coefficient, h_central, &
-      is_chance, p_max, quantity_count, quantity_rows, rule_between, rule_crest, rule_first, &
+      is_chance, quantity_count, quantity_rows, rule_between, rule_crest, rule_first, &
       rule_node, sliding_rows
    use wave_resolution, only: unseen_waves
    implicit none (type, external)
    private
 
-   public :: apply_error_bars, coarse_values_t, copy_coarser, error_bars_t, missing_estimate, &
-      new_error_bars, outlet_error
+   public :: apply_error_bars, copy_coarser, error_bars_t, missing_estimate, new_error_bars, &
+      outlet_error
 
-   !> Coarse runs of a result, and what is known of the order of the scheme.
-   type :: coarse_values_t
+   !> Coarse runs of a result, and everything else its error estimates use.
+   type :: error_bars_t
       !> Quantities on n/2, n/4 and, of a steady contact on a chosen grid, n/8 intervals; `grids` of
       !> them are known.
       integer :: grids = 0
@@ -42,24 +41,20 @@ module error_bars
       !> Steady contacts by the kappa scheme: quantities by upwind2 on n, n/2 and n/4 intervals; not
       !> allocated: not known.
       type(line_summary_t), allocatable :: other_scheme(:)
-   end type coarse_values_t
-
-   !> Coarse runs of a result, and everything else its error estimates use.
-   type, extends(coarse_values_t) :: error_bars_t
       !> How a pressure spike grows on finer grids and a wave of the film decays.
       type(spike_law_t) :: spike_law
       !> Waves that features leave in the film.
       type(film_waves_t) :: waves
       !> Bounds of the errors by a graded grid, in the order of the table of quantities.
       real(wp), allocatable :: grid_errors(:)
-      !> Why coarse runs give no error estimate; empty or not allocated: they do.
-      character(:), allocatable :: unseen
-      !> Whether the outlet cuts off the film, and quantities with this outlet, on n/2 intervals or
-      !> a graded grid, and with a longer one at the same spacing.
-      logical :: is_cut = .false., has_longer = .false.
-      type(line_summary_t) :: cut, longer
+      !> Why coarse runs give no error estimate; empty: they do.
+      character(len=120) :: unseen = ''
+      !> Whether the outlet cuts off the film, and what a longer one changes, on n/2 intervals or a
+      !> graded grid.
+      logical :: is_cut = .false.
+      type(domain_change_t) :: outlet
       !> Measured influence of the inlet; replaces the inlet rule.
-      type(inlet_change_t) :: inlet
+      type(domain_change_t) :: inlet
       !> Bound on the relative change of each quantity by what was left out of the model; NaN: not
       !> known.
       real(wp) :: left_out(quantity_count) = 0.0_wp
@@ -78,8 +73,7 @@ contains
       type(report_t), intent(in) :: report
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: iteration, oil_share, domain(quantity_count)
-      integer :: i
+      real(wp) :: iteration, oil_share
 
       if (allocated(bars%grid_errors)) then
          summary%of%error_grid = bars%grid_errors
@@ -88,20 +82,18 @@ contains
       end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
-      domain = inlet_shares(bars%inlet, bars%spike_law%fluid, report, summary)
       oil_share = 1.0_wp   ! heat does not change the friction coefficient of asperities
       if (exceeds(summary%of(boundary_friction)%value, 0.0_wp)) oil_share = 1 &
          - summary%of(boundary_friction)%value/summary%of(friction_coefficient)%value
-      do i = 1, quantity_count
-         associate (of => summary%of(i))
-            if (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out(i)*abs(of%value)
-            if (any(i == sliding_rows)) of%error_model = of%error_model*oil_share
-            of%error_domain = domain(i)*abs(of%value) + cut_error(bars, i)
-            of%error_iteration = iteration*abs(of%value)
-            of%error_estimate = of%error_grid + of%error_domain + of%error_iteration &
-               + of%error_start + of%error_model
-         end associate
-      end do
+      associate (of => summary%of)
+         where (exceeds(abs(of%value), 0.0_wp)) of%error_model = bars%left_out*abs(of%value)
+         of(sliding_rows)%error_model = of(sliding_rows)%error_model*oil_share
+         of%error_domain = inlet_shares(bars%inlet, bars%spike_law%fluid, report, summary) &
+            *abs(of%value) + cut_errors(bars)
+         of%error_iteration = iteration*abs(of%value)
+         of%error_estimate = of%error_grid + of%error_domain + of%error_iteration &
+            + of%error_start + of%error_model
+      end associate
    end subroutine apply_error_bars
 
    !> Sets the errors by an even grid and the time step, and extrapolated values.
@@ -111,8 +103,8 @@ contains
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
 
-      if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
-         call estimate_grid_errors(bars%coarse_values_t, is_transient, dx, summary)
+      if (bars%grids > 0 .and. bars%unseen == '') then
+         call estimate_grid_errors(bars, is_transient, dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       end if
       call doubt_shear(bars%spike_law, dx, summary)
@@ -120,44 +112,30 @@ contains
       summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
    end subroutine estimate_on_even
 
-   !> Whether the surfaces have waves that coarse runs do not resolve.
-   pure logical function has_unseen_waves(bars)
-      type(error_bars_t), intent(in) :: bars
-
-      has_unseen_waves = .false.
-      if (allocated(bars%unseen)) has_unseen_waves = len(bars%unseen) > 0
-   end function has_unseen_waves
-
    !> Largest relative error by the outlet among the quantities of the closing table: 0 if it cuts
    !> off nothing, NaN if not known.
    pure real(wp) function outlet_error(bars) result(error)
       type(error_bars_t), intent(in) :: bars
-      integer :: i
+      real(wp) :: errors(quantity_count)
 
       error = 0.0_wp
-      if (.not. bars%is_cut) return
-      error = not_known()
-      if (.not. bars%has_longer) return
-      error = 0.0_wp
-      do i = 1, quantity_count
-         if (len_trim(quantity_rows(i)%short) == 0) cycle
-         associate (cut => bars%cut%of(i)%value)
-            if (exceeds(cut, 0.0_wp)) error = larger(error, cut_error(bars, i)/cut)
-         end associate
-      end do
+      if (bars%is_cut .and. .not. bars%outlet%is_known) error = not_known()
+      if (.not. (bars%is_cut .and. bars%outlet%is_known)) return
+      errors = quotient(cut_errors(bars), bars%outlet%near%of%value)
+      error = max(0.0_wp, maxval(errors, quantity_rows%short /= '' .and. exceeds(errors, 0.0_wp)))
    end function outlet_error
 
-   !> Error of row `i` by the outlet, from its values with this and with a longer outlet; NaN if
-   !> these are not known.
-   pure real(wp) function cut_error(bars, i) result(error)
+   !> Errors by the outlet, from the values with this and with a longer outlet; NaN if these are not
+   !> known.
+   pure function cut_errors(bars) result(errors)
       type(error_bars_t), intent(in) :: bars
-      integer, intent(in) :: i
+      real(wp) :: errors(quantity_count)
 
-      error = 0.0_wp
-      if (.not. bars%is_cut) return
-      error = not_known()
-      if (bars%has_longer) error = safety*abs(bars%cut%of(i)%value - bars%longer%of(i)%value)
-   end function cut_error
+      errors = 0.0_wp
+      if (bars%is_cut) errors = not_known()
+      if (bars%is_cut .and. bars%outlet%is_known) errors = safety*abs(bars%outlet%near%of%value &
+         - bars%outlet%far%of%value)
+   end function cut_errors
 
    !> Why a quantity of `summary` on a grid of spacing `dx` has no estimate.
    pure function missing_estimate(bars, report, dx, summary) result(reason)
@@ -175,11 +153,11 @@ contains
       else if (.not. all(exceeds(bars%left_out, -1.0_wp))) then   ! unknown
          reason = 'what was left out of the model may change it, or a pressure spike that this '// &
             'grid does not resolve'
-      else if (allocated(bars%grid_errors) .and. (bars%has_longer .or. .not. bars%is_cut)) then
+      else if (allocated(bars%grid_errors) .and. (bars%outlet%is_known .or. .not. bars%is_cut)) then
          reason = 'a pressure spike has no end at the lengths of this grid: p_max is at least this'
-      else if (has_unseen_waves(bars)) then
-         reason = bars%unseen
-      else if (bars%is_cut .and. .not. bars%has_longer) then
+      else if (bars%unseen /= '') then
+         reason = trim(bars%unseen)
+      else if (bars%is_cut .and. .not. bars%outlet%is_known) then
          reason = 'the outlet cuts the film off'
       else if (len(lost) > 0) then
          reason = lost
@@ -209,107 +187,96 @@ contains
    end function new_error_bars
 
    !> Copies the solutions on n/2, n/4 and n/8 intervals, as far as known.
-   pure subroutine copy_coarser(values, coarser)
-      class(coarse_values_t), intent(inout) :: values
+   pure subroutine copy_coarser(bars, coarser)
+      type(error_bars_t), intent(inout) :: bars
       type(line_summary_t), intent(in) :: coarser(:)
 
-      values%grids = min(size(coarser), size(values%coarser))
-      values%coarser(:values%grids) = coarser(:values%grids)
+      bars%grids = min(size(coarser), size(bars%coarser))
+      bars%coarser(:bars%grids) = coarser(:bars%grids)
    end subroutine copy_coarser
 
    !> Sets the errors of all quantities by grid and time step.
-   pure subroutine estimate_grid_errors(values, is_transient, dx, summary)
-      type(coarse_values_t), intent(in) :: values
+   pure subroutine estimate_grid_errors(bars, is_transient, dx, summary)
+      type(error_bars_t), intent(in) :: bars
       logical, intent(in) :: is_transient
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
+      type(line_summary_t) :: accurate
+      type(quantity_t) :: levels(4)
       integer :: i
 
+      accurate = summary
+      if (is_transient .and. bars%is_first_order) accurate = bars%second_order
       do i = 1, quantity_count
+         levels = on_levels(bars, i, accurate)
          if (quantity_rows(i)%rule == rule_crest) then
-            call estimate_pressure(values, is_transient, summary)
-         else if (is_transient) then
-            call estimate_in_time(values, i, dx, summary%of(i))
+            if (.not. all(ieee_is_finite(levels(:3)%between))) cycle
+            if (is_transient) summary%of(i)%between = summary%crests%highest
+         end if
+         if (is_transient) then
+            call estimate_in_time(levels(:3)%between, bars%is_first_order, i, dx, summary%of(i))
+         else if (quantity_rows(i)%rule == rule_crest) then
+            call estimate_crest(levels(:3)%between, levels(:3)%value, summary%of(i))
          else
-            call estimate_at_rest(values, i, dx, ieee_is_finite(summary%crests%spike), &
+            call estimate_at_rest(bars, i, levels, dx, ieee_is_finite(summary%crests%spike), &
                summary%of(i))
          end if
       end do
    end subroutine estimate_grid_errors
 
-   !> Row `i` on n, n/2, n/4 and n/8 intervals, as far as known.
-   pure function on_levels(values, i, full) result(levels)
-      type(coarse_values_t), intent(in) :: values
+   !> Row `i` on n, n/2, n/4 and n/8 intervals, as far as known; between the nodes of the pressure
+   !> lies the crest that is compared.
+   pure function on_levels(bars, i, full) result(levels)
+      type(error_bars_t), intent(in) :: bars
       integer, intent(in) :: i
-      type(quantity_t), intent(in) :: full
+      type(line_summary_t), intent(in) :: full
       type(quantity_t) :: levels(4)
+      integer :: k
 
       levels = new_quantity(i, [not_known(), not_known()], 0.0_wp)
-      levels(1) = full
-      levels(2:1 + values%grids) = values%coarser(:values%grids)%of(i)
+      levels(1) = full%of(i)
+      levels(2:1 + bars%grids) = bars%coarser(:bars%grids)%of(i)
+      if (quantity_rows(i)%rule /= rule_crest) return
+      levels(1)%between = top_of(full%crests)
+      do k = 1, bars%grids
+         levels(1 + k)%between = top_of(bars%coarser(k)%crests)
+      end do
    end function on_levels
 
-   !> Error of row `i` of a transient by grid and time step, from values between nodes.
-   pure subroutine estimate_in_time(values, i, dx, quantity)
-      type(coarse_values_t), intent(in) :: values
+   !> Error of row `i` of a transient by grid and time step, from `values` between nodes of the
+   !> second-order scheme on n, n/2 and n/4 intervals.
+   pure subroutine estimate_in_time(values, is_first_order, i, dx, quantity)
+      real(wp), intent(in) :: values(3), dx
+      logical, intent(in) :: is_first_order
       integer, intent(in) :: i
-      real(wp), intent(in) :: dx
       type(quantity_t), intent(inout) :: quantity
-      type(quantity_t) :: levels(4)
-      real(wp) :: limit, error
+      real(wp) :: found(2)
 
-      levels = on_levels(values, i, quantity)
-      if (values%is_first_order) levels(1) = values%second_order%of(i)
-      limit = limit_in_time(levels(:3)%between)
-      error = error_in_time(levels(:3)%between)
-      if (values%is_first_order) error = error_by_reference(quantity%between, limit, error)
-      quantity%error_grid = error + abs(quantity%value - quantity%between)
+      found = error_with_limit(quantity%between, is_first_order, values, merge( &
+         pressure_safety_in_time, 1.0_wp, quantity_rows(i)%rule == rule_crest))
+      quantity%error_grid = found(1) + abs(quantity%value - quantity%between)
       if (quantity_rows(i)%rule == rule_between) then
          quantity%error_grid = quantity%error_grid + exit_jitter*dx
       else
-         quantity%extrapolated = limit
+         quantity%extrapolated = found(2)
       end if
    end subroutine estimate_in_time
 
-   !> Error of the largest nodal pressure, from maxima of parabolas.
-   pure subroutine estimate_pressure(values, is_transient, summary)
-      type(coarse_values_t), intent(in) :: values
-      logical, intent(in) :: is_transient
-      type(line_summary_t), intent(inout) :: summary
-      real(wp) :: tops(3), nodes(3)
-      integer :: k
-
-      tops = not_known()
-      tops(1) = top_of(summary%crests)
-      if (is_transient .and. values%is_first_order) tops(1) = top_of(values%second_order%crests)
-      do k = 1, min(values%grids, 2)
-         tops(1 + k) = top_of(values%coarser(k)%crests)
-      end do
-      if (is_transient) then
-         call estimate_crest_in_time(values%is_first_order, tops, summary%crests%highest, &
-            summary%of(p_max))
-      else if (all(ieee_is_finite(tops))) then
-         nodes = [summary%of(p_max)%value, values%coarser(:2)%of(p_max)%value]
-         call estimate_crest(tops, nodes, summary%of(p_max))
-      end if
-   end subroutine estimate_pressure
-
    !> Error of row `i` of a steady contact by the grid. With a pressure spike, whose position is
    !> known to one spacing, an observed order of the smallest film does not persist.
-   pure subroutine estimate_at_rest(values, i, dx, is_spiked, quantity)
-      type(coarse_values_t), intent(in) :: values
+   pure subroutine estimate_at_rest(bars, i, levels, dx, is_spiked, quantity)
+      type(error_bars_t), intent(in) :: bars
       integer, intent(in) :: i
+      type(quantity_t), intent(in) :: levels(4)
       real(wp), intent(in) :: dx
       logical, intent(in) :: is_spiked
       type(quantity_t), intent(inout) :: quantity
-      type(quantity_t) :: levels(4)
       real(wp) :: bounds(2), between(2), own(2)
       logical :: lasts
 
-      bounds = merge(quantity_rows(i)%kappa_orders, orders, values%is_kappa)
+      bounds = merge(quantity_rows(i)%kappa_orders, orders, bars%is_kappa)
       lasts = .not. (is_spiked .and. is_chance(quantity_rows(i)) &
          .or. quantity_rows(i)%field == 'temperature_rise')   ! a maximum that moves with the nodes
-      levels = on_levels(values, i, quantity)
       own = error_on_grids(levels%value, bounds, lasts)
       between = error_on_grids(levels%between, bounds, lasts)
       if (i == h_central) then   ! on a line between two nodes, whose error has a sign
@@ -328,8 +295,8 @@ contains
             0.0_wp, orders(2)), not_known()]
       case default   ! its own values are enough, or what is known of them
       end select
-      if (allocated(values%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
-         error_by_other_scheme(values, i) + abs(quantity%value - quantity%between)
+      if (allocated(bars%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
+         error_by_other_scheme(bars%other_scheme, i) + abs(quantity%value - quantity%between)
       ! loads that fall from grid to grid do not fall below 0
       if (any(i == [asperity_share, boundary_friction]) .and. own(1) > quantity%value &
          .and. levels(2)%value > quantity%value) own = [quantity%value, not_known()]
@@ -339,15 +306,15 @@ contains
 
    !> Error of row `i` by the kappa scheme between nodes: a share of the error by upwind2, which
    !> falls regularly.
-   pure function error_by_other_scheme(values, i) result(error)
-      type(coarse_values_t), intent(in) :: values
+   pure function error_by_other_scheme(other_scheme, i) result(error)
+      type(line_summary_t), intent(in) :: other_scheme(:)
       integer, intent(in) :: i
       real(wp) :: error, films(4), error_and_limit(2)
       integer :: known
 
       films = not_known()
-      known = min(size(values%other_scheme), 3)
-      films(:known) = values%other_scheme(:known)%of(i)%between
+      known = min(size(other_scheme), 3)
+      films(:known) = other_scheme(:known)%of(i)%between
       error_and_limit = error_on_grids(films, orders, lasts=.true.)
       error = kappa_share/safety*error_and_limit(1)
    end function error_by_other_scheme

@@ -1,15 +1,7 @@
 !> Loss of the waves that features leave in the film, by grid and time step.
 !>
-!> A feature that enters a contact at the speed dX/dT = s modulates the film. The oil carries that
-!> modulation on at the mean speed, dX/dT = 1, so that its wavenumber is k = 2 pi s/wavelength. It
-!> decays as exp(-l_flow^2 k^3 X) (module pressure_errors): between heavily loaded bodies hardly at
-!> all. Second-order schemes shift it, and finally lose it,
-!>
-!>     phase = k (k d)^2/3 min( 1, 1/(l_flow^2 k^3) ) ,   d the larger one of dX and dT ,
-!>
-!> over a half-width or its decay length. A film wave of height A makes pressures k A, so that
-!> pressures err by up to k A min(1, 2 phase); the factor 2 because a ridge contains shorter waves
-!> too. Coarser grids lose the wave as well: changes from grid to grid show the error of the
+!> Second-order schemes shift such a wave by a phase, and finally lose it (docs/theory.md, error
+!> estimates). Coarser grids lose it as well: changes from grid to grid show the error of the
 !> pressures only while the phase is small, that of the film at X = 0 until the wave is lost.
 !>
 !> The numbers come from 22 contacts (M_sum 34 to 290, p_h 0.6 to 2.8 GPa, waves of 0.07 to 1 b and
@@ -19,7 +11,7 @@ module film_waves
    use features, only: rough_surface_t
    use kinds, only: not_known, pi, wp
    use line_contact, only: line_contact_t, time_settings_t
-   use line_summary, only: line_summary_t, quantity_t
+   use line_summary, only: line_summary_t
    use lubricant, only: fluid_viscosity, ln_slip
    use pressure_errors, only: spike_law_t
    use quantities, only: h_central, p_central, p_max
@@ -78,24 +70,14 @@ contains
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
+      integer, parameter :: rows(3) = [h_central, p_max, p_central]
       real(wp) :: doubt(2)
 
       doubt = doubts(waves, law, max(dx, waves%time_step), summary)
-      call add_doubt(doubt(1), summary%of(h_central))
-      call add_doubt(doubt(2), summary%of(p_max))
-      call add_doubt(doubt(2), summary%of(p_central))
-
-   contains
-
-      !> Adds to the error of a quantity.
-      pure subroutine add_doubt(doubt, quantity)
-         real(wp), intent(in) :: doubt
-         type(quantity_t), intent(inout) :: quantity
-
-         quantity%error_grid = quantity%error_grid + doubt
-         if (.not. ieee_is_finite(doubt)) quantity%extrapolated = not_known()
-      end subroutine add_doubt
-
+      associate (of => summary%of(rows), more => doubt([1, 2, 2]))
+         summary%of(rows)%error_grid = of%error_grid + more
+         where (.not. ieee_is_finite(more)) summary%of(rows)%extrapolated = not_known()
+      end associate
    end subroutine doubt_lost_waves
 
    !> Says that quantities are not known because of lost waves, and which spacing and time step

@@ -1,23 +1,14 @@
-!> Errors of a quantity from its values on n, n/2, n/4 and n/8 intervals, at rest and, with one, two
-!> and four time steps, in time.
-!>
-!> At rest: with Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 -
-!> Q2| the error of Q1 is |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded:
-!> an order above that of the scheme is chance.
-!>
-!> In time: quantities are extremes over time, and the errors of grid and time step fall at
-!> different rates, often with opposite signs: an order from three values is mostly chance. A first-
-!> order scheme has two errors of different orders, so that its changes say even less: its result is
-!> compared with that of the second-order scheme on the same grid and with the limit of the latter
-!> (theory page, section on error estimates).
+!> Errors of a quantity from its values on n, n/2, n/4 and n/8 intervals, at rest by the observed
+!> order (Roache, J. Fluids Eng. 116, 1994, 405) and, with one, two and four time steps, in time
+!> (docs/theory.md, error estimates). An order above that of the scheme is chance, and so is mostly
+!> an order from three extremes over time.
 module grid_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: not_known, wp
    implicit none (type, external)
    private
 
-   public :: error_by_reference, error_from_levels, error_in_time, error_on_grids, limit_in_time, &
-      observed_order
+   public :: error_from_levels, error_in_time, error_on_grids, error_with_limit, observed_order
 
    !> Safety factor: the observed order is uncertain.
    real(wp), parameter, public :: safety = 1.5_wp
@@ -107,19 +98,19 @@ contains
       if (change*older > 0.0_wp) error = steady_share*error
    end function error_in_time
 
-   !> Error of a `value` by the first-order scheme: its distance from the `limit` of the
-   !> second-order scheme, plus a share of the `error` of that.
-   pure real(wp) function error_by_reference(value, limit, error) result(whole)
-      real(wp), intent(in) :: value, limit, error
+   !> Error of a `value` in time and Richardson's second-order limit, from Q1, Q2, Q4 (`values`) of
+   !> the second-order scheme: `factor` times the error of Q1; of a first-order scheme its distance
+   !> from the limit, plus a share of that error.
+   pure function error_with_limit(value, is_first_order, values, factor) result(error_and_limit)
+      real(wp), intent(in) :: value, values(3), factor
+      logical, intent(in) :: is_first_order
+      real(wp) :: error_and_limit(2)
 
-      whole = abs(value - limit) + limit_share*error
-   end function error_by_reference
-
-   !> Richardson's second-order limit of Q1, Q2, Q4.
-   pure real(wp) function limit_in_time(values) result(limit)
-      real(wp), intent(in) :: values(3)
-
-      limit = values(1) + (values(1) - values(2))/3.0_wp
-   end function limit_in_time
+      associate (error => error_and_limit(1), limit => error_and_limit(2))
+         limit = values(1) + (values(1) - values(2))/3.0_wp
+         error = factor*error_in_time(values)
+         if (is_first_order) error = abs(value - limit) + limit_share*error
+      end associate
+   end function error_with_limit
 
 end module grid_errors

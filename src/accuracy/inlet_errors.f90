@@ -12,11 +12,11 @@ module inlet_errors
    implicit none (type, external)
    private
 
-   public :: change_by_inlet, domain_error, film_loss, inlet_change_t, inlet_shares
+   public :: change_by_inlet, domain_change_t, film_loss, inlet_shares
 
    !> Films err by up to twice the share lost by starvation, and the exit by that share where the
    !> film is thick (M 0.5-500, L 0-30, against four times the domain).
-   real(wp), parameter :: film_safety = 2.0_wp
+   real(wp), parameter, public :: film_safety = 2.0_wp
    !> Forces err as films do, sliding by up to this many times the share of the pressures in
    !> addition; with a Newtonian oil as its viscosity does, where the largest pressure changes by a
    !> third of that share (M 2-70, L 3-9, against a domain twice as long).
@@ -30,26 +30,18 @@ module inlet_errors
    character(len=*), parameter :: may_be_unknown(4) = [character(len=20) :: '1', 'x', &
       'friction_coefficient', 'power']
 
-   !> Quantities on the same and on the longer domain.
-   type :: inlet_change_t
+   !> What a longer domain changes: quantities on the same and on the longer one.
+   type :: domain_change_t
       logical :: is_known = .false.
       type(line_summary_t) :: near, far
-   end type inlet_change_t
+   end type domain_change_t
 
 contains
-
-   !> Bound on the relative error of a film by the length of the domain, from the `inlet_error` of
-   !> its inlet.
-   pure real(wp) function domain_error(inlet_error) result(error)
-      real(wp), intent(in) :: inlet_error
-
-      error = film_safety*inlet_error
-   end function domain_error
 
    !> Relative errors of all quantities by the inlet: from the coarse runs of its `change`, else by
    !> the rules in the report.
    pure function inlet_shares(change, fluid, report, summary) result(shares)
-      type(inlet_change_t), intent(in) :: change
+      type(domain_change_t), intent(in) :: change
       type(fluid_t), intent(in) :: fluid
       type(report_t), intent(in) :: report
       type(line_summary_t), intent(in) :: summary
@@ -66,41 +58,23 @@ contains
       where (quantity_rows%field == 'pressure') shares = report%fit%inlet_pressure_error
       where (quantity_rows%field == 'film_thickness' .or. quantity_rows%field == 'power' &
          .or. quantity_rows%field == 'friction_coefficient' &
-         .or. quantity_rows%field == 'temperature_rise') shares = domain_error( &
-         report%fit%inlet_error)
+         .or. quantity_rows%field == 'temperature_rise') shares = film_safety &
+         *report%fit%inlet_error
       response = shear_safety
       if (.not. thins(fluid) .and. ieee_is_finite(summary%of(p_max)%value)) then
          call fluid_viscosity(fluid, [summary%of(p_max)%value], ln_mu)
          response = max(response, pressure_part*ln_mu(1))
       end if
       shares(sheared_rows) = shares(sheared_rows) + response*report%fit%inlet_pressure_error
-      shares([asperity_share, boundary_friction]) = abs(summary%asperity_response)*domain_error( &
-         report%fit%inlet_error)
+      shares([asperity_share, boundary_friction]) = abs(summary%asperity_response) &
+         *(film_safety*report%fit%inlet_error)
    end function inlet_shares
 
-   !> Estimated errors of all quantities by the inlet: relative; of positions in units of b.
+   !> Estimated errors of all quantities by the inlet: relative; of positions in units of b; of
+   !> positions or forces that are not known 0 is the change.
    pure function change_by_inlet(self) result(errors)
-      type(inlet_change_t), intent(in) :: self
+      type(domain_change_t), intent(in) :: self
       real(wp) :: errors(quantity_count)
-
-      errors = abs(changes(self))
-      errors = safety*errors + doubt*maxval(errors, quantity_rows%field == 'film_thickness')
-      where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
-   end function change_by_inlet
-
-   !> Share of the central film lost by starvation; 0 if the inlet thickens it.
-   pure real(wp) function film_loss(self) result(loss)
-      type(inlet_change_t), intent(in) :: self
-
-      loss = max(1 - quotient(value_between(self%near, h_central), value_between(self%far, &
-         h_central)), 0.0_wp)
-   end function film_loss
-
-   !> Changes relative to the value on the same domain; 0 for positions or forces that are not
-   !> known.
-   pure function changes(self)
-      type(inlet_change_t), intent(in) :: self
-      real(wp) :: changes(quantity_count)
       real(wp) :: near, far
       integer :: i
 
@@ -108,19 +82,29 @@ contains
          near = compared_value(self, self%near, i)
          far = compared_value(self, self%far, i)
          if (quantity_rows(i)%field == 'x') then
-            changes(i) = near - far
+            errors(i) = abs(near - far)
          else
-            changes(i) = 1 - quotient(far, near)
+            errors(i) = abs(1 - quotient(far, near))
          end if
-         if (any(quantity_rows(i)%field == may_be_unknown)) changes(i) = merge(changes(i), &
-            0.0_wp, ieee_is_finite(changes(i)))
+         if (any(quantity_rows(i)%field == may_be_unknown)) errors(i) = merge(errors(i), 0.0_wp, &
+            ieee_is_finite(errors(i)))
       end do
-   end function changes
+      errors = safety*errors + doubt*maxval(errors, quantity_rows%field == 'film_thickness')
+      where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
+   end function change_by_inlet
+
+   !> Share of the central film lost by starvation; 0 if the inlet thickens it.
+   pure real(wp) function film_loss(self) result(loss)
+      type(domain_change_t), intent(in) :: self
+
+      loss = max(1 - quotient(value_between(self%near, h_central), value_between(self%far, &
+         h_central)), 0.0_wp)
+   end function film_loss
 
    !> The compared value of row `i` of a `summary`: that between nodes; of crests the one next to a
    !> spike, if both have one.
    pure real(wp) function compared_value(self, summary, i) result(value)
-      type(inlet_change_t), intent(in) :: self
+      type(domain_change_t), intent(in) :: self
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
 

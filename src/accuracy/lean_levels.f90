@@ -3,7 +3,6 @@
 module lean_levels
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_set_halting_mode, ieee_usual
    use ablations, only: ingredient_t, is_of_oil, leave_out
-   use errors, only: error_t
    use film_state, only: film_state_t
    use film_temperature, only: solve_warm
    use kinds, only: wp
@@ -113,17 +112,18 @@ contains
    end function refined
 
    !> The steady problem on one grid with the surfaces at time 0, in place of an earlier one.
-   subroutine pose(self, contact, intervals, error)
+   subroutine pose(self, contact, intervals, listener)
       type(lean_level_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: intervals
-      type(error_t), allocatable, intent(out) :: error
+      class(listener_t), intent(inout) :: listener
 
       if (self%level%n > 0) self = lean_level_t(kept=self%kept, ingredient=self%ingredient)
       allocate (semiseparable_jacobian_t :: self%newton%linear)
       associate (level => self%level)
-         call new_level_of(contact, intervals, level, error)
-         if (allocated(error)) return
+         call new_level_of(contact, intervals, level, listener%error)
+         listener%is_stopping = listener%is_stopping .or. allocated(listener%error)
+         if (listener%is_stopping) return
          call set_plain_problem(level, roughness_at(contact, level, 0.0_wp))
       end associate
    end subroutine pose
@@ -146,14 +146,13 @@ contains
    end subroutine place_film
 
    !> The `contact` without the ingredient of `lean`, but for what is `kept` of it, as `solve_by`.
-   subroutine solve_without(lean, contact, scheme, start, budget, listener, error)
+   subroutine solve_without(lean, contact, scheme, start, budget, listener)
       type(lean_level_t), intent(inout) :: lean
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: scheme
       type(film_state_t), intent(in) :: start
       real(wp), intent(inout) :: budget
       class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: other
       integer :: attempt, attempts, n
 
@@ -167,8 +166,8 @@ contains
          call leave_out(other, lean%ingredient, lean%kept)
          if (attempt == 1 .and. n < coarsest_for_film(other)) cycle
          if (.not. (lean%has_own_oil .and. is_of_oil(lean%ingredient))) then
-            call pose(lean, other, n, error)
-            if (allocated(error)) return
+            call pose(lean, other, n, listener)
+            if (listener%is_stopping) return
             lean%has_own_oil = is_of_oil(lean%ingredient) .and. .not. (allocated(lean%level%heat) &
                .or. allocated(lean%level%oil%saturation))
          end if

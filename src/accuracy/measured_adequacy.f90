@@ -1,39 +1,36 @@
-!> Measures the adequacy of the model of a lubricated result.
+!> Measures the adequacy of the model of a lubricated result; changes of a transient on two grids,
+!> with all ingredients and without one of them.
 !>
-!> Its cost is bounded by a share of the cost of the run, or by that of a small run, in nodes times
-!> Newton steps rather than seconds, so that a repeated run measures the same. Ingredients of oil
-!> and bodies are left out of the smooth steady contact, at little cost. Transients with all
-!> ingredients are known already: the result, and the runs on n/2 and n/4 intervals for its error
-!> bars. Smooth surfaces take one steady solution on each grid; without the squeeze term, steady
-!> solutions follow the waves. With `adequacy%is_full` whatever remains open is run in time on n/2
-!> and n/4, at any cost.
-!>
-!> The error by the time step alone: a run with a target already has a coarse run with a larger
-!> step, and a first-order run one by the second-order scheme. Otherwise one more run on n/4
-!> intervals, with twice the step of that of the error bars, shows the effect of a larger step.
+!> The cost is bounded in nodes times Newton steps rather than seconds, so that a repeated run
+!> measures the same (docs/theory.md, measured adequacy). Transients with all ingredients are known
+!> already: the result, and the runs on n/2 and n/4 intervals for its error bars. Smooth surfaces
+!> take one steady solution on each grid; without the squeeze term, steady solutions follow the
+!> waves. With `adequacy%is_full` whatever remains open is run in time on n/2 and n/4, at any cost.
 module measured_adequacy
-   use ablation_runs, only: change_between, largest_change, measure_at_rest, widths
-   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze
+   use ablation_runs, only: by_larger_step, by_scheme, change_between, doubt_between, &
+      measure_at_rest, set_change, set_step_error, widths
+   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out, roughness, squeeze
    use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t
-   use errors, only: error_t
-   use experiment, only: experiment_t, outcome_t, run_experiment, solution_t
+   use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment, solution_t
    use graded_contact, only: even_state
    use kinds, only: wp
-   use line_contact, only: domain_t, line_contact_t, solver_settings_t, time_settings_t, &
-      without_surfaces
+   use line_contact, only: domain_t, intervals_for_waves, line_contact_t, solver_settings_t, &
+      time_settings_t, without_surfaces
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
-   use passage_pair, only: limit_places, max_cycles, measure_change, new_pair, passage_pair_t, &
-      run_both, sees_all, steps_to_start
+   use passage_times, only: new_passage_times, passage_times_t
+   use pressure_errors, only: doubt_spike
    use quantities, only: quantity_count
+   use wave_resolution, only: node_spacing, steps_in_wave
    implicit none (type, external)
    private
 
-   public :: full_cost, measure_adequacy, set_step_error, solved_t
+   public :: full_cost, measure_adequacy, measure_change, new_pair, passage_pair_t, run_pair, &
+      sees_all, solved_t
 
    !> A solved case: its settings, quantities, Newton steps and error bars.
    type :: solved_t
@@ -42,6 +39,29 @@ module measured_adequacy
       real(wp) :: newton_steps = 0.0_wp
       type(error_bars_t) :: bars
    end type solved_t
+
+   !> Most cycles of a steady solution, and the Newton steps that lead to it, with coarser grids.
+   integer, parameter, public :: max_cycles = 40
+   real(wp), parameter :: steps_to_start = 12.0_wp
+   !> Bound on the residuals of time steps.
+   real(wp), parameter, public :: coarse_tolerance = 1.0e-4_wp
+   !> Newton steps from one position of the waves to the next, and the fewest positions while the
+   !> finest wave moves by its own length.
+   real(wp), parameter :: steps_to_next = 3.0_wp, least_places = 3.0_wp
+
+   !> A transient on the finer and the coarser grid.
+   type :: passage_pair_t
+      type(experiment_t) :: runs(2)
+      !> Extremes with all ingredients.
+      type(line_summary_t) :: full(2)
+      logical :: is_known = .false.
+      !> Factors of the error of a change (`set_change`): a wave may miss the nodes of two coarse
+      !> grids alike; whether that includes what spikes may add.
+      real(wp) :: widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
+      logical :: counts_spikes = .true.
+      !> Nodes times Newton steps spent so far.
+      real(wp) :: work = 0.0_wp
+   end type passage_pair_t
 
    !> The budget is this share of the cost of the run, or that of a small run (20 ms, 2700
    !> instructions a node and step, output excluded).
@@ -61,38 +81,38 @@ module measured_adequacy
       no_film_at_rest = 'the contact stops or reverses: no steady film there'
    !> Most intervals of the smooth steady contact.
    integer, parameter :: most_at_rest = 128
-   !> The error by the time step: this many times the change from twice the step on n/4, or from the
-   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
-   !> single change may vanish by chance.
-   real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp]
-   real(wp), parameter :: by_scheme(2) = [2.0_wp, 0.3_wp]
-
 contains
 
    !> Measures every ingredient of a converged result, whose last state is `state`, at the accuracy
    !> that counts.
-   subroutine measure_adequacy(solved, state, adequacy, listener, error)
+   subroutine measure_adequacy(solved, state, adequacy, listener)
       type(solved_t), intent(in) :: solved
       type(line_state_t), intent(in) :: state
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: even
       type(line_state_t) :: on_even
-      real(wp) :: budget
+      type(passage_pair_t) :: pair
+      logical :: always_moves, is_known
 
       call listener%on_stage('measuring what each ingredient changes')
       associate (contact => solved%experiment%contact, n => real(size(state%x) - 1, wp), &
-         time => solved%experiment%time)
-         if (allocated(contact%duty)) then
-            call measure_history(solved, adequacy, listener, error)   ! error: the caller looks
-         else if (time%is_transient) then
+         budget => adequacy%budget)
+         if (allocated(contact%duty)) then   ! the steady contact of each moment
+            always_moves = contact%duty%always_moves(0.0_wp)
+            adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
+            adequacy%rows%unknown = merge(no_grids, no_film_at_rest, always_moves)
+            pair = pair_of(solved, 2)
+            pair%counts_spikes = .false.
+            if (pair%is_known .and. always_moves) call measure_change(pair, ingredient_t(squeeze, &
+               'squeeze', ''), adequacy%rows(1), is_known, listener)
+         else if (solved%experiment%time%is_transient) then
             budget = march_weight*n*solved%newton_steps
             if (solved%bars%grids > 0) budget = budget*(merge(2, 1, &
                solved%bars%is_first_order) + coarse_share)
             budget = max(share*budget, small_run)
-            call measure_passage(solved, ingredients_of(contact, is_transient=.true.), budget, &
-               adequacy, listener, error)   ! error: the caller looks
+            call measure_passage(solved, ingredients_of(contact, is_transient=.true.), adequacy, &
+               listener)
          else
             budget = max(share*steady_steps*n, small_run)
             even = contact
@@ -102,31 +122,10 @@ contains
                call choose_domain(even)
                on_even = even_state(even, state)
             end if
-            call measure_at_rest(even, on_even, budget, adequacy, listener, &
-               error)   ! error: the caller looks
+            call measure_at_rest(even, on_even, adequacy, listener)
          end if
       end associate
    end subroutine measure_adequacy
-
-   !> Measures what squeeze changes in a contact whose load, radius and speeds change: the steady
-   !> contact of each moment, on n/2 and n/4 intervals.
-   subroutine measure_history(solved, adequacy, listener, error)
-      type(solved_t), intent(in) :: solved
-      type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(passage_pair_t) :: pair
-      logical :: is_known
-
-      pair = pair_of(solved, 2)
-      pair%counts_spikes = .false.
-      adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
-      adequacy%rows%unknown = merge(no_grids, no_film_at_rest, &
-         solved%experiment%contact%duty%always_moves(0.0_wp))
-      if (adequacy%rows(1)%unknown == no_film_at_rest .or. .not. pair%is_known) return
-      call measure_change(pair, ingredient_t(squeeze, 'squeeze', ''), adequacy%rows(1), is_known, &
-         listener, error)   ! error: the caller looks
-   end subroutine measure_history
 
    !> Largest cost of a full measurement of a transient, over that of the transient.
    pure real(wp) function full_cost(contact) result(cost)
@@ -137,36 +136,33 @@ contains
       cost = coarse_share*count(list%kind /= roughness .and. list%kind /= squeeze)
    end function full_cost
 
-   !> Measures the ingredients of a transient: those of oil and bodies at rest, those known from the
-   !> runs of the error bars, and the others in time if asked for.
-   subroutine measure_passage(solved, list, budget, adequacy, listener, error)
+   !> Measures the ingredients of a transient, the rows of the `list`: those of oil and bodies at
+   !> rest, those known from the runs of the error bars, and the others in time if asked for.
+   subroutine measure_passage(solved, list, adequacy, listener)
       type(solved_t), intent(in) :: solved
       type(ingredient_t), intent(in) :: list(:)
-      real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: fine, coarse
       type(influence_t) :: rough
       logical :: is_known, is_open(size(list))
       integer :: i
 
-      call measure_smooth(solved%experiment, list, budget, adequacy, listener, error)
-      if (any([allocated(error), listener%is_stopping])) return
-      if (adequacy%is_full) budget = huge(budget)
+      call measure_smooth(solved%experiment, list, adequacy, listener)
+      if (listener%is_stopping) return
+      if (adequacy%is_full) adequacy%budget = huge(adequacy%budget)
       fine = pair_of(solved, 1)
       coarse = pair_of(solved, 2)
       is_open = .true.   ! which ingredients remain unknown
-      is_known = .false.
       rough = new_influence('', '')
       i = findloc(list%kind, roughness, 1)
       if (i > 0) then
-         if (all([fine%is_known, budget >= steps_to_start*sum(fine%runs%contact%domain &
-            %intervals)])) call measure_change(fine, list(i), adequacy%rows(i), is_known, &
-            listener, error)
-         if (any([allocated(error), listener%is_stopping])) return
-         budget = budget - fine%work
-         is_open(i) = .not. is_known
+         if (all([fine%is_known, adequacy%budget >= steps_to_start*sum(fine%runs%contact%domain &
+            %intervals)])) then
+            call measure_change(fine, list(i), adequacy%rows(i), is_known, listener)
+            is_open(i) = .not. is_known
+         end if
+         adequacy%budget = adequacy%budget - fine%work
          rough = adequacy%rows(i)
       end if
       do i = 1, size(list)
@@ -174,46 +170,38 @@ contains
             adequacy%accuracy, is_open(i))
       end do
       if (adequacy%is_full) then
-         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_both(coarse%runs, &
-            coarse%full, coarse%work, coarse%is_known, listener, error)
-         if (allocated(error)) return
+         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, listener)
          if (coarse%is_known) adequacy%in_time = coarse%runs%contact%domain%intervals
-         if (listener%is_stopping) return
       end if
+      if (listener%is_stopping) return
       adequacy%time_step = new_influence('time_step', 'limit of small time steps')
-      call measure_time_step(solved, coarse, budget, adequacy%time_step, listener, error)
-      if (allocated(error) .or. listener%is_stopping) return
-      call measure_open([fine, coarse], pack(list, is_open), budget, adequacy, listener, &
-         error)   ! error: the caller looks
+      call measure_time_step(solved, coarse, adequacy%budget, adequacy%time_step, listener)
+      do i = 1, size(list)
+         if (is_open(i)) call measure_open(list(i), fine, coarse, adequacy, i, listener)
+      end do
    end subroutine measure_passage
 
-   !> Measures the `open` ingredients: the squeeze term on the coarse pair within `budget` (on the
-   !> fine pair if there is no other, or for a full measurement), then all others on the coarse
-   !> pair.
-   subroutine measure_open(pairs, open, budget, adequacy, listener, error)
-      type(passage_pair_t), intent(in) :: pairs(2)
-      type(ingredient_t), intent(in) :: open(:)
-      real(wp), intent(in) :: budget
+   !> Measures an ingredient that is still open, row `i`: the squeeze term on the coarse pair within
+   !> the budget (on the fine one if there is no other, or for a full measurement), others on the
+   !> coarse pair for a full measurement.
+   subroutine measure_open(ingredient, fine, coarse, adequacy, i, listener)
+      type(ingredient_t), intent(in) :: ingredient
+      type(passage_pair_t), intent(in) :: fine, coarse
       type(adequacy_t), intent(inout) :: adequacy
+      integer, intent(in) :: i
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: pair
-      logical :: is_measured, is_known
-      integer :: i
+      logical :: is_known
 
-      do i = 1, size(open)
-         pair = pairs(2)
-         is_measured = adequacy%is_full
-         if (open(i)%kind == squeeze) then
-            if (pairs(1)%is_known .and. (adequacy%is_full .or. .not. pair%is_known)) pair = pairs(1)
-            if (pair%is_known) call limit_places(pair, budget, is_measured)
-         end if
-         if (.not. (is_measured .and. pair%is_known)) cycle
-         associate (row => adequacy%rows(findloc(adequacy%rows%name == open(i)%name, .true., 1)))
-            call measure_change(pair, open(i), row, is_known, listener, error)
-         end associate
-         if (allocated(error) .or. listener%is_stopping) return
-      end do
+      if (listener%is_stopping) return
+      pair = coarse
+      is_known = adequacy%is_full
+      if (ingredient%kind == squeeze) then
+         if (fine%is_known .and. (adequacy%is_full .or. .not. pair%is_known)) pair = fine
+         if (pair%is_known) call limit_places(pair, adequacy%budget, is_known)
+      end if
+      if (is_known .and. pair%is_known) call measure_change(pair, ingredient, adequacy%rows(i), &
+         is_known, listener)
    end subroutine measure_open
 
    !> The transient on `factor` and 2 `factor` times fewer intervals by the second-order scheme, as
@@ -223,28 +211,24 @@ contains
       integer, intent(in) :: factor
       type(passage_pair_t) :: pair
 
+      pair = new_pair(solved%experiment, [factor, 2*factor])
       if (factor == 1) then
-         pair = new_pair(solved%experiment, [1, 2])
          pair%widths = widths
          pair%full = [solved%full, solved%bars%coarser(1)]
          if (solved%bars%is_first_order) pair%full(1) = solved%bars%second_order
       else
-         pair = new_pair(solved%experiment, [2, 4])
          pair%full = solved%bars%coarser(:2)
       end if
-      pair%is_known = solved%bars%grids >= factor
-      if (allocated(solved%bars%unseen)) pair%is_known = pair%is_known &
-         .and. solved%bars%unseen == ''
+      pair%is_known = solved%bars%grids >= factor .and. solved%bars%unseen == ''
    end function pair_of
 
    !> Measures the time step within `budget`.
-   subroutine measure_time_step(solved, coarse, budget, row, listener, error)
+   subroutine measure_time_step(solved, coarse, budget, row, listener)
       type(solved_t), intent(in) :: solved
       type(passage_pair_t), intent(in) :: coarse
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: larger
       type(outcome_t) :: outcome
       real(wp) :: cost
@@ -263,8 +247,7 @@ contains
          if (budget < cost) return
          larger = coarse%runs(2)
          larger%time%time_step = 2*larger%time%time_step
-         call run_experiment(larger, listener, outcome, error)
-         if (allocated(error)) return
+         call run_experiment(larger, listener, outcome)
          budget = budget - cost
          row%unknown = 'a coarse grid has no solution with larger steps'
          if (outcome%is_known) call set_step_error(coarse%full(2), outcome%summary, &
@@ -273,13 +256,11 @@ contains
    end subroutine measure_time_step
 
    !> Creates the rows and measures the ingredients of oil and bodies on the smooth steady contact.
-   subroutine measure_smooth(experiment, list, budget, adequacy, listener, error)
+   subroutine measure_smooth(experiment, list, adequacy, listener)
       type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: list(:)
-      real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(outcome_t) :: outcome
       type(solution_t) :: solution
       type(line_contact_t) :: contact
@@ -294,26 +275,123 @@ contains
          end do
          call run_experiment(experiment_t(contact, solver_settings_t(method='newton_krylov', &
             max_cycles=max_cycles, explains_failure=.false.), time_settings_t()), listener, &
-            outcome, error, solution)
-         if (allocated(error) .or. .not. outcome%is_known) return
-         budget = budget - steps_to_start*n
+            outcome, solution)
+         if (.not. outcome%is_known) return
+         adequacy%budget = adequacy%budget - steps_to_start*n
       end associate
       adequacy%ends_early = .true.
-      call measure_at_rest(contact, solution%state, budget, adequacy, listener, &
-         error)   ! error: the caller looks
+      call measure_at_rest(contact, solution%state, adequacy, listener)
       adequacy%rows%is_at_rest = .not. is_of_surfaces(list)
    end subroutine measure_smooth
 
-   !> Sets the `row` of the time step from the change from an `other` to a `better` run, with these
-   !> `factors`.
-   pure subroutine set_step_error(better, other, factors, row)
-      type(line_summary_t), intent(in) :: better, other
-      real(wp), intent(in) :: factors(2)
-      type(influence_t), intent(inout) :: row
+   !> The transient of `experiment` on `factors` times fewer intervals, not run yet.
+   pure function new_pair(experiment, factors) result(pair)
+      type(experiment_t), intent(in) :: experiment
+      integer, intent(in) :: factors(2)
+      type(passage_pair_t) :: pair
+      type(passage_times_t) :: times
 
-      row%change = change_between(better, other)
-      row%change = factors(1)*abs(row%change) + factors(2)*largest_change(row%change)
-      row%error = 0.0_wp*row%change
-   end subroutine set_step_error
+      pair%runs = [coarser(experiment, factors(1)), coarser(experiment, factors(2))]
+      pair%runs%time%scheme = 'bdf2'
+      ! a leaner contact might count from another time
+      times = new_passage_times(experiment%contact, experiment%time)
+      pair%runs%time%statistics_from = times%counts_from
+   end function new_pair
+
+   !> Makes both runs of a pair, known if both have a solution; adds their cost to its work.
+   subroutine run_pair(pair, listener)
+      type(passage_pair_t), intent(inout) :: pair
+      class(listener_t), intent(inout), target :: listener
+      type(outcome_t) :: outcome
+      integer :: g
+
+      do g = 1, 2
+         call run_experiment(pair%runs(g), listener, outcome)
+         pair%work = pair%work + outcome%work
+         pair%full(g) = outcome%summary
+         pair%is_known = outcome%is_known
+         if (.not. pair%is_known) return
+      end do
+   end subroutine run_pair
+
+   !> Whether the grid of an experiment carries the film and has four nodes in every wave.
+   pure logical function sees_all(experiment)
+      type(experiment_t), intent(in) :: experiment
+
+      associate (n => experiment%contact%domain%intervals)
+         sees_all = n >= coarsest_for_film(experiment%contact, min_intervals) .and. 4*n &
+            >= intervals_for_waves(experiment%contact)
+      end associate
+   end function sees_all
+
+   !> Measures the change without an ingredient and its error; `is_known`: both grids have a
+   !> solution without it.
+   subroutine measure_change(pair, ingredient, row, is_known, listener)
+      type(passage_pair_t), intent(inout) :: pair
+      type(ingredient_t), intent(in) :: ingredient
+      type(influence_t), intent(inout) :: row
+      logical, intent(out) :: is_known
+      class(listener_t), intent(inout), target :: listener
+      type(passage_pair_t) :: lean
+      type(line_summary_t) :: one, other
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), dx
+      integer :: g
+
+      lean = pair
+      do g = 1, 2
+         call leave_out(lean%runs(g)%contact, ingredient, 0.0_wp)
+         associate (intervals => lean%runs(g)%contact%domain%intervals)
+            ! too few for the leaner film: no run
+            if (intervals < coarsest_for_film(lean%runs(g)%contact, min_intervals)) intervals = 0
+         end associate
+      end do
+      if (ingredient%kind == squeeze) then   ! the steady contact of each moment
+         lean%runs%time%scheme = 'quasi_steady'
+         lean%runs%time%tolerance = 0.0_wp
+      end if
+      ! smooth surfaces: the same at all times
+      if (ingredient%kind == roughness) lean%runs%time%time_step = lean%runs%time%end_time
+      call run_pair(lean, listener)
+      pair%work = lean%work
+      is_known = lean%is_known
+      if (.not. is_known) return
+      do g = 1, 2
+         changes(:, g) = change_between(lean%full(g), pair%full(g))
+      end do
+      doubt = 0.0_wp
+      if (pair%counts_spikes) then
+         one = pair%full(1)
+         other = lean%full(1)
+         associate (contact => pair%runs(1)%contact)
+            dx = node_spacing(contact)
+            call doubt_spike(contact%fluid, contact%lambda, dx, one)
+            call doubt_spike(contact%fluid, contact%lambda, dx, other)
+         end associate
+         doubt = doubt_between(other, one)
+      end if
+      row%is_at_rest = .false.
+      row%left_out = 1.0_wp
+      call set_change(row, changes, doubt, pair%widths)
+   end subroutine measure_change
+
+   !> Limits the number of positions at which the waves of a pair are solved, equal on both grids,
+   !> to `budget` (nodes times Newton steps) and to the number of time steps. `is_enough`: at least
+   !> `least_places` positions while the finest wave moves by its own length.
+   pure subroutine limit_places(pair, budget, is_enough)
+      type(passage_pair_t), intent(inout) :: pair
+      real(wp), intent(in) :: budget
+      logical, intent(out) :: is_enough
+      real(wp) :: cost, start
+      integer :: steps
+
+      associate (run => pair%runs(1), grids => pair%runs%contact%domain%intervals)
+         start = steps_to_start*grids(1)
+         cost = steps_to_next*sum(grids)
+         steps = int(max(1.0_wp, min((budget - start)/cost, run%time%end_time/run%time%time_step)))
+         pair%runs%time%time_step = run%time%end_time/steps
+         is_enough = steps_in_wave(run%contact, pair%runs(1)%time) >= least_places &
+            .and. start + cost*steps <= budget
+      end associate
+   end subroutine limit_places
 
 end module measured_adequacy

@@ -15,15 +15,14 @@ module model_choice
       compared, goes_along, may_matter, model_choice_t, never_steady, new_influence, &
       not_measured, start_counts, too_high, wanted
    use entry_zone, only: is_moving
-   use errors, only: error_t
    use contact_moment, only: film_estimate
    use experiment, only: coarser, experiment_t
    use features, only: rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles, solver_settings_t
    use listener, only: listener_t
-   use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
-      passage_pair_t, run_both, sees_all
+   use measured_adequacy, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
+      passage_pair_t, run_pair, sees_all
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min
    implicit none (type, external)
@@ -51,13 +50,12 @@ contains
 
    !> Decides on every ingredient of an `experiment` for a relative error `target` > 0;
    !> `needs_passage`: it must stay transient.
-   subroutine choose_model(experiment, target, needs_passage, choice, listener, error)
+   subroutine choose_model(experiment, target, needs_passage, choice, listener)
       type(experiment_t), intent(in) :: experiment
       real(wp), intent(in) :: target
       logical, intent(in) :: needs_passage
       type(model_choice_t), intent(out) :: choice
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: whole
       type(ingredient_t), allocatable :: list(:)
       integer :: i, kind
@@ -75,14 +73,14 @@ contains
       choice%why = cheap_passage
       whole = experiment
       if (allocated(whole%time%resume_from)) deallocate (whole%time%resume_from)
-      call move_profiles(whole%contact, 0.0_wp, error)
-      if (allocated(error)) return
+      call move_profiles(whole%contact, 0.0_wp, listener%error)
+      if (allocated(listener%error)) return
       call listener%on_stage('measuring what the model needs')
       call give_reasons(whole, list, target, choice, kind)
       i = findloc(list%kind, kind, 1)
       if (i == 0) return
-      call measure(whole, list(i), target, choice, i, listener, error)
-      if (allocated(error) .or. choice%why(i) /= changes_little) return
+      call measure(whole, list(i), target, choice, i, listener)
+      if (choice%why(i) /= changes_little) return
       choice%is_quasi_steady = kind == squeeze
       choice%is_steady = kind == roughness
       choice%is_smooth = choice%is_steady
@@ -134,14 +132,13 @@ contains
    !> Measures the changes of all quantities without an ingredient, row `i`, on the two finest grids
    !> within the budget, by the first scheme that finds all solutions; the reason becomes
    !> `changes_little` if so. What a spike may add to both pressures alike is not counted.
-   subroutine measure(experiment, ingredient, target, choice, i, listener, error)
+   subroutine measure(experiment, ingredient, target, choice, i, listener)
       type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: ingredient
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
       integer, intent(in) :: i
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(passage_pair_t) :: pair
       type(experiment_t) :: own
       logical :: is_known
@@ -158,11 +155,10 @@ contains
          pair = new_pair(own, [factor, 2*factor])
          pair%counts_spikes = .false.
          choice%grids = pair%runs%contact%domain%intervals
-         call run_both(pair%runs, pair%full, pair%work, pair%is_known, listener, error)
-         if (allocated(error) .or. listener%is_stopping) return
+         call run_pair(pair, listener)
+         if (listener%is_stopping) return
          if (pair%is_known) call measure_change(pair, ingredient, choice%rows(i), is_known, &
-            listener, error)
-         if (allocated(error)) return
+            listener)
          if (is_known) exit
       end do
       associate (row => choice%rows(i))

@@ -4,7 +4,6 @@ module passage_extremes
    use kinds, only: not_known, wp
    use line_summary, only: keep_extremes, line_summary_t
    use passage_times, only: passage_times_t
-   use quantities, only: quantity_count
    implicit none (type, external)
    private
 
@@ -58,19 +57,12 @@ contains
       class(passage_extremes_t), intent(in) :: self
       type(line_summary_t), intent(in) :: last
       type(line_summary_t) :: summary
-      integer :: i
 
       summary = last
       if (self%has_counted) summary = self%counted
-      do i = 1, quantity_count
-         associate (quantity => summary%of(i))
-            if (.not. self%times%is_settled()) then   ! the start is not forgotten
-               quantity%error_start = not_known()
-            else if (self%has_earlier .and. self%has_counted) then
-               quantity%error_start = abs(quantity%value - self%earlier%of(i)%value)
-            end if
-         end associate
-      end do
+      if (self%has_earlier .and. self%has_counted) summary%of%error_start = abs( &
+         summary%of%value - self%earlier%of%value)
+      if (.not. self%times%is_settled()) summary%of%error_start = not_known()   ! the start counts
    end function extremes
 
 end module passage_extremes

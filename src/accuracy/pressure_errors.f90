@@ -1,39 +1,17 @@
 !> Errors of the largest pressure and of sliding friction, from crests on coarser grids and from the
-!> growth of spikes.
+!> growth of spikes: where the oil leaves high pressure half-spaces let it rise as A/sqrt(distance),
+!> down to the longer one of two lengths l_flow and l_density, which fall as the pressure rises
+!> (docs/theory.md, error estimates). l_flow has the S of the top or of the flank, of the slope
+!> P/l_flow: without sliding an Eyring oil thins only there.
 !>
-!> Predicts how high a pressure spike may become on finer grids.
-!>
-!> Where the oil leaves high pressure the half-spaces let the pressure rise as A/sqrt(distance), as
-!> at the edge of a punch, and the top node of a grid has the height A/sqrt(dX) times a number: each
-!> doubling of the grid raises it by up to sqrt(2). For a small wave of wavenumber k about a state
-!> P, H the terms of Reynolds' equation are as
-!>
-!>     flow by pressure e k  :  change of film by deformation lambda rho/k
-!>        :  change of density lambda rho' H .
-!>
-!> The deformation makes the spike; it ends at the longer of two lengths, below which another term
-!> dominates:
-!>
-!>     l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
-!>
-!> S is that of the top or of the flank, of the slope P/l_flow: without sliding an Eyring oil thins
-!> only there.
-!>
-!> Both fall as the pressure of the spike rises, l_flow as exp(-ln mu/2). Its final height therefore
-!> solves
-!>
-!>     P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
-!>
-!> or does not exist. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
-!> laws) on 64 to 262144 intervals. If an oil thins, P/l_flow is the slope of the flanks, which meet
-!> in a corner: the top is up to half a spacing from the node, hence c_flow = 1/2, half of it by the
-!> safety factor. If such a corner is less steep than a spike, the grid shows how high it may be
-!> (`corner_top` of line_summary).
+!> The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all laws) on 64 to 262144
+!> intervals. If an oil thins, its flanks meet in a corner: the top is up to half a spacing from the
+!> node, hence c_flow = 1/2, half of it by the safety factor. If such a corner is less steep than a
+!> spike, the grid shows how high it may be (`corner_top` of line_summary).
 module pressure_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use flow_law, only: largest_exponent
-   use grid_errors, only: error_by_reference, error_from_levels, error_in_time, limit_in_time, &
-      observed_order, orders, pressure_safety_in_time, safety
+   use grid_errors, only: error_from_levels, error_on_grids, observed_order, orders, safety
    use kinds, only: exceeds, not_known, pi, wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity, ln_slip, thins, &
@@ -44,7 +22,7 @@ module pressure_errors
    private
 
    public :: allow_for_spike, ceiling_of_spike, doubt_shear, doubt_spike, estimate_crest, &
-      estimate_crest_in_time, final_height, shear_doubt, shear_of_spike, smoothing_lengths, &
+      final_height, shear_doubt, shear_of_spike, smoothing_lengths, &
       spike_law_t, top_of
 
    !> c_flow, that of an oil that thins, c_density and its power.
@@ -265,34 +243,15 @@ contains
    pure subroutine estimate_crest(values, nodes, quantity)
       real(wp), intent(in) :: values(3), nodes(3)
       type(quantity_t), intent(inout) :: quantity
-      real(wp) :: order
+      real(wp) :: found(2), order
 
-      order = observed_order(values(1), values(2), values(3), orders)
-      quantity%error_grid = max(error_from_levels(values(1), values(2), order), &
-         error_from_levels(values(2), values(3), order)/2.0_wp**orders(2))
-      quantity%error_grid = pressure_safety/safety*quantity%error_grid + abs(values(1) &
-         - quantity%value)
-      quantity%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
+      found = error_on_grids([values, not_known()], orders, lasts=.true.)
+      quantity%error_grid = pressure_safety/safety*found(1) + abs(values(1) - quantity%value)
+      quantity%extrapolated = found(2)
       if (.not. (nodes(1) > nodes(2) .and. nodes(2) > nodes(3))) return
       order = observed_order(nodes(1), nodes(2), nodes(3), orders)
       quantity%error_grid = max(quantity%error_grid, error_from_levels(nodes(1), nodes(2), order))
    end subroutine estimate_crest
-
-   !> Error of a nodal maximum of a transient: that of the parabola, `top`, from those of the
-   !> second-order scheme on n, n/2, n/4 intervals, plus the distance of the node.
-   pure subroutine estimate_crest_in_time(is_first_order, highest, top, quantity)
-      logical, intent(in) :: is_first_order
-      real(wp), intent(in) :: highest(3), top
-      type(quantity_t), intent(inout) :: quantity
-      real(wp) :: error, limit
-
-      if (.not. all(ieee_is_finite(highest))) return
-      error = pressure_safety_in_time*error_in_time(highest)
-      limit = limit_in_time(highest)
-      if (is_first_order) error = error_by_reference(top, limit, error)
-      quantity%error_grid = error + abs(top - quantity%value)
-      quantity%extrapolated = limit
-   end subroutine estimate_crest_in_time
 
    !> With a pressure spike, adds to the error of the largest pressure what the spike may grow above
    !> it; not known if that is not.

@@ -1,22 +1,16 @@
 !> Chooses grid and time step of a transient for a target accuracy of h_min.
 !>
-!> Trial runs, each with half the spacing and half the time step of the one before, start from the
-!> coarsest grid that carries the film and sees every wave, with dT <= dX. As soon as a resolution
-!> up to twice as fine as the last one is predicted to meet the target, the coarsest such one is
-!> chosen: the last two changes give the error (module grid_errors) and the order by which it falls.
-!> Where a wanted accuracy is beyond the largest trial run, twice its resolution is taken. No run is
-!> made twice: trial runs may be the result and its coarse runs.
-!>
-!> `bench/targets.py` measures how often the target is met and at what cost.
+!> Trial runs become finer until they predict a resolution that meets the target (docs/theory.md,
+!> error estimates). Where a wanted accuracy is beyond the largest trial run, twice its resolution
+!> is taken. `bench/targets.py` measures how often the target is met and at what cost.
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use coarse_runs, only: new_side_runs, side_runs_t
    use domain_choice, only: inlet_error
-   use errors, only: error_t, fail, input_error
-   use experiment, only: experiment_t, min_intervals, new_experiment, outcome_t, run_experiment, &
-      solution_t
+   use errors, only: fail, input_error
+   use experiment, only: experiment_t, min_intervals, new_experiment, new_side_runs, outcome_t, &
+      run_experiment, side_runs_t, solution_t
    use grid_errors, only: error_in_time, observed_order
-   use inlet_errors, only: domain_error
+   use inlet_errors, only: film_safety
    use kinds, only: not_known, wp
    use line_contact, only: intervals_for_waves, line_contact_t, max_chosen, &
       solver_settings_t, time_settings_t
@@ -53,15 +47,14 @@ contains
    !> Sets `contact%domain%intervals`, the time step and the tolerance of a transient to the
    !> coarsest choice predicted to keep the relative error of h_min below `settings%target`, else to
    !> twice the finest trial run. `side_runs`: its coarse runs and the run itself, known if trial
-   !> runs were that; the listener receives the steps of those that may be the run. Error
-   !> (input_error): the coarsest trial run needs more intervals than allowed.
-   subroutine choose_resolution(contact, settings, time, side_runs, listener, error)
+   !> runs were that; the listener receives the steps of those that may be the run, and an error
+   !> (input_error) if the coarsest trial run needs more intervals than allowed.
+   subroutine choose_resolution(contact, settings, time, side_runs, listener)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(inout) :: settings
       type(time_settings_t), intent(inout) :: time
       type(side_runs_t), allocatable, intent(out) :: side_runs
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
       type(experiment_t) :: next
       type(outcome_t) :: tried(3)   ! the last one first
       type(solution_t), allocatable :: solution
@@ -69,15 +62,16 @@ contains
       integer :: most
 
       target = settings%target
-      if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
+      if (contact%domain%inlet_is_chosen) target = target - film_safety &
+         *inlet_error(contact)
       call settle_tolerance(settings)
       target = target - settings%tolerance
       most = max_chosen(settings)
       next = first_trial(new_experiment(contact, settings, time))
       if (next%contact%domain%intervals > most) then
-         call fail(error, input_error, '&domain intervals: found a contact whose coarsest '// &
-            'trial run has '//to_text(next%contact%domain%intervals)//', expected at most ' &
-            //to_text(most)//" with method = '"//trim(settings%method)//"' and this memory")
+         call fail(listener%error, input_error, '&domain intervals: found a contact whose '// &
+            'coarsest trial run has '//to_text(next%contact%domain%intervals)//', expected at '// &
+            'most '//to_text(most)//" with method = '"//trim(settings%method)//"' and this memory")
          return
       end if
       work_limit = max_work*work_of(next)
@@ -86,8 +80,8 @@ contains
          .or. settings%film_floor > 0.0_wp .or. settings%levels > 0)) allocate (solution)
       do
          tried(2:) = tried(:2)
-         call run_experiment(next, listener, tried(1), error, solution)
-         if (allocated(error) .or. listener%is_stopping) return
+         call run_experiment(next, listener, tried(1), solution)
+         if (listener%is_stopping) return
          films = [not_known(), films(:2)]
          if (tried(1)%is_known) films(1) = value_between(tried(1)%summary, h_min)
          ratio = refinement_for(films, target)
@@ -119,7 +113,7 @@ contains
       ! with a duty trial runs have other tolerances
       if (modulo(ratio, 1.0_wp) > 0.0_wp .or. allocated(side_runs%experiment%contact%duty)) return
       associate (domain => side_runs%experiment%contact%domain, k => nint(ratio))
-         if (side_runs%experiment%time%scheme /= 'backward_euler') side_runs%runs%outcome = &
+         if (side_runs%experiment%time%scheme /= 'backward_euler') side_runs%runs = &
             tried(3 - k:4 - k)
          if (k > 1 .or. .not. (allocated(solution) .and. tried(1)%is_known)) return
          solution%contact%domain = domain

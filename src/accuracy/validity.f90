@@ -159,50 +159,24 @@ contains
       integer :: i
 
       do i = 1, limit_count
-         limits(i) = limit_t(not_known(), limit_rows(i)%threshold)
-         call evaluate(i, of, state, limits(i))
-         if (.not. ieee_is_finite(limits(i)%value)) cycle
-         if (limit_rows(i)%is_least) then
-            limits(i)%is_passed = limits(i)%value < limits(i)%threshold
-         else
-            limits(i)%is_passed = limits(i)%value > limits(i)%threshold
-         end if
+         associate (limit => limits(i))
+            limit = limit_t(not_known(), limit_rows(i)%threshold)
+            if (of%has_momentum .and. any(i == [stokes_number, surface_slope, film_over_wave])) then
+               limit%missing = 'the full momentum equations are solved'
+            else if (of%scaling%is_dimensional .or. any(i == [starvation, viscosity_data])) then
+               call evaluate(i, of, state, limit)
+            else
+               limit%missing = 'no SI units'
+            end if
+            if (.not. ieee_is_finite(limit%value)) cycle
+            limit%is_passed = merge(limit%value < limit%threshold, limit%value &
+               > limit%threshold, limit_rows(i)%is_least)
+         end associate
       end do
    end function limits_of
 
    !> Evaluates row `i`, or states why it is missing, and its threshold if that depends on the case.
    pure subroutine evaluate(i, of, state, limit)
-      integer, intent(in) :: i
-      type(circumstances_t), intent(in) :: of
-      type(line_state_t), intent(in) :: state
-      type(limit_t), intent(inout) :: limit
-
-      select case (i)
-      case (starvation)
-         limit%value = of%film_loss
-         if (.not. ieee_is_finite(of%film_loss)) limit%missing = 'no longer domain was compared'
-      case (viscosity_data)
-         if (of%lubricant%viscosity_law == viscosity_barus) limit%threshold = barus_data
-         if (of%lubricant%viscosity_law == viscosity_constant) then
-            limit%missing = 'constant viscosity'
-         else if (.not. of%scaling%hertz_pressure > 0.0_wp) then
-            limit%missing = 'no SI units'
-         else
-            limit%value = of%summary%of(p_max)%value*of%scaling%hertz_pressure
-         end if
-      case default   ! all others
-         if (of%has_momentum .and. any(i == [stokes_number, surface_slope, film_over_wave])) then
-            limit%missing = 'the full momentum equations are solved'
-         else if (of%scaling%is_dimensional) then
-            call evaluate_in_si(i, of, state, limit)
-         else
-            limit%missing = 'no SI units'
-         end if
-      end select
-   end subroutine evaluate
-
-   !> Evaluates the rows that need SI units.
-   pure subroutine evaluate_in_si(i, of, state, limit)
       integer, intent(in) :: i
       type(circumstances_t), intent(in) :: of
       type(line_state_t), intent(in) :: state
@@ -213,6 +187,9 @@ contains
       associate (scaling => of%scaling, summary => of%summary, oil => of%lubricant, &
          given => of%materials)
          select case (i)
+         case (starvation)
+            limit%value = of%film_loss
+            if (.not. ieee_is_finite(of%film_loss)) limit%missing = 'no longer domain was compared'
          case (mixed_lubrication)
             length = hypot(composite_rms(of%contact), norm2(given%roughness)/scaling%film)
             if (allocated(of%contact%asperities)) then   ! the model has it
@@ -222,8 +199,8 @@ contains
             if (length > 0.0_wp) limit%value = summary%of(h_min)%value/length
             if (.not. length > 0.0_wp) limit%missing = &
                'no roughness: neither sinusoid nor profile, nor &bodies roughness_1, roughness_2'
-         case (hardness, shakedown)
-            call compare_strength(i, of, limit)
+         case (viscosity_data, hardness, shakedown)
+            call compare_pressure(i, of, limit)
          case (limiting_stress)
             limit%value = scaling%slope*larger(summary%limits%stress_share, &
                maxval(abs(state%shear_stress_mean)/state%pressure, &
@@ -280,10 +257,10 @@ contains
             limit%value = film_reynolds_number(given%density, mean_speed, &
                summary%of(h_central)%value*scaling%film, oil%viscosity)
          case default
-            error stop 'evaluate_in_si: a limit without its case'
+            error stop 'evaluate: a limit without its case'
          end select
       end associate
-   end subroutine evaluate_in_si
+   end subroutine evaluate
 
    !> Sets the losses of viscosity, which falls as exp(-beta times the temperature rise), and, of a
    !> line contact, of film at the temperature rise of a limit.
@@ -299,16 +276,25 @@ contains
          of%contact, rest)/flooded_film(of%contact), 0.0_wp)
    end subroutine set_losses
 
-   !> Compares pressures with the strength of the bodies. Beyond the stress k on planes along the
-   !> surface, of both signs in each pass (a fourth of p_h under lines), no residual stress prevents
-   !> plastic flow.
-   pure subroutine compare_strength(i, of, limit)
+   !> Compares pressures with the data of the oil, or with the strength of the bodies: beyond the
+   !> stress k on planes along the surface, of both signs in each pass (a fourth of p_h under
+   !> lines), no residual stress prevents plastic flow.
+   pure subroutine compare_pressure(i, of, limit)
       integer, intent(in) :: i
       type(circumstances_t), intent(in) :: of
       type(limit_t), intent(inout) :: limit
       real(wp) :: shear
 
-      if (.not. of%materials%hardness > 0.0_wp) then
+      if (i == viscosity_data) then
+         if (of%lubricant%viscosity_law == viscosity_barus) limit%threshold = barus_data
+         if (of%lubricant%viscosity_law == viscosity_constant) then
+            limit%missing = 'constant viscosity'
+         else if (.not. of%scaling%hertz_pressure > 0.0_wp) then
+            limit%missing = 'no SI units'
+         else
+            limit%value = of%summary%of(p_max)%value*of%scaling%hertz_pressure
+         end if
+      else if (.not. of%materials%hardness > 0.0_wp) then
          limit%missing = '&bodies hardness is not given'
          limit%threshold = not_known()
       else if (i == hardness) then
@@ -324,7 +310,7 @@ contains
             limit%missing = 'no bound below the hardness is known of an ellipse along its track'
          end if
       end if
-   end subroutine compare_strength
+   end subroutine compare_pressure
 
    !> Composite rms height [b^2/R] of roughness over the full length of both surfaces: sinusoids and
    !> profiles (the part that is loaded), or areas; 0: none.

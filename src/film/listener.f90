@@ -1,5 +1,6 @@
 !> How a solver reports its progress and passes on time steps without knowing its listener.
 module listener
+   use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -57,6 +58,8 @@ module listener
    type :: listener_t
       !> The solver ends after this cycle or step, not converged (a full disk, a signal).
       logical :: is_stopping = .false.
+      !> Why an auxiliary run has failed, memory or a library: none follows, and all end.
+      type(error_t), allocatable :: error
       !> Number of time steps between states with shear stresses; 0: none.
       integer :: stress_stride = 0
       !> Repeats the time steps with other equations; not allocated: none.

@@ -11,8 +11,8 @@ module wave_resolution
    implicit none (type, external)
    private
 
-   public :: choose_time_step, coarse_waves, intervals_at_least, long_steps, nodes_in_wave, &
-      steps_in_wave, unseen_waves
+   public :: choose_time_step, coarse_waves, intervals_at_least, long_steps, node_spacing, &
+      nodes_in_wave, steps_in_wave, unseen_waves
 
    !> Nodes in the finest wave, and steps in which it passes a point, for 1 % in h_min: used by
    !> default and in notes.

@@ -3,7 +3,7 @@
 !> table; /adequacy/validity: the limits of the model.
 module adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use adequacy, only: adequacy_t, compared, influence_t, judged_t, model_choice_t, new_influence, &
+   use adequacy, only: adequacy_t, compared, influence_t, model_choice_t, new_influence, &
       reasons, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, verdict_unknown, &
       why_unknown
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
@@ -74,7 +74,7 @@ contains
    !> with its error, and why others are not. `measured_on`: where these come from.
    subroutine write_influence(file, row, measured_on, quantities, changes, errors)
       class(hdf5_file_t), intent(inout) :: file
-      class(judged_t), intent(in) :: row
+      type(influence_t), intent(in) :: row
       character(*), intent(in) :: measured_on, quantities(:)
       real(wp), intent(in) :: changes(:), errors(:)
       character(:), allocatable :: group, why
@@ -146,7 +146,7 @@ contains
 
    !> What the closing table says of the ingredients among `rows`; empty: nothing.
    pure function model_line(rows, accuracy) result(line)
-      type(judged_t), intent(in) :: rows(:)
+      type(influence_t), intent(in) :: rows(:)
       real(wp), intent(in) :: accuracy
       character(:), allocatable :: line
 
@@ -175,7 +175,7 @@ contains
 
    !> The same in a sentence: what simpler models would do at that accuracy, and which may.
    pure function model_sentence(rows, accuracy) result(line)
-      type(judged_t), intent(in) :: rows(:)
+      type(influence_t), intent(in) :: rows(:)
       real(wp), intent(in) :: accuracy
       character(:), allocatable :: line
       logical :: is_enough(size(rows)), is_open(size(rows))

@@ -4,9 +4,10 @@ module dry_result
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64
+   use adequacy, only: adequacy_t
    use adequacy_section, only: from_estimates, model_line, write_influence
    use features, only: node_positions
-   use dry_adequacy, only: coarsening, compared, dry_adequacy_t
+   use dry_adequacy, only: coarsening, compared
    use dry_case, only: dry_case_t
    use dry_problem, only: kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
@@ -221,7 +222,7 @@ contains
    !> /adequacy: a group for each ingredient, with a dataset for each known change.
    subroutine write_dry_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
-      type(dry_adequacy_t), intent(in) :: adequacy
+      type(adequacy_t), intent(in) :: adequacy
       character(:), allocatable :: source
       integer :: i
 
@@ -232,7 +233,8 @@ contains
                //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
             if (row%name == 'area') source = 'the nodes of the result'
             if (row%is_numerical) source = from_estimates
-            call write_influence(file, row, source, dry_table(compared)%name, row%change, row%error)
+            call write_influence(file, row, source, dry_table(compared)%name, &
+               row%change(compared), row%error(compared))
          end associate
       end do
       if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
@@ -345,7 +347,7 @@ contains
       character(*), intent(in) :: name, path
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
-      type(dry_adequacy_t), intent(in) :: adequacy
+      type(adequacy_t), intent(in) :: adequacy
       character(:), allocatable :: table, words
       character(*), parameter :: nl = new_line('a')
       character(len=columns) :: line
@@ -378,7 +380,7 @@ contains
             end associate
          end do
          if (allocated(adequacy%rows)) then
-            words = model_line(adequacy%rows%judged_t, adequacy%accuracy)
+            words = model_line(adequacy%rows, adequacy%accuracy)
             if (words /= '') table = table // '  ' // wrapped(words, columns - 2, 12) // nl
          end if
          if (allocated(solution%report%note)) table = table // '  ' // wrapped('note      ' &

@@ -6,7 +6,6 @@ module point_adequacy
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out
    use adequacy, only: accuracy_for, adequacy_t, influence_t, new_influence, no_solution, &
       verdict_needed, verdict_on
-   use errors, only: error_t
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: not_known, wp
    use lean_levels, only: largest_rest
@@ -50,15 +49,14 @@ module point_adequacy
 contains
 
    !> Measures the ingredients of a `contact` that `run` has solved, if it has converged, to the
-   !> quantities of `summary`: a row each. Error (internal_error): LAPACK or FFTW.
-   subroutine measure_point_adequacy(run, contact, summary, adequacy, listener, report, error)
+   !> quantities of `summary`: a row each.
+   subroutine measure_point_adequacy(run, contact, summary, adequacy, listener, report)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
       type(line_summary_t), intent(in) :: summary
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
-      type(error_t), allocatable, intent(out) :: error
       type(point_contact_t) :: steady
       type(grid_pair_t) :: pair
       type(ingredient_t), allocatable :: list(:)
@@ -82,20 +80,19 @@ contains
          return
       end if
       call choose_pair(size(list))
-      if (allocated(error)) return
       do i = 1, size(list)
+         if (listener%is_stopping) exit
          if (run%time%is_transient .and. is_of_surfaces(list(i))) cycle
          adequacy%rows(i)%is_at_rest = run%time%is_transient
          call measure_one(list(i), steady, size(list) - i, pair, adequacy, adequacy%rows(i), &
             listener)
-         if (listener%is_stopping) exit
       end do
       report%converged = .not. listener%is_stopping
       report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
    contains
 
       !> The last pair of grids, up to half of the intervals, on which this many `solutions` fit
-      !> into the budget. Error: as above.
+      !> into the budget.
       subroutine choose_pair(solutions)
          integer, intent(in) :: solutions
          integer :: g, intervals(2), k, last
@@ -113,8 +110,9 @@ contains
          do g = 2, 1, -1
             intervals = [contact%domain%intervals, contact%domain%rows]/2**(last - k - g + 1)
             call new_hierarchy(pair%newtons(g)%hierarchy, steady, intervals(1), intervals(2), &
-               run%threads, error)
-            if (allocated(error)) return
+               run%threads, listener%error)
+            listener%is_stopping = listener%is_stopping .or. allocated(listener%error)
+            if (listener%is_stopping) return
             pair%full(g) = run%grids(k + g - 1)
             adequacy%at_rest(3 - g) = intervals(1)
          end do

@@ -2,7 +2,7 @@
 !> fewer intervals with longer steps, and a longer domain.
 module point_errors
    use errors, only: error_t
-   use experiment, only: collector_t
+   use experiment, only: collector_t, outcome_t
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: exceeds, larger, not_known, wp
    use line_contact, only: intervals_for_waves, steady_tolerance, time_settings_t
@@ -32,16 +32,14 @@ module point_errors
 contains
 
    !> The quantities of the last grid, or the extremes of a passage that `summary` has before, with
-   !> their errors, and why one is `missing`; without a solution they are not known. Error
-   !> (internal_error): LAPACK or FFTW.
-   subroutine find_quantities(run, contact, listener, report, summary, missing, error)
+   !> their errors, and why one is `missing`; without a solution they are not known.
+   subroutine find_quantities(run, contact, listener, report, summary, missing)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
-      class(listener_t), intent(inout) :: listener
+      class(listener_t), intent(inout), target :: listener
       type(report_t), intent(inout) :: report
       type(line_summary_t), intent(inout) :: summary
       character(:), allocatable, intent(out) :: missing
-      type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: far, near
       type(line_summary_t), allocatable :: coarser(:)
       real(wp) :: dx, growths(2), least(quantity_count), shares(size(sliding_rows)), start
@@ -83,14 +81,10 @@ contains
       if (size(run%grids) < 2) return
       start = wall_seconds()
       call listener%on_stage('a longer domain')
-      call measure_domain(run, contact, near, far, is_known, error)
-      if (allocated(error)) return
-      if (run%time%is_transient) then
-         call measure_passages(run, contact, listener, coarser, error)
-         if (allocated(error)) return
-      else
-         coarser = run%grids(size(run%grids) - 1:1:-1)
-      end if
+      call measure_domain(run, contact, near, far, is_known, listener%error)
+      coarser = run%grids(size(run%grids) - 1:1:-1)
+      if (run%time%is_transient) coarser = passages_of(run, contact, listener)
+      listener%is_stopping = listener%is_stopping .or. allocated(listener%error)
       report%cost%phase_seconds(phase_error_bars) = wall_seconds() - start
       missing = 'a longer domain has no solution to compare with'
       if (.not. is_known) return
@@ -103,16 +97,14 @@ contains
 
    !> Chooses intervals and time step of `run` and `contact` for its target, by passages from the
    !> first grid on, each twice as fine as the one before: the first that meets it, or twice as fine
-   !> as one that nearly does; at most `max_intervals`. Error: as above.
-   subroutine choose_passage(run, contact, listener, error)
+   !> as one that nearly does; at most `max_intervals`.
+   subroutine choose_passage(run, contact, listener)
       type(point_run_t), intent(inout) :: run
       type(point_contact_t), intent(inout) :: contact
       class(listener_t), intent(inout), target :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(line_summary_t) :: last
+      type(outcome_t) :: last
       real(wp) :: ratio
       integer :: n, usual
-      logical :: is_known
 
       usual = contact%domain%intervals
       n = first_intervals(contact, usual)
@@ -121,13 +113,13 @@ contains
       end do
       run%coarser = [line_summary_t ::]
       do
-         call run_passage(run, contact, real(usual, wp)/n, listener, last, is_known, error)
-         if (allocated(error) .or. listener%wants_stop()) return
-         run%coarser = pack([last, run%coarser], is_known)
+         call run_passage(run, contact, real(usual, wp)/n, listener, last)
+         if (allocated(listener%error) .or. listener%wants_stop()) return
+         run%coarser = pack([last%summary, run%coarser], last%is_known)
          ratio = huge(ratio)
          if (size(run%coarser) > 1) then
-            call estimate_point_errors(last, contact, run%coarser(2:), 0.0_wp, .true.)
-            associate (of => last%of([h_min, h_central]))
+            call estimate_point_errors(last%summary, contact, run%coarser(2:), 0.0_wp, .true.)
+            associate (of => last%summary%of([h_min, h_central]))
                ratio = maxval(of%error_grid/of%value)/run%settings%target
             end associate
          end if
@@ -142,45 +134,42 @@ contains
    end subroutine choose_passage
 
    !> Extremes of the passage on half and a quarter of the intervals, with as many times longer
-   !> steps, as far as these grids hold the film and there are solutions. Error: as above.
-   subroutine measure_passages(run, contact, listener, coarser, error)
+   !> steps, as far as these grids hold the film and there are solutions.
+   function passages_of(run, contact, listener) result(coarser)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
       class(listener_t), intent(inout), target :: listener
-      type(line_summary_t), allocatable, intent(out) :: coarser(:)
-      type(error_t), allocatable, intent(out) :: error
-      type(line_summary_t) :: last
+      type(line_summary_t), allocatable :: coarser(:)
+      type(outcome_t) :: last
       integer :: factor
-      logical :: is_known
 
-      allocate (coarser(0))
+      coarser = [line_summary_t ::]
       if (allocated(run%coarser)) coarser = run%coarser
       if (allocated(run%coarser)) return
       do factor = 2, 4, 2
          if (contact%domain%intervals/factor < first_intervals(start_of(contact), &
             contact%domain%intervals)) return
-         call run_passage(run, contact, real(factor, wp), listener, last, is_known, error)
-         if (allocated(error) .or. .not. is_known) return
-         coarser = [coarser, last]
+         call run_passage(run, contact, real(factor, wp), listener, last)
+         if (.not. last%is_known) return
+         coarser = [coarser, last%summary]
       end do
-   end subroutine measure_passages
+   end function passages_of
 
-   !> Extremes of the passage with the intervals over `factor`, and as many times longer steps;
-   !> `is_known`: it has a solution. Error: as above.
-   subroutine run_passage(run, contact, factor, listener, extremes, is_known, error)
+   !> Extremes of the passage with the intervals over `factor`, and as many times longer steps,
+   !> unless something has failed.
+   subroutine run_passage(run, contact, factor, listener, outcome)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor
       class(listener_t), intent(inout), target :: listener
-      type(line_summary_t), intent(out) :: extremes
-      logical, intent(out) :: is_known
-      type(error_t), allocatable, intent(out) :: error
+      type(outcome_t), intent(out) :: outcome
       type(collector_t) :: collector
       type(line_state_t) :: state
       type(point_contact_t) :: coarse
       type(point_run_t) :: other
       type(report_t) :: report
 
+      if (allocated(listener%error)) return
       coarse = contact
       other%settings = run%settings
       other%settings%film_floor = 0.0_wp
@@ -191,11 +180,13 @@ contains
       coarse%domain%intervals = nint(contact%domain%intervals/factor)
       coarse%domain%rows = nint(contact%domain%rows/factor)
       collector%passage = passage_extremes_t(new_passage_times(coarse, other%time))
-      call solve_point(other, coarse, collector, state, report, error)
-      is_known = .not. allocated(error) .and. report%converged
-      if (.not. is_known) return
-      extremes = collector%passage%extremes(summary_of(state))
-      extremes%of%error_grid = smooth_errors(other%grids)*abs(extremes%of%value)
+      call solve_point(other, coarse, collector, state, report, listener%error)
+      outcome%is_known = .not. allocated(listener%error) .and. report%converged
+      if (.not. outcome%is_known) return
+      outcome%summary = collector%passage%extremes(summary_of(state))
+      associate (of => outcome%summary%of)
+         of%error_grid = smooth_errors(other%grids)*abs(of%value)
+      end associate
    end subroutine run_passage
 
    !> Relative errors, of second order, of the smooth steady contact of a passage on the last of its
@@ -222,7 +213,7 @@ contains
 
    !> Quantities on a quarter of the intervals, or on half of them where that is the first grid,
    !> `near`, which `run` must have, and with the same spacing on a domain 1.5 times as long, `far`.
-   !> `is_known`: it has a solution. Error: as above.
+   !> `is_known`: it has a solution. Error (internal_error): LAPACK or FFTW.
    subroutine measure_domain(run, contact, near, far, is_known, error)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
