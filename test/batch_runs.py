@@ -3,8 +3,7 @@
 import os
 import sys
 
-from cases import called, ended
-from conftest import ROOT
+from cases import ROOT, called, ended
 
 BATCH = ROOT / "batch"
 

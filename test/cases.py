@@ -2,12 +2,14 @@
 
 import csv
 import os
+import pathlib
 import resource
 import subprocess
 
 import h5py
 import numpy as np
 
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Nothing takes so long [s of wall time], however busy the machine is: limits are processor time, wall time guards against hanging.
 HANGING = 900
 

@@ -12,7 +12,7 @@ import re
 
 import f90nml
 import pytest
-from cases import AT_REST, STEADY, TRANSIENT, ended, write
+from cases import AT_REST, STEADY, ended, write
 
 FOLDER = pathlib.Path(__file__).parent / "bad_input"
 BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
@@ -80,13 +80,6 @@ def test_all_findings_of_all_files(asperity, tmp_path):
     assert run(asperity, "b", "a") == [f"{name}:{finding}" for name in "ba" for finding in two[name][1]]
 
 
-def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
-    write(tmp_path, "good.nml", STEADY)
-    write(tmp_path, "bad.nml", STEADY.replace("1e5", "-1e5"))
-    assert "bad.nml:4: &load load_per_length: found -1e5, expected" in ended(asperity("good.nml", "bad.nml"), 1).stderr
-    assert not list(tmp_path.glob("*.h5*"))
-
-
 def test_a_grid_that_is_too_fine_for_its_method_is_found_by_check(asperity, tmp_path):
     """Also where the program chooses it: not late, in the middle of a batch."""
     waves = "&surface_1 shape = 'sinusoid', amplitude = 1e-9, wavelength = 1e-6 /\n"
@@ -100,16 +93,14 @@ def test_what_is_no_namelist(asperity, tmp_path, program):
     assert run(asperity, tmp_path / "none.nml") == [f"{tmp_path}/none.nml: no such file"]
     assert run(asperity, tmp_path) == [f"{tmp_path}: found a folder, expected a file"]
     os.mkfifo(tmp_path / "pipe.nml")
-    assert run(asperity, "pipe.nml") == ["pipe.nml: found a pipe, a device or a socket, expected a file"]
+    for path in ("pipe.nml", "/dev/zero", "/dev/null"):
+        assert run(asperity, path) == [f"{path}: found a pipe, a device or a socket, expected a file"]
     (tmp_path / "large.nml").write_bytes(b"! comment\n" * 2_000_000)
     assert "expected a namelist of at most 16 MB" in run(asperity, tmp_path / "large.nml")[0]
-    lines = run(asperity, program)
-    assert len(lines) == 1
-    garbage = random.Random(1).randbytes(100_000)
-    lines = findings_of(asperity, tmp_path, garbage)
-    assert len(lines) == 1
-    assert "found the byte 0x" in lines[0]
-    assert "expected a text file in UTF-8" in lines[0]
+    assert len(run(asperity, program)) == 1
+    (line,) = findings_of(asperity, tmp_path, random.Random(1).randbytes(100_000))
+    assert "found the byte 0x" in line
+    assert "expected a text file in UTF-8" in line
 
 
 def test_unreadable_file(asperity, tmp_path):
@@ -121,25 +112,17 @@ def test_unreadable_file(asperity, tmp_path):
     assert "cannot be opened" in run(asperity, path)[0]
 
 
-@pytest.mark.parametrize("path", ["/dev/zero", "/dev/null"])
-def test_device(asperity, path):
-    assert run(asperity, path) == [f"{path}: found a pipe, a device or a socket, expected a file"]
-
-
-NO_TEXT, LONG = ", expected a text file in UTF-8", "x" * 1_000_000
+NO_TEXT, LONG, PART = ", expected a text file in UTF-8", "x" * 1_000_000, "x" * 48 + "..."
 CONTENTS = {
     "empty": ("", "1: found no group, expected &case ... / and others; see asperity --template ehl_line"),
     "zero_byte": ("! a\n! b\0\n" + STEADY, f"2: found the byte 0x00{NO_TEXT}"),
     "utf_16": (STEADY.encode("utf-16"), f"1: found UTF-16{NO_TEXT}"),
     "latin_1": (STEADY.encode("latin-1"), f"1: found the byte 0xD6{NO_TEXT}"),
     "cut_off_utf_8": (STEADY.encode() + b"! \xc3", f"8: found the byte 0xC3{NO_TEXT}"),
-    "long_line": (
-        STEADY + f"&time transient = {LONG} /\n",
-        f"8: &time transient: found {LONG[:48]}..., expected .true. or .false.",
-    ),
+    "long_line": (STEADY + f"&time transient = {LONG} /\n", f"8: &time transient: found {PART}, expected .true. or .false."),
     "long_string": (
         STEADY.replace("'ehl_line'", f"'{LONG}'"),
-        f"1: &case problem: found '{LONG[:48]}...', expected 'ehl_line', 'ehl_point', 'dry_line' or 'dry_area'",
+        f"1: &case problem: found '{PART}', expected 'ehl_line', 'ehl_point', 'dry_line' or 'dry_area'",
     ),
     "long_title": (STEADY.replace("Öl, smooth", "t" * 10_001), "1: &case title: found 10001 bytes, expected at most 10000"),
 }
@@ -181,11 +164,10 @@ def written(source, count):
         size = source.randint(1, 4)
         start = first if source.random() < 0.8 else source.choice(odd)
         last = start + size - 1 if source.random() < 0.8 else source.choice([start, start - 1, 2000, 2**31 - 1, 2**63, 10**30])
+        place = f"{start}:{last}"
         if source.random() < 0.5:
-            lines.append(f"mean_pressure({start}) = " + ", ".join(["1e7"] * size))
-            last = start + size - 1
-        else:
-            lines.append(f"mean_pressure({start}:{last}) = " + ", ".join(["1e7"] * size))
+            place, last = start, start + size - 1
+        lines.append(f"mean_pressure({place}) = " + ", ".join(["1e7"] * size))
         is_good = is_good and start >= 1 and last == start + size - 1
         places += range(start, start + size)
         first += size
@@ -222,29 +204,6 @@ def test_ranges_of_f90nml(asperity, tmp_path):
     namelist.write(tmp_path / "ranges.nml")
     assert "(1:3)" in (tmp_path / "ranges.nml").read_text()
     assert asperity("--check", "ranges.nml").returncode == 0
-
-
-def mutated(text, source):
-    """`text` with a few characters or words changed, doubled or lost."""
-    for _ in range(source.randint(1, 4)):
-        place = source.randrange(len(text))
-        end = min(len(text), place + source.choice([1, 1, 2, 10, 100]))
-        new = source.choice(
-            ["", "=", "/", "&", "'", '"', "!", ",", "*", "(", ")", "\n", "\t", "1e999", "-", "9" * 40, text[place:end] * 2]
-        )
-        text = text[:place] + new + text[end:]
-    return text
-
-
-@pytest.mark.path
-def test_random_damage_never_crashes(asperity, tmp_path):
-    source = random.Random(2)
-    for i in range(400):
-        write(tmp_path, f"{i}.nml", mutated(source.choice([STEADY, TRANSIENT]), source))
-    files = [tmp_path / f"{i}.nml" for i in range(400)]
-    lines = run(asperity, *files, seconds=60)
-    assert len(lines) > 300
-    assert all(line.startswith(f"{tmp_path}/") for line in lines)
 
 
 def test_a_mistyped_key_is_named(asperity, tmp_path):

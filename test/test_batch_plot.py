@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from batch_runs import ROOT, call
+from cases import ROOT
 from gathered import read_gathered
 from plot import is_logarithmic, wish_of
 from plot_curves import Wish, draw_curves, draw_series, style
@@ -166,10 +166,8 @@ def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(tabl
         (["--x", "u", "--kind", "stribeck"], "found no column friction_coefficient"),
     ],
 )
-def test_bad_wishes(table, program, options, words):
-    done = call("plot.py", table, *options, folder=table.parent, program=program)
-    assert (done.returncode, "Traceback" in done.stderr) == (1, False)
-    assert words in done.stderr
+def test_bad_wishes(batch, table, options, words):
+    assert words in batch("plot.py", table, *options, status=1).stderr
 
 
 def test_damaged_tables_and_wishes(table):
@@ -197,34 +195,33 @@ def test_damaged_tables_and_wishes(table):
     assert "is no gathered table" in words_of(put("status", np.ones(24)))
     assert "is no gathered table" in words_of(lambda file: file.create_group("h_tiny"))
     for text in ("plot = 3", "plot.y = [1, 2]", "plot.log = [['x']]", "plot.x = 1"):
-        assert (
-            "is no gathered table" in (words := words_of(lambda file, t=text: file.attrs.__setitem__("sweep", t)))
-            or "found" in words
-        )
+        words = words_of(lambda file, t=text: file.attrs.__setitem__("sweep", t))
+        assert "is no gathered table" in words or "found" in words
 
 
-def test_files_that_are_no_tables(tmp_path, program):
+def shipped(folder, base, sweep, name):
+    """Copies a shipped sweep with its base; its text."""
+    shutil.copy(ROOT / "input" / f"{base}.nml", folder)
+    text = (ROOT / "input" / "sweeps" / f"{sweep}.toml").read_text(encoding="utf-8").replace("../", "")
+    (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    return text
+
+
+def test_files_that_are_no_tables(batch, tmp_path):
     (tmp_path / "text.h5").write_text("no table", encoding="utf-8")
     os.mkfifo(tmp_path / "pipe.h5")
     for name, words in (("none.h5", "is not there"), ("text.h5", "is no gathered table"), ("pipe.h5", "found a folder, pipe")):
-        done = call("plot.py", name, "--x", "u", "--y", "h_min", folder=tmp_path, program=program)
-        assert (done.returncode, words in done.stderr) == (1, True)
-    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8").replace("../", "")
-    (tmp_path / "film.toml").write_text(text, encoding="utf-8")
-    assert call("sweep.py", "film.toml", folder=tmp_path, program=program).returncode == 0
-    assert call("gather.py", "film", folder=tmp_path, program=program).returncode == 0
-    done = call("plot.py", "film", folder=tmp_path, program=program)
-    assert (done.returncode, "found no column h_min" in done.stderr) == (1, True)
+        assert words in batch("plot.py", name, "--x", "u", "--y", "h_min", status=1).stderr
+    shipped(tmp_path, "minimal", "film_over_speed", "film")
+    batch("sweep.py", "film.toml")
+    batch("gather.py", "film")
+    assert "found no column h_min" in batch("plot.py", "film", status=1).stderr
 
 
-def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
-    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 11
-    (tmp_path / "film.toml").write_text(text.replace("../", ""), encoding="utf-8")
-    done = call("all.py", "film.toml", folder=tmp_path, program=program)
-    assert (done.returncode, done.stderr.splitlines()) == (0, ["30 of 30 cases"]), done.stderr
+def test_one_command_from_the_sweep_to_its_picture(batch, tmp_path):
+    assert len(shipped(tmp_path, "minimal", "film_over_speed", "film").splitlines()) <= 11
+    done = batch("all.py", "film.toml")
+    assert done.stderr == "30 of 30 cases\n"
     words = ["film: 30 cases, checked", "  done               30", "film/gathered.h5: 30 done", "film/plot.png", "film/plot.pdf"]
     assert done.stdout.splitlines() == words
     assert (tmp_path / "film" / "plot.png").stat().st_size > 10_000
@@ -236,13 +233,11 @@ def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
     assert power.max() < 3 / 4
 
 
-def test_a_stribeck_curve_by_one_command(tmp_path, program):
-    shutil.copy(ROOT / "input" / "mixed_bearing.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "stribeck.toml").read_text(encoding="utf-8").replace("../", "")
+def test_a_stribeck_curve_by_one_command(batch, tmp_path):
+    text = shipped(tmp_path, "mixed_bearing", "stribeck", "stribeck")
     text = text.replace("count = 30", "count = 5").replace("= 512", "= 256").replace("thermal.", "# ")  # as cold as the inlet
     (tmp_path / "stribeck.toml").write_text(text, encoding="utf-8")
-    done = call("all.py", "stribeck.toml", folder=tmp_path, program=program)
-    assert done.returncode == 0, done.stderr
+    batch("all.py", "stribeck.toml")
     assert (tmp_path / "stribeck" / "plot.png").stat().st_size > 20_000
     found = read_gathered(tmp_path / "stribeck")
     total, oil, boundary = (found.numbers(f"friction_coefficient{part}") for part in ("", "_oil", "_boundary"))

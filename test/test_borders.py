@@ -17,16 +17,6 @@ DENSE = {"method": "newton_dense"}
 GAUSS_SEIDEL = {"method": "fas_block_jacobi", "smoother": "gauss_seidel"}
 
 
-def wavy(wavelength: float, amplitude: float, solver: dict) -> str:
-    """Case 1 with a wavy surface at rest; lengths in half-widths and in central films."""
-    surface = {
-        "shape": "sinusoid",
-        "amplitude": amplitude * namelists.CASE_1_FILM,
-        "wavelength": wavelength * namelists.CASE_1_HALF_WIDTH,
-    }
-    return namelists.case_1(512, solver, bodies={"speed_1": 0.0, "speed_2": 1.2}, surface_1=surface)
-
-
 def thinning(m: float, oil: float, intervals: int | None, solver: dict, slide: float = 5 / 3) -> str:
     """A contact with an Eyring stress of 1 MPa."""
     groups = namelists.steel(m, oil, slide, 1e6)
@@ -69,6 +59,7 @@ def narrow_ridge(solver: dict, height: float = 1.2) -> str:
     return namelists.case_1(512, solver, surface_2=ridge, time=time, accuracy={"error_bars": False})
 
 
+SHORT_WAVES = {"shape": "sinusoid", "amplitude": namelists.CASE_1_FILM, "wavelength": 0.25 * namelists.CASE_1_HALF_WIDTH}
 NEWTONIAN = {"rheology": "newtonian", "eyring_stress": None}
 INSIDE = {
     "gauss_seidel_in_time_without_sliding": rolling(256, 2, GAUSS_SEIDEL),
@@ -81,7 +72,7 @@ INSIDE = {
     "plain_block_jacobi_relaxation": namelists.case_1(64, PLAIN | {"relaxation": 0.8}),
     "dense_when_thinning": thinning(100, 40, 512, DENSE),
     "dense_in_time": rolling(64, 2, DENSE),
-    "auto_on_short_high_waves": wavy(0.25, 1.0, {}),
+    "auto_on_short_high_waves": namelists.case_1(512, bodies={"speed_1": 0.0, "speed_2": 1.2}, surface_1=SHORT_WAVES),
     "auto_heavy_isoviscous": namelists.moes(980, 0, 2048),
     "auto_heavy_isoviscous_window": namelists.moes(980, 0, 2048, domain=namelists.WINDOW),
     "auto_heaviest_thinning": thinning(2000, 40, 2048, {}),

@@ -125,18 +125,17 @@ def test_element_kernel_of_an_area_in_full_contact(asperity, tmp_path):
 
 
 BAD_HDF5 = {
-    "no_dataset": ({"z": np.zeros((4, 4))}, "/other", "other"),
-    "profile": ({"z": np.zeros(8)}, "z", "found a profile, expected an area"),
-    "no_spacing": ({"z": np.ones((4, 4))}, "z", "length_x"),
+    "no_dataset": (np.zeros((4, 4)), "/other", "other"),
+    "profile": (np.zeros(8), "z", "found a profile, expected an area"),
+    "no_spacing": (np.ones((4, 4)), "z", "length_x"),
 }
 
 
 @pytest.mark.parametrize("name", BAD_HDF5)
 def test_bad_hdf5_file(run_case, tmp_path, name):
-    datasets, path, message = BAD_HDF5[name]
+    heights, path, message = BAD_HDF5[name]
     with h5py.File(tmp_path / "bad.h5", "w") as file:
-        for dataset, values in datasets.items():
-            file[dataset] = values
+        file["z"] = heights
     text = case_text(f"shape = 'file', file = 'bad.h5', dataset = '{path}'", [1e6], "", problem="dry_area")
     done = run_case(text, status=1)
     assert message in done.stderr
@@ -159,8 +158,7 @@ BAD_ATTRIBUTES = {
 
 def refused_heights(asperity, tmp_path):
     """The message about the dataset z of bad.h5."""
-    text = case_text("shape = 'file', file = 'bad.h5', dataset = 'z'", [1e6], "")
-    write(tmp_path, "case.nml", text)
+    write(tmp_path, "case.nml", case_text("shape = 'file', file = 'bad.h5', dataset = 'z'", [1e6], ""))
     done = ended(asperity("case.nml"), 1)
     assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
     assert "bad.h5" in done.stderr

@@ -335,12 +335,8 @@ def test_arrays_of_numpy(convert, tmp_path):
     np.save(tmp_path / "xz.npy", np.column_stack([np.arange(12) * 0.5, z[:, 0]]))
     assert convert("xz.npy", "out.h5", "--unit", "mm,um")[0] == 0
     np.testing.assert_allclose(written()[0], z[:, 0].astype(float) * 1e-6, rtol=1e-12)
-    for name, array in {
-        "text": np.array(["a"]),
-        "object": np.array([{}]),
-        "three": np.zeros((2, 2, 2)),
-        "none": np.zeros(0),
-    }.items():
+    others = {"text": np.array(["a"]), "object": np.array([{}]), "three": np.zeros((2, 2, 2)), "none": np.zeros(0)}
+    for name, array in others.items():
         np.save(tmp_path / f"{name}.npy", array)
         assert convert(f"{name}.npy", "new.h5", "--unit", "um", "--spacing", "2")[0] == 1
     whole = (tmp_path / "z.npy").read_bytes()
@@ -404,9 +400,8 @@ def test_without_the_library_it_is_said(tmp_path):
     folders = [str(tmp_path), str(ROOT / "python")]
     command = f"import sys; sys.path[:0] = {folders!r}; import asperity.heights as h; sys.exit(h.main())"
     done = ended(called([sys.executable, "-c", command, "scan.x3p", "out.h5"], cwd=tmp_path), 1)
-    assert (
-        f"scan.x3p: found no text; the files of instruments need a library: {sys.executable} -m pip install Surface" in done.stderr
-    )
+    words = f"scan.x3p: found no text; the files of instruments need a library: {sys.executable} -m pip install Surface"
+    assert words in done.stderr
 
 
 @pytest.fixture
@@ -436,9 +431,8 @@ def test_area_of_an_instrument(library, convert, tmp_path, ending):
     np.testing.assert_allclose(written()[1], [2e-6, 4e-6], rtol=1e-12)
     assert "found --spacing, expected it for a table only" in convert(f"scan.{ending}", "out.h5", "--spacing", "1um")[1]
     assert "expected no --unit" in convert(f"scan.{ending}", "out.h5", "--unit", "mm")[1]
-    assert (
-        "found 1 channels of heights (1 Default), expected --channel N" in convert(f"scan.{ending}", "out.h5", "--channel", "3")[1]
-    )
+    told = convert(f"scan.{ending}", "out.h5", "--channel", "3")[1]
+    assert "found 1 channels of heights (1 Default), expected --channel N" in told
     data = bytearray((tmp_path / f"scan.{ending}").read_bytes())
     for seed in range(6):
         damaged = data[: len(data) // 2] if seed == 0 else bytearray(data)

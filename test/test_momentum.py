@@ -229,23 +229,19 @@ def test_steep_ridges_are_followed(asperity, tmp_path):
 
 
 # Short steps on a coarse grid, of which some have profiles.
-INTERRUPTED = STOKES.replace("intervals = 256", "intervals = 96") + PASSAGE.replace("time_step = 0.02", "time_step = 0.01").replace(
-    "layers = 6", "layers = 4"
-)
-
-
-def with_checkpoints(interval):
-    return INTERRUPTED.replace("profile_stride = 10", f"profile_stride = 3, checkpoint_interval = {interval}")
-
-
-def counters(path):
-    with h5py.File(path) as file:
-        note = " ".join(cases.text(file["report/note"][()]).split())
-        return [int(file["momentum"].attrs[name]) for name in ("newton_steps", "factorisations", "linear_iterations")] + [note]
+INTERRUPTED = STOKES.replace("256", "96") + PASSAGE.replace("0.02", "0.01").replace("layers = 6", "layers = 4")
 
 
 def test_a_killed_passage_goes_on_to_the_same_bits(program, tmp_path):
     """A passage by both equations, killed at random moments and resumed: fields, series and counters as if nothing had been."""
+
+    def with_checkpoints(interval):
+        return INTERRUPTED.replace("profile_stride = 10", f"profile_stride = 3, checkpoint_interval = {interval}")
+
+    def counters(path):
+        with h5py.File(path) as file:
+            note = " ".join(cases.text(file["report/note"][()]).split())
+            return [int(file["momentum"].attrs[name]) for name in ("newton_steps", "factorisations", "linear_iterations")] + [note]
 
     def check(reference):
         assert counters(reference) == counters(tmp_path / "case.h5")

@@ -35,10 +35,12 @@ def test_a_path_a_text_and_a_mapping_are_the_same_case(minimal):
     assert asperity.run(groups).case.todict() == groups.todict()
 
 
-def test_examples_come_with_the_package():
+def test_examples_and_the_version_of_the_program():
     assert asperity.example("minimal.nml") == MINIMAL
     with pytest.raises(asperity.AsperityError, match=r"case1\.nml"):
         asperity.example("none.nml")
+    version = tomllib.loads((ROOT / "fpm.toml").read_text())["version"]
+    assert re.fullmatch(r"asperity (\S+) \(commit \S+\)", asperity.version())[1] == version
 
 
 def test_fields_and_summary_are_in_si(minimal, tmp_path):
@@ -59,10 +61,7 @@ def test_fields_and_summary_are_in_si(minimal, tmp_path):
     assert re.search(r"h_min +\d+(\.\d+)?e-07 m \+- \d", repr(result))
     even = asperity.run(MINIMAL.read_text() + "&domain grid = 'even' /\n")
     assert re.search(r"p_central +5\.81e\+08 Pa \+- 0\.35 %", repr(even))
-
-
-def test_the_central_pressure_is_shown_beside_a_spike_only():
-    assert "p_central" not in repr(asperity.run(ROOT / "input" / "case1.nml"))
+    assert "p_central" not in repr(asperity.run(ROOT / "input" / "case1.nml"))  # there is no spike
 
 
 def test_a_passage_has_time_and_place_as_coordinates():
@@ -143,10 +142,6 @@ def test_what_is_no_result(tmp_path, content):
             read(path)
     with pytest.raises(FileNotFoundError):
         asperity.read(tmp_path / "b.h5")
-
-
-def test_the_version_is_that_of_the_program(asperity_version=re.compile(r"asperity (\S+) \(commit \S+\)")):
-    assert asperity_version.fullmatch(asperity.version())[1] == tomllib.loads((ROOT / "fpm.toml").read_text())["version"]
 
 
 def command(name, *arguments):

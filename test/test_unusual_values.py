@@ -5,7 +5,7 @@ import re
 
 import h5py
 import pytest
-from cases import ended, members, text, write
+from cases import called, ended, members, text, write
 from conftest import ROOT
 
 SHIPPED = sorted((ROOT / "input").glob("*.nml")) + sorted((ROOT / "input" / "scenes").glob("*.nml"))
@@ -22,7 +22,7 @@ def test_shipped_inputs_are_silent(asperity, path):
 
 @pytest.mark.path
 @pytest.mark.parametrize("problem", ["ehl_line", "ehl_point", "dry_line", "dry_area"])
-def test_templates_are_silent(asperity, tmp_path, problem):
+def test_templates_are_silent(ranges, asperity, tmp_path, problem):
     """Their comments too: every example of a key is a typical value of it."""
     template = asperity("--template", problem).stdout
     write(tmp_path, "case.nml", template)
@@ -31,28 +31,24 @@ def test_templates_are_silent(asperity, tmp_path, problem):
     for line in template.splitlines():
         group = (re.findall(r"^(?:! )?&(\w+)$", line) or [group])[0]
         entry = re.match(rf"!?  +(\w+) = ({NUMBER}(?:, {NUMBER})*)(?: |$)", line)
-        lowest, largest = typical_ranges(asperity).get((group, entry[1]) if entry else None, (0.0, 1e99))
+        lowest, largest = ranges.get((group, entry[1]) if entry else None, (0.0, 1e99))
         for value in re.findall(NUMBER, entry[2]) if entry else []:
             assert float(value) == 0 or lowest <= abs(float(value)) <= largest, line
 
 
-def typical_ranges(asperity, kept={}):  # noqa: B006
+@pytest.fixture(scope="module", name="ranges")
+def _ranges(program):
     """{(group, key): (lowest, largest)} of the page of keys."""
-    if kept:
-        return kept
-    group = ""
-    for line in asperity("--keys-markdown").stdout.splitlines():
+    found, group = {}, ""
+    for line in called([program, "--keys-markdown"]).stdout.splitlines():
         group = (re.findall(r"^## &(\w+)", line) or [group])[0]
-        row = re.match(r"\| `(\w+)`.*, typical ([0-9.e+-]+) to ([0-9.e+-]+) \|", line)
-        if row:
-            kept[group, row[1]] = float(row[2]), float(row[3])
-    kept.update({("surface_2", key): limits for (group, key), limits in kept.items() if group == "surface_1"})
-    return kept
+        if row := re.match(r"\| `(\w+)`.*, typical ([0-9.e+-]+) to ([0-9.e+-]+) \|", line):
+            found[group, row[1]] = float(row[2]), float(row[3])
+    return found | {("surface_2", key): limits for (group, key), limits in found.items() if group == "surface_1"}
 
 
-def slips(asperity):
+def slips(ranges):
     """Every physical key of every shipped input, with each slip: (file, text, group, key, values)."""
-    ranges = typical_ranges(asperity)
     for path in SHIPPED:
         group = ""
         lines = path.read_text().splitlines(keepends=True)
@@ -68,25 +64,25 @@ def slips(asperity):
                 yield path, re.sub(r"file = '", f"file = '{path.parent}/", whole), group, entry[1], values
 
 
-def told(asperity, folder, slip):
+def told(asperity, folder, ranges, slip):
     """'told', 'refused' or 'silent': what the program says of a slip; it must be told if it leaves the typical range."""
     path, content, group, key, values = slip
     write(folder, "slip.nml", content)
     done = asperity("--check", "slip.nml")
     if done.returncode == 1:
         return "refused"
-    lowest, largest = typical_ranges(asperity)[group, key]
+    lowest, largest = ranges[group, key]
     is_typical = all(value == 0 or lowest <= abs(value) <= largest for value in values)
     is_told = f"&{group} {key}: " in done.stdout and WORDS in done.stdout
     assert is_told != is_typical, (path.name, group, key, values, done.stdout)
     return "told" if is_told else "silent"
 
 
-def test_slips_of_a_unit_are_told(asperity, tmp_path):
+def test_slips_of_a_unit_are_told(ranges, asperity, tmp_path):
     """Random ones, all of them by night."""
-    every = list(slips(asperity))
+    every = list(slips(ranges))
     sample = random.Random(17).sample(every, members(100, len(every)))
-    outcomes = [told(asperity, tmp_path, slip) for slip in sample]
+    outcomes = [told(asperity, tmp_path, ranges, slip) for slip in sample]
     print({outcome: outcomes.count(outcome) for outcome in set(outcomes)})
     assert outcomes.count("told") > 10
     assert outcomes.count("told") + outcomes.count("refused") > 0.6 * len(sample)

@@ -14,12 +14,9 @@ import h5py
 import numpy as np
 from batch_runs import BASE, BATCH
 from damage import damaged
-from names import make
-from run import Run, call
+from height_files import make
+from run import Run, attack, call
 
-TITLE = "sweeps: TOML, names, bases by encoding, indices, pipes for results, tables of figures, `--replace` ended at any moment"
-CASES = 300
-QUICK = 7
 HEAD = 'base = "base.nml"\n[vary]\n'
 SWEEP = 'title = "T"\nbase = "base.nml"\ntogether = ["case.title", "u"]\n[vary]\ncase.title = ["1_0", "b"]\n'
 SWEEP += 'u = { values = [1, 2.5], unit = "m" }\nload.hertz_pressure = { from = 4e8, to = 5e8, count = 2, spacing = "log" }\n'
@@ -254,7 +251,10 @@ def what_is_left(small: Path, states: dict[str, dict[str, bytes]]) -> str | None
     return None if is_ready or any(wanted.items() <= found.items() for wanted in states.values()) else "a mixture of two sweeps"
 
 
-def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    return source.choice([sweep_files, sweep_files, own_names, bases, places, tables, replacements, replacements])(
-        program, source, folder
-    )
+TITLE = "sweeps: TOML, names, bases by encoding, indices, pipes for results, tables of figures, `--replace` ended at any moment"
+
+
+@attack(TITLE, 300, quick=7)
+def sweeps(program: Path, source: random.Random, folder: Path) -> str | None:
+    kinds = [sweep_files, sweep_files, own_names, bases, places, tables, replacements, replacements]
+    return source.choice(kinds)(program, source, folder)

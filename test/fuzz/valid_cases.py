@@ -14,15 +14,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 from kill_and_resume import different
-from run import ROOT, Run, call
+from run import ROOT, Run, attack, call
 
 sys.path.append(str(ROOT / "bench"))
 
 import namelists
 
-TITLE = "random valid cases: lines, points, histories, mixed, dry (`ASPERITY=build/bin/asperity-debug`: with traps)"
-CASES = 650
-QUICK = 5
 # Draws of a case until a valid one is found, at most.
 MOST_DRAWS = 100
 # Processor time that a case may take [s]; the checked build is five times slower.
@@ -193,7 +190,8 @@ def resumed(program: Path, source: random.Random, folder: Path, seconds: float) 
     return f"resumed to other bits: {paths[:3]}" if paths else run.trouble(0, 2)
 
 
-def attack(program: Path, source: random.Random, folder: Path) -> str | None:
+@attack("random valid cases: lines, points, histories, mixed, dry (`ASPERITY=build/bin/asperity-debug`: with traps)", 650)
+def valid_cases(program: Path, source: random.Random, folder: Path) -> str | None:
     kind = source.choice([lubricated, lubricated, point, dry])
     write_valid(program, folder, lambda: kind(source, folder))
     begin = time.monotonic()

@@ -229,13 +229,9 @@ REFUSED = {
 @pytest.mark.parametrize("case", REFUSED)
 def test_refused_inside_a_test(tmp_path, case):
     text, line, reason = REFUSED[case]
-    result = ended(translate(tmp_path, test_x=module(f"@test\n{text_of_test(text)}")), 1)
+    result = ended(translate(tmp_path, test_x=module(f"@test\nsubroutine a()\n{text}\nend subroutine")), 1)
     assert f"test_x.pf:{line + 1}: " in result.stderr
     assert reason in result.stderr
-
-
-def text_of_test(assertion):
-    return f"subroutine a()\n{assertion}\nend subroutine"
 
 
 PLAIN = "subroutine b()\nend subroutine\n"
