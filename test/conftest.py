@@ -7,8 +7,8 @@ import signal
 
 import h5py
 import pytest
-from batch_runs import call as call_batch
 from cases import ROOT, called, contents, ended, processor, write
+from cases import call as call_batch
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.

@@ -39,16 +39,9 @@ def write_profile(path, z, spacing):
 
 def case_text(surface, loads, bodies=HARD, more="", problem="dry_line", loading="", key="mean_pressure", modulus=None):
     """The namelist of a case; `modulus` replaces steel against a rigid plane."""
-    return CASE.format(
-        problem=problem,
-        elastic=f"reduced_modulus = {modulus!r}" if modulus else "youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3",
-        bodies=bodies,
-        key=key,
-        loads=", ".join(repr(float(load)) for load in loads),
-        loading=loading,
-        surface=surface,
-        more=more,
-    )
+    elastic = f"reduced_modulus = {modulus!r}" if modulus else "youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3"
+    load = {"key": key, "loads": ", ".join(repr(float(load)) for load in loads), "loading": loading}
+    return CASE.format(problem=problem, elastic=elastic, bodies=bodies, surface=surface, more=more, **load)
 
 
 def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_line", **options):

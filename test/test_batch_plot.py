@@ -89,7 +89,7 @@ def test_facets_units_and_labels(table):
     style.plt.close(figure)
 
 
-def test_a_map_has_cells_where_the_grid_is_full_and_none_where_cases_failed(table):
+def test_a_map_has_cells_where_the_grid_is_full_none_where_cases_failed_and_labels_beside_words(table):
     figure = draw(table, kind="map", x="u", colour="load.w", y=("h_min",), log=("x", "z"), regimes=True)
     values = np.ma.filled(figure.axes[0].collections[0].get_array(), np.nan)
     assert values.shape == (4, 6)
@@ -101,11 +101,7 @@ def test_a_map_has_cells_where_the_grid_is_full_and_none_where_cases_failed(tabl
     expected = {REGIMES[i] for i in np.unique(read_films().regime(moes_m, moes_l))}
     assert {text.get_text() for text in figure.axes[0].texts} & set(REGIMES) == expected
     assert len(expected) > 1
-    style.plt.close(figure)
-
-
-def test_no_label_of_a_line_is_under_words(table):
-    figure = draw(table, kind="map", x="u", colour="load.w", y=("h_min",), log=("x", "z"), regimes=True)
+    # no label of a line is under words
     texts = figure.axes[0].texts
     boxes = [text.get_bbox_patch().get_window_extent() for text in texts if text.get_bbox_patch()]
     figure.axes[0].text(0.5, 0.5, "under", transform=figure.axes[0].transAxes)
@@ -116,15 +112,6 @@ def test_no_label_of_a_line_is_under_words(table):
     shown = {text.get_text(): text.get_visible() for text in texts}
     assert (shown["under"], shown["over"], shown["apart"]) == (False, True, True)
     style.plt.close(figure)
-
-
-def test_a_column_by_formula(table):
-    found = read_gathered(table)
-    assert found.compute("lambda = h_min/sqrt(2*1e-7**2)") == "lambda"
-    np.testing.assert_allclose(found.numbers("lambda"), found.numbers("h_min") / np.sqrt(2e-14))
-    assert np.isnan(found.numbers("lambda")).sum() == 2
-    with pytest.raises(SweepError, match="h_mean"):
-        found.compute("lambda = h_mean/1e-7")
 
 
 @pytest.mark.parametrize("key", ["bodies.u", "u"])
@@ -143,8 +130,13 @@ def test_long_names_stand_below_each_other_along_an_axis(table):
     style.plt.close(figure)
 
 
-def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(table):
+def test_the_sweep_and_the_command_line_say_what_to_draw_also_by_formula(table):
     found = read_gathered(table)
+    assert found.compute("lambda = h_min/sqrt(2*1e-7**2)") == "lambda"
+    np.testing.assert_allclose(found.numbers("lambda"), found.numbers("h_min") / np.sqrt(2e-14))
+    assert np.isnan(found.numbers("lambda")).sum() == 2
+    with pytest.raises(SweepError, match="h_mean"):
+        found.compute("lambda = h_mean/1e-7")
     assert wish_of(found, SimpleNamespace(**NOTHING)) == Wish("u", ("h_min", "h_central"), log=("x", "y"))
     other = SimpleNamespace(**(NOTHING | {"y": ["h_min"], "colour": "load.w"}))
     assert wish_of(found, other) == Wish("u", ("h_min",), colour="load.w", log=("x", "y"))

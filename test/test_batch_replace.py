@@ -7,9 +7,8 @@ import shutil
 import signal
 
 import pytest
-from batch_runs import BASE, call, write_sweep
 from case_folder import INDEX, REPLACEMENT, SWEEP, opened, read_folder
-from cases import ended
+from cases import BASE, call, ended, write_sweep
 from sweep import publish
 from sweep_file import SweepError
 
@@ -48,30 +47,26 @@ def results(folder):
     return {path.name: path.read_text(encoding="utf-8") for path in (folder / "cases").glob("*.h5")}
 
 
-def failing(monkeypatch, step, end):
-    """The file operations, of which number `step` calls `end`; returns the list of those that were called."""
+def failing(monkeypatch, step, kind):
+    """The file operations, of which number `step` ends; returns the list of those that were called."""
     called = []
     for name, step_of in STEPS.items():
 
         def operation(self, *arguments, name=name, step_of=step_of, **options):
             called.append(name)
             if len(called) == step:
-                end(self)
+                end(kind, self)
             return step_of(self, *arguments, **options)
 
         monkeypatch.setattr(pathlib.Path, name, operation)
     return called
 
 
-def full(path):
-    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
-
-
-def interrupted(_path):
-    raise KeyboardInterrupt
-
-
-def killed(_path):
+def end(kind, path):
+    if kind == "full disk":
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
+    if kind == "interrupted":
+        raise KeyboardInterrupt
     os.kill(os.getpid(), signal.SIGKILL)
 
 
@@ -87,8 +82,8 @@ def in_a_child(work):
     return os.waitpid(child, 0)[1] != 0
 
 
-@pytest.mark.parametrize("end", [full, interrupted, killed])
-def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeypatch, end):
+@pytest.mark.parametrize("kind", ["full disk", "interrupted", "killed"])
+def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeypatch, kind):
     old, new, kept = content(sweeps / "old"), content(sweeps / "new"), results(sweeps / "old")
     seen = set()
     for step in range(1, 100):
@@ -96,7 +91,7 @@ def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeyp
         with monkeypatch.context() as patch:
 
             def replace(patch=patch, part=part, folder=folder, step=step):
-                failing(patch, step, end)
+                failing(patch, step, kind)
                 publish(part, folder, True)
 
             was_ended = in_a_child(replace)

@@ -13,8 +13,7 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from batch_runs import ROOT, swept
-from cases import called, ended
+from cases import ROOT, called, ended, swept
 
 LOCAL = ROOT / "tools" / "slurm_local.sh"
 COUNT = 24

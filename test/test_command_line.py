@@ -30,11 +30,8 @@ SETS = {
 
 def effective(path):
     """What a result says of its input, and its numbers."""
-    return {
-        name: value
-        for name, value in contents(path).items()
-        if name.startswith(("input/effective", "summary", "solution", "@title"))
-    }
+    starts = ("input/effective", "summary", "solution", "@title")
+    return {name: value for name, value in contents(path).items() if name.startswith(starts)}
 
 
 def test_set_is_the_file_with_that_entry(asperity, tmp_path):

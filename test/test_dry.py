@@ -136,9 +136,8 @@ BAD_FILES = {
 }
 
 
-@pytest.mark.parametrize("name", BAD_FILES)
-def test_bad_file(run_case, tmp_path, name):
-    content, message = BAD_FILES[name]
+@pytest.mark.parametrize(("content", "message"), BAD_FILES.values(), ids=BAD_FILES)
+def test_bad_file(run_case, tmp_path, content, message):
     if content:
         write(tmp_path, "bad.csv", content)
     surface = "shape = 'file', file = 'bad.csv', dataset = 'z'"

@@ -76,9 +76,8 @@ CONTACTS = {
 
 
 @pytest.mark.parametrize("parity", [0, 1], ids=["even", "odd"])
-@pytest.mark.parametrize("name", CONTACTS)
-def test_observed_orders(asperity, tmp_path, name, parity):
-    contact, kernel, sizes = CONTACTS[name]
+@pytest.mark.parametrize(("contact", "kernel", "sizes"), CONTACTS.values(), ids=CONTACTS)
+def test_observed_orders(asperity, tmp_path, contact, kernel, sizes, parity):
     nodes = sorted({round(24 * 2 ** (k / 4)) // 2 * 2 + parity for k in sizes})
     errors = []
     for n in nodes:

@@ -131,9 +131,8 @@ BAD_HDF5 = {
 }
 
 
-@pytest.mark.parametrize("name", BAD_HDF5)
-def test_bad_hdf5_file(run_case, tmp_path, name):
-    heights, path, message = BAD_HDF5[name]
+@pytest.mark.parametrize(("heights", "path", "message"), BAD_HDF5.values(), ids=BAD_HDF5)
+def test_bad_hdf5_file(run_case, tmp_path, heights, path, message):
     with h5py.File(tmp_path / "bad.h5", "w") as file:
         file["z"] = heights
     text = case_text(f"shape = 'file', file = 'bad.h5', dataset = '{path}'", [1e6], "", problem="dry_area")
@@ -167,9 +166,8 @@ def refused_heights(asperity, tmp_path):
 
 
 @pytest.mark.path
-@pytest.mark.parametrize("name", BAD_ATTRIBUTES)
-def test_bad_attribute(asperity, tmp_path, name):
-    attribute, value, message = BAD_ATTRIBUTES[name]
+@pytest.mark.parametrize(("attribute", "value", "message"), BAD_ATTRIBUTES.values(), ids=BAD_ATTRIBUTES)
+def test_bad_attribute(asperity, tmp_path, attribute, value, message):
     with h5py.File(tmp_path / "bad.h5", "w") as file:
         attributes = file.create_dataset("z", data=np.linspace(0, 1e-6, 64)).attrs
         attributes["spacing"] = 1e-6

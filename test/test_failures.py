@@ -8,6 +8,7 @@ import namelists
 import numpy as np
 import pytest
 from cases import text, write
+from test_borders import heavy
 
 FAS = "fas_block_jacobi"
 METHODS = {
@@ -25,11 +26,6 @@ CYCLES = [name for name in METHODS if name.startswith("fas")]
 IN_TIME = METHODS | {"block_jacobi": {"method": "block_jacobi"}}
 # Processor time that a run may take [s], also by the checked build.
 PATIENCE = 100
-
-
-def heavy(m: float, intervals: int, solver: dict, **more: object) -> str:
-    """Barus, L = 10, on the domain of the thesis."""
-    return namelists.moes(m, 10, intervals, solver | more, domain=namelists.WINDOW)
 
 
 def spike(solver: dict, intervals: int = 2048) -> str:
@@ -59,7 +55,7 @@ def low_stress(stress: float, solver: dict) -> str:
 def collect():
     cases = {}
     for name, solver in METHODS.items():
-        cases[f"far_start-{name}"] = heavy(1000, 1024, solver, start="hertz")
+        cases[f"far_start-{name}"] = heavy(1000, 1024, solver | {"start": "hertz"})
         cases[f"far_start_of_shear_thinning-{name}"] = low_stress(1e6, solver | {"start": "hertz"})
         cases[f"low_stress-{name}"] = low_stress(2e5, solver)
         cases[f"closing_film-{name}"] = waves(3.0, solver)
@@ -67,7 +63,7 @@ def collect():
         cases[f"spike-{name}"] = spike(solver, 1024 if name == "dense" else 2048)
     # the others have no levels: a test of bad input
     for name in ["auto", *CYCLES]:
-        cases[f"coarsest_level_of_16_at_m_1000-{name}"] = heavy(1000, 1024, METHODS[name], levels=7)
+        cases[f"coarsest_level_of_16_at_m_1000-{name}"] = heavy(1000, 1024, METHODS[name] | {"levels": 7})
     for name in CYCLES:
         # a tolerance below the round-off floor, which the bound is then taken from
         solver = METHODS[name] | {"tolerance": 1e-14}

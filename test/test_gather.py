@@ -10,9 +10,8 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from batch_runs import ROOT, call, swept
 from case_folder import header, read_folder, split_header
-from cases import called, ended
+from cases import ROOT, call, called, ended, swept
 
 
 @pytest.fixture(scope="module", name="finished")
@@ -180,8 +179,7 @@ def test_pandas_and_xarray_open_it_without_a_word(batch, gather, folder):
             assert data["h_min"].attrs["units"] == "m"
             assert list(data["status"].values) == ["done", "not converged", "done", "not run"]
             assert np.isnan(data["h_min"].sel(case="case_0004"))
-            chosen = data.where(data["status"] == "done", drop=True)
-            assert chosen.sizes == {"case": 2}
+            assert data.where(data["status"] == "done", drop=True).sizes == {"case": 2}
             frame = data.to_dataframe()
         table = pandas.read_csv(folder / "gathered.csv")
     assert list(table.columns[:4]) == ["case", "load.hertz_pressure [Pa]", "solver.max_cycles [1]", "status"]

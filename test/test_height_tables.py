@@ -120,7 +120,7 @@ def other(source, z):
     um = rows_of(z)
     at = source.randrange(5, len(z))
     areal = [f"{i % 6}.0,{i // 6}.0,{height * 1e6:.3f}" for i, height in enumerate(z)]
-    with_commas = [f"{i},{source.randrange(10)},{source.randrange(10)},{source.randrange(10)}" for i in range(len(z))]
+    commas = [f"{i},{source.randrange(10)},{source.randrange(10)},{source.randrange(10)}" for i in range(len(z))]
 
     def changed(row, rows=um, names="x_um,z_um"):
         return [names, *rows[:at], row, *rows[at + 1 :]]
@@ -138,11 +138,8 @@ def other(source, z):
         "one column": ([row.split(",")[1] for row in um], "found one column"),
         "quoted names": (['"x_um","z_um"', *um], "without quotes"),
         "quoted numbers": (changed('"' + um[at].replace(",", '","') + '"'), f"{place}1: found '\"{x}\"', expected a number"),
-        "decimal commas between commas": (
-            ["x_um,z_um", *with_commas],
-            "z.csv:2:1: found 4 fields, expected the 2 of the first row",
-        ),
-        "the same without names": (with_commas, "found 4 columns"),
+        "decimal commas between commas": (["x_um,z_um", *commas], "z.csv:2:1: found 4 fields, expected the 2 of the first row"),
+        "the same without names": (commas, "found 4 columns"),
         "mixed decimal marks": (changed(um[at].replace(",", ";"), decimal, "x_um;z_um"), "expected a number with a decimal comma"),
         "thousands": (changed("1.000,5;2.000,25", decimal, "x_um;z_um"), f"{place}1: found '1.000,5', expected a number"),
         "blank thousands": (changed("1 000,5;2", decimal, "x_um;z_um"), f"{place}1: found '1 000,5', expected a number"),

@@ -16,11 +16,8 @@ CASE = (
     .replace("intervals = 256", "intervals = 128")
     + "&time transient = .true. /\n&accuracy error_bars = .false. /\n&output adequacy = .false. /\n&history file = 'h.csv' /\n"
 )  # fmt: skip
-OPEN = (
-    CASE.replace("&load load_per_length = 1e5 /\n", "")
-    .replace("reduced_radius = 0.01, ", "")
-    .replace(", speed_1 = 0.1, speed_2 = 1.1", "")
-)
+OPEN = CASE.replace("&load load_per_length = 1e5 /\n", "").replace("reduced_radius = 0.01, ", "")
+OPEN = OPEN.replace(", speed_1 = 0.1, speed_2 = 1.1", "")
 ROWS = f"time [s],{LOAD}\n0,1e5\n1e-3,1.2e5\n"
 NAMES = f", expected names with units: time [s] or angle [deg], then any of {LOAD}, {RADIUS}, {U1}, {U2}"
 RADII = f", expected a number from 1.00000E-09 to 1.00000E+09 in {RADIUS}"
@@ -111,9 +108,8 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("name", OTHERS)
-def test_what_does_not_go_with_a_history(run_case, tmp_path, name):
-    old, new, words = OTHERS[name]
+@pytest.mark.parametrize(("old", "new", "words"), OTHERS.values(), ids=OTHERS)
+def test_what_does_not_go_with_a_history(run_case, tmp_path, old, new, words):
     write(tmp_path, "h.csv", ROWS)
     (finding,) = run_case(CASE.replace(old, new), "--check", status=1).stderr.splitlines()
     assert finding.endswith(words)

@@ -41,9 +41,8 @@ def case_of(speed, groups):
     return CASE.format(slow=0.1 * speed, fast=1.1 * speed) + groups
 
 
-@pytest.mark.parametrize("name", PROTOTYPE)
-def test_numbers_of_the_prototype(solved_case, tmp_path, name):
-    speed, groups, expected, ends = PROTOTYPE[name]
+@pytest.mark.parametrize(("speed", "groups", "expected", "ends"), PROTOTYPE.values(), ids=PROTOTYPE)
+def test_numbers_of_the_prototype(solved_case, tmp_path, speed, groups, expected, ends):
     write(tmp_path, "law.csv", LAW)
     with solved_case(case_of(speed, groups) + LEAN) as file:
         fields = {key: value[()] for key, value in file["solution"].items() if value.ndim == 1}
@@ -83,10 +82,9 @@ SLOW = """&case problem = 'ehl_line' /
 STARVED = {"dry": (4e-8, case_of(0.003, EXPONENTIAL)), "shared": (7e-8, case_of(0.03, EXPONENTIAL)), "smoother": (9e-10, SLOW)}
 
 
-@pytest.mark.parametrize("name", STARVED)
-def test_what_arrives_passes_the_centre(solved_case, name):
+@pytest.mark.parametrize(("supply", "text"), STARVED.values(), ids=STARVED)
+def test_what_arrives_passes_the_centre(solved_case, supply, text):
     """Films of a few nanometres, starved: the front lies where pressures are high, and moves far when a little less oil arrives."""
-    supply, text = STARVED[name]
     with solved_case(text + f"&supply film = {supply} /\n" + LEAN) as file:
         gap = file["solution/film_thickness"]
         content = gap[()] * gap.attrs["si_scale"] * file["solution/density"][()] * file["solution/saturation"][()]

@@ -197,8 +197,7 @@ def test_read_only_folder_is_status_3(program, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o555)
-    done = ended(called([program, "a.nml", "--output", "locked"], cwd=tmp_path), 3)
-    assert "Permission denied" in done.stderr
+    assert "Permission denied" in ended(called([program, "a.nml", "--output", "locked"], cwd=tmp_path), 3).stderr
 
 
 def test_full_disk_is_status_3_and_keeps_the_older_result(program, tmp_path):

@@ -8,14 +8,11 @@ import h5py
 import numpy as np
 import pytest
 from cases import HANGING, LONG, STEADY, TRANSIENT, ended, members, text, write
+from dry_cases import case_text
 from kill_and_resume import busy, different, killed_at_last, start, undisturbed, wait_for
 from test_signals import DRY as LONG_DRY
 
-DRY = """&case problem = 'dry_line' /
-&bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
-&load mean_pressure = 1e8 /
-&surface_1 shape = 'file', file = 'rough.h5', dataset = 'z' /
-"""
+DRY = case_text("shape = 'file', file = 'rough.h5', dataset = 'z'", [1e8], "")
 HEIGHTS = ["rough.h5", "./rough.h5", "sub/../rough.h5", "link.h5", "hard.h5", "sub/link.h5"]
 
 
@@ -72,9 +69,8 @@ def test_two_results_of_one_name(asperity, tmp_path, name):
     (tmp_path / "loop").symlink_to(".")
     write(tmp_path, "x.nml", STEADY)
     write(tmp_path, "y.nml", to(name))
-    assert refused(asperity, tmp_path, "x.nml", "y.nml") == [
-        f"y.nml: found the result {name}, which is also that of x.nml, expected different names"
-    ]
+    told = f"y.nml: found the result {name}, which is also that of x.nml, expected different names"
+    assert refused(asperity, tmp_path, "x.nml", "y.nml") == [told]
 
 
 def link(path):

@@ -84,8 +84,7 @@ def test_areas_and_loads_of_a_dry_contact():
     assert result.pressure.dims == ("y", "x")
     assert result.sweep.contact_area_fraction.size == 3
     assert float(result.film.min()) >= 0
-    mean = float(result.pressure.mean())
-    assert mean == pytest.approx(float(result.sweep.mean_pressure[-1]), rel=1e-6)
+    assert float(result.pressure.mean()) == pytest.approx(float(result.sweep.mean_pressure[-1]), rel=1e-6)
 
 
 def test_findings_have_line_group_and_key():
@@ -154,8 +153,7 @@ def test_commands(tmp_path):
     assert command("asperity", MINIMAL, "--quiet").returncode == 0
     assert command("plot", "profile", "minimal.h5", "--format", "png").returncode == 0
     assert np.ptp(np.asarray(Image.open(next(tmp_path.glob("minimal*.png"))))) > 0
-    unknown = ended(command("plot", "nothing"), 1)
-    assert "profile" in unknown.stderr
+    assert "profile" in ended(command("plot", "nothing"), 1).stderr
     assert "sweep" in command("batch", "--help").stdout
     assert command("batch", "gather", "--help").returncode == 0
 
@@ -177,13 +175,8 @@ def wheel(program, tmp_path_factory):
 def test_the_wheel_carries_program_and_scripts(wheel):
     assert re.fullmatch(r"asperity-[\d.]+-py3-none-manylinux_2_\d+_\w+(\.manylinux\w+)*\.whl", wheel.name)
     names = zipfile.ZipFile(wheel).namelist()
-    assert {
-        "asperity/bin/asperity",
-        "asperity/postproc/profile.py",
-        "asperity/batch/sweep.py",
-        "asperity/py.typed",
-        "asperity/input/minimal.nml",
-    } <= set(names)
+    carried = {"bin/asperity", "postproc/profile.py", "batch/sweep.py", "py.typed", "input/minimal.nml"}
+    assert {f"asperity/{name}" for name in carried} <= set(names)
     assert any(re.match(r"asperity\.libs/libgomp-.*\.so", name) for name in names)  # of others what is not in the program
 
 
@@ -217,9 +210,8 @@ def test_a_plain_fpm_install_from_a_tarball(program, tmp_path):
     environment = {**os.environ, "PATH": f"{sys.prefix}/bin:{os.environ['PATH']}"}
     if (ROOT / ".pc").is_dir():  # of two HDF5 libraries, the serial one
         environment["PKG_CONFIG_PATH"] = str(ROOT / ".pc")
-    subprocess.run(
-        ["fpm", "install", "--prefix", tmp_path / "there"], cwd=tmp_path, env=environment, check=True, capture_output=True
-    )
+    command = ["fpm", "install", "--prefix", tmp_path / "there"]
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)
     plain = tmp_path / "there" / "bin" / "asperity"
     assert "commit unknown" in subprocess.run([plain, "--version"], capture_output=True, text=True, check=True).stdout
     cases = sorted((tmp_path / "input").rglob("*.nml"))

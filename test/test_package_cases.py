@@ -58,13 +58,8 @@ class Word(str, Enum):  # noqa: UP042 -- one that is written as Word.WORD by its
 
 def test_values_of_many_types_are_the_same_case():
     plain = asperity.run(DRY)
-    loads = [
-        (1e7, 2e7),
-        np.array([1e7, 2e7]),
-        deque([Decimal("1e7"), Fraction(20000000)]),
-        pd.Series([1e7, 2e7]),
-        xr.DataArray([1e7, 2e7]),
-    ]
+    loads = [(1e7, 2e7), np.array([1e7, 2e7]), deque([Decimal("1e7"), Fraction(20000000)])]
+    loads += [pd.Series([1e7, 2e7]), xr.DataArray([1e7, 2e7])]
     lengths = [Decimal("0.001"), np.float64(1e-3), np.longdouble("1e-3"), np.array(1e-3), Fraction(1, 1000), xr.DataArray(1e-3)]
     intervals = [np.int8(64), np.uint64(64), np.array(64), True + 63, pd.Series([64]), range(64, 65)]
     words = [Word.WORD, np.str_("sinusoid"), np.array("sinusoid"), ["sinusoid"], ("sinusoid",)]
@@ -72,8 +67,7 @@ def test_values_of_many_types_are_the_same_case():
         case = DRY | {"LOAD": {"Mean_Pressure": load}, "domain": {"length": length, "intervals": count}}
         case = {key: case[key] for key in case if key != "load"} | {"surface_1": DRY["surface_1"] | {"shape": word}}
         np.testing.assert_array_equal(asperity.run(case).pressure, plain.pressure)
-    fields = asperity.run(DRY | {"output": {"fields": ("pressure",), "adequacy": np.False_}})
-    assert "gap" not in fields.solution
+    assert "gap" not in asperity.run(DRY | {"output": {"fields": ("pressure",), "adequacy": np.False_}}).solution
 
 
 BAD = [
@@ -93,20 +87,16 @@ def test_values_that_no_namelist_can_say_are_findings_all_at_once():
         with pytest.raises(asperity.InputError) as caught:
             asperity.run(case)
         assert caught.value.findings == findings
-    for bad in (
-        *({1: {}}, {"a b": {}}, {"a/ &load": {}}, {"load": 3}, {"load": [1]}),
-        *({"load": {"x/ &y z": 1}}, {"Load": {}, "load": {}}, 7, b"&case /"),
-    ):
+    odd = ({1: {}}, {"a b": {}}, {"a/ &load": {}}, {"load": 3}, {"load": [1]}, {"load": {"x/ &y z": 1}}, {"Load": {}, "load": {}})
+    for bad in (*odd, 7, b"&case /"):
         assert asperity.check(bad)
     assert asperity.check(DRY | {"case": {"problem": "dry_line", "title": "\ud800"}})
 
 
 def test_titles_are_kept_and_never_edited(tmp_path):
     (tmp_path / "x").write_text(HEIGHTS, encoding="utf-8")
-    titles = [
-        *("file = 'x'", "it's", "a \"b' c", "back\\slash\\", "\\'", "a\\\\b"),
-        *("x#;$(,-y.nml", "R&D / 50 % ! no", "\u00a0\u200b ö \U0001f600", "a = 1, b"),
-    ]
+    titles = ["file = 'x'", "it's", "a \"b' c", "back\\slash\\", "\\'", "a\\\\b", "x#;$(,-y.nml", "R&D / 50 % ! no", "a = 1, b"]
+    titles += ["\u00a0\u200b ö \U0001f600"]
     for title in titles:
         quoted = title.replace("'", "''")
         text = f"&case problem = 'dry_line', title = '{quoted}' /\n{TEXT}&domain length = 1e-3, intervals = 64 /\n"
@@ -117,21 +107,8 @@ def test_titles_are_kept_and_never_edited(tmp_path):
         assert asperity.run(f90nml.Namelist(case)).title == title
 
 
-FOLDERS = [
-    "R&D",
-    "O'Neil",
-    'in "quotes"',
-    "&case x",
-    "a b",
-    "100% ! = #",
-    "Öl",
-    "back\\slash",
-    "-x",
-    "a.b",
-    "$HOME",
-    "*",
-    "a;b,(c#",
-]
+FOLDERS = ["R&D", "O'Neil", 'in "quotes"', "&case x", "a b", "100% ! = #", "Öl", "back\\slash", "-x", "a.b", "$HOME", "*"]
+FOLDERS += ["a;b,(c#"]
 
 
 def test_folders_of_any_name(tmp_path, monkeypatch):

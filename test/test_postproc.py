@@ -16,6 +16,7 @@ import pytest
 import result_maker
 from cases import STEADY, STOKES, called, ended, seal
 from conftest import ROOT
+from dry_cases import case_text
 
 sys.path.append(str(ROOT / "postproc"))
 
@@ -101,20 +102,15 @@ def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: 
     assert first.split()[:2] == ["smooth", "129"]
     assert "+0.000%" in first
     assert second.split()[0] == "ridge"
-    done = ended(run("compare", steady), 1)
-    assert "at least two" in done.stderr
-
-
-def scaled(entry: str) -> str:
-    """An entry of a namelist with one and a half times its value."""
-    name, value = entry.split("=")
-    return f"{name}= {1.5 * float(value)!r}"
+    assert "at least two" in ended(run("compare", steady), 1).stderr
 
 
 @pytest.mark.parametrize("key", ["load_per_length = 1e5", "radius_1 = 0.01", "speed_2 = 1.1"])
 def test_compare_is_in_si_where_scales_differ(solved_cases: Callable, tmp_path: Path, key: str) -> None:
     """The change of the film that is printed is that of the film in metres, whatever of the case changes."""
-    films = [file["summary/h_min"][()] for file in solved_cases(one=STEADY, other=STEADY.replace(key, scaled(key)))]
+    name, value = key.split("=")
+    other = STEADY.replace(key, f"{name}= {1.5 * float(value)!r}")
+    films = [file["summary/h_min"][()] for file in solved_cases(one=STEADY, other=other)]
     said = drawn("compare", tmp_path / "one.h5", tmp_path / "other.h5", "--output", tmp_path / "out", "--format", "png")
     change = f"{100 * (films[1] / films[0] - 1):+8.3f}%".strip()
     assert change != "+0.000%"
@@ -398,8 +394,7 @@ def test_history_of_a_transient_is_cut_at_its_start(moving: Path, tmp_path: Path
     convergence = load("convergence")
     assert [part for _, part in convergence.sections(read_result(moving))] == [slice(0, 9)]
     bad = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
-    parts = convergence.sections(read_result(bad))
-    assert [part for _, part in parts] == [slice(0, 9), slice(9 + 3 * 80, None)]
+    assert [part for _, part in convergence.sections(read_result(bad))] == [slice(0, 9), slice(9 + 3 * 80, None)]
 
 
 def refused(script: str, path: Path, tmp_path: Path) -> str:
@@ -465,8 +460,7 @@ def test_si_of_a_dimensionless_study(tmp_path: Path) -> None:
     x, pressure, film = result_maker.smooth_contact()
     fields = {"x": x, "pressure": pressure, "film_thickness": film}
     result = result_maker.write_result(tmp_path / "moes.h5", fields, has_si=False)
-    done = ended(run("profile", result, "--si", "--output", tmp_path / "out"), 1)
-    assert "leave out --si" in done.stderr
+    assert "leave out --si" in ended(run("profile", result, "--si", "--output", tmp_path / "out"), 1).stderr
     assert run("profile", result, "--output", tmp_path / "out").returncode == 0
 
 
@@ -489,17 +483,11 @@ def test_values_that_are_not_finite(tmp_path: Path) -> None:
     ended(run("transient", result, "--output", tmp_path / "out", "--frames", 3, "--format", "png"))
 
 
-DRY = """&case problem = 'dry_line' /
-&bodies reduced_radius = 0.01, reduced_modulus = 226e9 /
-&load hertz_pressure = 0.5e9 /
-&surface_1 shape = 'parabola' /
-&domain length = 1e-3, intervals = 128 /
-"""
-
-
 def test_regime_of_any_result(solved_cases, tmp_path: Path) -> None:
     """A contact by the full momentum equations has its place; of a dry one the command says that it has none."""
-    solved_cases(stokes=STOKES.replace("256", "128"), dry=DRY)
+    body, domain = ", reduced_radius = 0.01", "&domain length = 1e-3, intervals = 128 /"
+    dry = case_text("shape = 'parabola'", [0.5e9], body, domain, key="hertz_pressure", modulus=226e9)
+    solved_cases(stokes=STOKES.replace("256", "128"), dry=dry)
     both = ended(run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png"))
     assert "dry: dry, without a film" in both.stdout
     assert "stokes: M 5.1" in both.stdout

@@ -1,4 +1,4 @@
-"""Who asks the program to end gets status 4 within a second, and a word; it says where it is before 5 s of work are over."""
+"""What a run says: few lines, a word before 5 s of work are over, a short table; asked to end it ends within a second."""
 
 import contextlib
 import os
@@ -10,7 +10,8 @@ from pathlib import Path
 
 import h5py
 import pytest
-from cases import HANGING, LONG, STEADY, TRANSIENT, called, ended, write
+from cases import AT_REST, HANGING, LONG, STEADY, TRANSIENT, called, ended, write
+from conftest import ROOT
 from kill_and_resume import start, wait_for
 from test_resume import SIGNALS, names
 
@@ -117,12 +118,7 @@ def test_no_long_silence(program, tmp_path, case, is_terminal, words, last, kept
 
 
 # Seconds of solving, without a look at the outside.
-DRY = """&case problem = 'dry_area' /
-&bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
-&load mean_pressure = 1e7, 2e7, 4e7, 8e7, 1e8, 2e8, 3e8, 4e8, 5e8, 6e8 /
-&surface_1 shape = 'synthetic', seed = 3, hurst = 0.8, rms_height = 1e-6, wavelength_long = 1e-3, wavelength_short = 4e-6 /
-&domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
-"""
+DRY = AREA.replace("2048", "1024").replace("1e7, 1e8, 3e8, 1e9, 3e9", "1e7, 2e7, 4e7, 8e7, 1e8, 2e8, 3e8, 4e8, 5e8, 6e8")
 
 
 def end(running, number):
@@ -206,3 +202,80 @@ def test_lost_text_is_told(program, tmp_path, option, target):
     command = f"'{program}' {option} {target}"
     done = ended(called(command, shell=True, cwd=tmp_path), 3)
     assert done.stderr == "cannot write to standard output: the disk is full, or nobody reads it\n"
+
+
+# The ridge leaves the contact before the end.
+WHOLE = TRANSIENT.replace("end_time = 1.0, time_step = 0.05", "end_time = 2.0, time_step = 0.025")
+WHOLE += "&accuracy error_bars = .false. /\n"
+
+
+def test_log_has_few_plain_lines(run_case):
+    done = run_case(WHOLE, name="a")
+    lines = done.stderr.splitlines()
+    assert "\r" not in done.stderr
+    steps = [line for line in lines if "step " in line]
+    assert len(steps) == 10
+    assert re.match(r"a\.nml: step 8/80  T 0\.2000  h_min \d+\.?\d* nm  \d+ s left$", steps[0])
+    assert any(re.match(r"a\.nml: cycle 1  residual \S+  load error \S+$", line) for line in lines)
+    assert max(len(line) for line in lines) <= 80
+
+
+@pytest.mark.parametrize("name", ["case1", "case3_demo", "minimal", "moes_barus", "overtaking", "rolling_sinusoid"])
+def test_table_is_short(asperity, name):
+    """At most twelve lines, and of what is not in them their number."""
+    lines = asperity(ROOT / "input" / f"{name}.nml").stdout.splitlines()
+    assert 7 <= len(lines) <= 12
+    assert max(map(len, lines)) <= 80
+    assert lines[1].split()[:2] == ["contact", "M" if name == "moes_barus" else "p_h"]
+    assert [line.split()[0] for line in lines[2:4]] == ["h_min", "h_central"]
+    assert ("+-" in lines[2]) and (" at T " in lines[2]) == (name in ("case3_demo", "overtaking", "rolling_sinusoid"))
+    assert ("  lambda ratio 11.02 " in "\n".join(lines)) == (name == "rolling_sinusoid")
+    assert any(re.match(r"  more      \d lines with --verbose", line) for line in lines) == (name == "overtaking")
+
+
+def test_reasons_are_told_once(run_case):
+    done = run_case(STEADY + "&solver start = 'hertz', max_cycles = 1 /\n", status=2, name="a")
+    for stream in (done.stderr, done.stdout):
+        assert "a.nml: NOT CONVERGED: " in stream
+        assert max(len(line) for line in stream.splitlines()) <= 80
+    # Newton's method fails with three starts in the same way.
+    done = run_case(STILL.replace("1e5", "1e4") + WAVES, "--quiet", status=2)
+    outcome = " ".join(done.stderr.split("NOT CONVERGED: ")[1].split())
+    assert outcome.startswith("the surfaces rise to ")
+    reasons = outcome.split("; ")
+    assert len(reasons) == len(set(reasons)) > 1
+    done = run_case(STILL + WAVES + "&solver smoother = 'hybrid' /\n", status=2, name="a")
+    assert "h_min" not in done.stdout
+    assert done.stdout.splitlines()[-1].split() == ["result", "a.h5"]
+
+
+# Waves of many films on a surface at rest; the domain is the program's.
+STILL = "".join(line + "\n" for line in AT_REST.splitlines() if "&domain" not in line)
+WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
+
+
+def test_terminal_shows_one_updating_line(program, tmp_path):
+    write(tmp_path, "a.nml", WHOLE)
+    try:
+        reader, writer = pty.openpty()
+    except OSError:
+        pytest.skip("not applicable: no pseudo-terminals here")
+    with subprocess.Popen([program, "a.nml"], cwd=tmp_path, stdout=writer, stderr=writer) as running:
+        os.close(writer)
+        shown = b""
+        while True:
+            try:
+                piece = os.read(reader, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not piece:
+                break
+            shown += piece
+    os.close(reader)
+    assert running.returncode == 0
+    lines = shown.decode().replace("\r\n", "\n").split("\n")
+    assert len(lines) == 13  # the updating line with the table's first line, eleven more, and what follows the last
+    assert "\r" in lines[0]
+    assert "cycle 1" in lines[0]
+    assert lines[0].split("\r")[-1].startswith("a.nml: converged")
+    assert all("\r" not in line for line in lines[1:])

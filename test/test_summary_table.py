@@ -11,8 +11,7 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from batch_runs import BATCH, ROOT, swept
-from cases import LONG, MOES, POINT, STEADY, TRANSIENT, ended, rows, write
+from cases import BATCH, LONG, MOES, POINT, ROOT, STEADY, TRANSIENT, ended, rows, swept, write
 from kill_and_resume import start
 from number_table import RowError, places_in, read_row
 from result_row import RowReader

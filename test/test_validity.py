@@ -108,10 +108,9 @@ ROUGHNESS = {
 
 
 @pytest.mark.path
-@pytest.mark.parametrize("name", ROUGHNESS)
-def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, name):
+@pytest.mark.parametrize(("case", "words", "is_mixed"), ROUGHNESS.values(), ids=ROUGHNESS)
+def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, case, words, is_mixed):
     """The same outcome in the file, the closing table, the outcomes, the table of results, and of --resume."""
-    case, words, is_mixed = ROUGHNESS[name]
     write(tmp_path, "a.nml", changed(case, ("speed_2 = 1.1", f"speed_2 = 1.1, {words}")))
     done = ended(asperity("a.nml"), 2 if is_mixed else 0)
     with h5py.File(tmp_path / "a.h5") as file:

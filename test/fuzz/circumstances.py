@@ -149,9 +149,8 @@ def pressure(program: Path, folder: Path, text: str) -> np.ndarray:
 def environment(program: Path, source: random.Random, folder: Path) -> str | None:
     text = source.choice(USUAL)
     usual = pressure(program, folder, text)
-    env = dict(os.environ) | {
-        name: source.choice(VARIABLES[name]) for name in source.sample(sorted(VARIABLES), source.randint(1, 4))
-    }
+    names = source.sample(sorted(VARIABLES), source.randint(1, 4))
+    env = dict(os.environ) | {name: source.choice(VARIABLES[name]) for name in names}
     limits = {resource.RLIMIT_STACK: source.choice(STACKS) * 1024} if source.random() < 0.3 else {}
     (folder / "case.nml").write_text(text, encoding="utf-8")
     run = call(program, folder, "case.nml", env=env, limits=limits)
@@ -213,14 +212,10 @@ def signals(program: Path, source: random.Random, folder: Path) -> str | None:
 
 def wait_for_moment(running: subprocess.Popen, moment: float) -> None:
     """Until the program has taken so much processor time, or has ended. (In its first milliseconds it does not listen yet.)"""
-    end = time.monotonic() + SECONDS
-    while processor_seconds(running.pid) < moment and not is_over(running.pid) and time.monotonic() < end:
+    end, state = time.monotonic() + SECONDS, ""
+    while processor_seconds(running.pid) < moment and state != "Z" and time.monotonic() < end:
         time.sleep(0.01)
-
-
-def is_over(pid: int) -> bool:
-    """Whether a process has ended and nobody has asked for its status yet."""
-    return Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()[0] == "Z"
+        state = Path(f"/proc/{running.pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()[0]
 
 
 def look_at(folder: Path, chosen: list[str], number: int, status: int, message: str | None) -> str | None:
@@ -257,64 +252,41 @@ def listen(command, folder, prepare=None):
     return running.returncode, heard
 
 
-def longest_silence(heard):
-    """The longest silence [s], and the line that ended it."""
-    times = [0.0] + [seconds for _, seconds in heard]
-    return max((times[i + 1] - times[i], line) for i, (line, _) in enumerate(heard))
-
-
 # Longest silence and longest run [s of processor time].
 SILENCE, LIMIT = 5.0, 40
 
 
 @attack("silence of long runs: dense systems, areas, targets, reading, writing, coarse runs", 30, quick=0)
 def silences(program: Path, source: random.Random, folder: Path) -> str | None:
-    kind = source.choice(list(KINDS))
-    (folder / "case.nml").write_text(KINDS[kind](source, folder), encoding="utf-8")
+    kind = source.choice(["dense", "area", "heights", "fields", "target", "fine"])
+    (folder / "case.nml").write_text(long_case(kind, source, folder), encoding="utf-8")
     threads = source.choice(["1", "2"])
     resource_limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 2))  # noqa: E731
     status, heard = listen([program, "case.nml", "--threads", threads], folder, resource_limit)
-    silence, line = longest_silence(heard)
+    times = [0.0] + [seconds for _, seconds in heard]
+    silence, line = max((times[i + 1] - times[i], line) for i, (line, _) in enumerate(heard))
     if silence >= SILENCE:
         return f"{kind}: {silence:.1f} s of silence before {line!r}"
     return None if status in {0, 2, 4} else f"{kind}: status {status}: {heard[0][0]}"
 
 
-def dense(source: random.Random, _: Path) -> str:
-    """Newton's method with matrices."""
-    return STEADY.replace("256", str(source.choice([2048, 4096, 8192]))) + "&solver method = 'newton_dense' /\n"
-
-
-def area(source: random.Random, _: Path) -> str:
-    """A sweep, or one load."""
-    loads = ", ".join(f"{10 ** source.uniform(7, 10):.3g}" for _ in range(source.choice([1, 4])))
-    return LONG_AREA.replace("1e7, 1e8, 3e8, 1e9, 3e9", loads).replace("2048", str(source.choice([1000, 2048, 2187])))
-
-
-def heights(source: random.Random, folder: Path) -> str:
-    """A table of any length, read and solved."""
-    write_heights(folder, source.choice([300_000, 3_000_000, 8_000_000]))
-    return HEIGHTS
-
-
-def fields(source: random.Random, _: Path) -> str:
-    """A passage with its fields; coarse runs and packing take as long as the steps."""
-    steps, intervals = source.choice([(2000, 4096), (500, 16384), (250, 65536)])
-    return TRANSIENT.replace("256", str(intervals)).replace("time_step = 0.05", f"time_step = {1 / steps}")
-
-
-def target(source: random.Random, _: Path) -> str:
-    """Grid and step by accuracy."""
-    wanted = 10 ** source.uniform(-6, -2.5)
-    case = source.choice([STEADY, TRANSIENT]).replace(", intervals = 256", "").replace(", time_step = 0.05", "")
-    return case + f"&accuracy target = {wanted:.2g} /\n"
-
-
-def fine(source: random.Random, _: Path) -> str:
-    """A fine steady grid by any way, on a domain that may cut the film off."""
+def long_case(kind: str, source: random.Random, folder: Path) -> str:
+    """A case of which something takes long: matrices, a sweep or one load, a table of any length, fields, a target, a fine grid."""
+    if kind == "dense":
+        return STEADY.replace("256", str(source.choice([2048, 4096, 8192]))) + "&solver method = 'newton_dense' /\n"
+    if kind == "area":
+        loads = ", ".join(f"{10 ** source.uniform(7, 10):.3g}" for _ in range(source.choice([1, 4])))
+        return LONG_AREA.replace("1e7, 1e8, 3e8, 1e9, 3e9", loads).replace("2048", str(source.choice([1000, 2048, 2187])))
+    if kind == "heights":
+        write_heights(folder, source.choice([300_000, 3_000_000, 8_000_000]))
+        return HEIGHTS
+    if kind == "fields":  # coarse runs and packing take as long as the steps
+        steps, intervals = source.choice([(2000, 4096), (500, 16384), (250, 65536)])
+        return TRANSIENT.replace("256", str(intervals)).replace("time_step = 0.05", f"time_step = {1 / steps}")
+    if kind == "target":
+        wanted = 10 ** source.uniform(-6, -2.5)
+        case = source.choice([STEADY, TRANSIENT]).replace(", intervals = 256", "").replace(", time_step = 0.05", "")
+        return case + f"&accuracy target = {wanted:.2g} /\n"
     way = source.choice(["method = 'fas_block_jacobi'", "smoother = 'gauss_seidel'", "method = 'newton_krylov'", "start = 'hertz'"])
-    outlet = source.choice(["1.05", "1.5", "4.0"])
+    outlet = source.choice(["1.05", "1.5", "4.0"])  # which may cut the film off
     return STEADY.replace("1.5, intervals = 256", f"{outlet}, intervals = {source.choice([32768, 131072])}") + f"&solver {way} /\n"
-
-
-KINDS = {"dense": dense, "area": area, "heights": heights, "fields": fields, "target": target, "fine": fine}

@@ -127,10 +127,7 @@ def sizes(program: Path, source: random.Random, folder: Path) -> str | None:
 
 
 ENDINGS = [".csv", ".h5", ".hdf5", "", ".CSV", ".H5", ".txt"]
-DEVICES = [
-    *("/dev/zero", "/dev/null", "/dev/full", "/dev/random", "/dev/tty"),
-    *("/dev/stdin", "/proc/self/mem", "/proc/kmsg", "/sys", "/"),
-]
+DEVICES = ["/dev/zero", "/dev/null", "/dev/full", "/dev/random", "/dev/tty", "/dev/stdin", "/proc/self/mem", "/proc/kmsg", "/sys"]
 ODD = ["", " ", "..", ".", "a" * 300, "a" * 5000, "~", "*", "$HOME", "z\tz", "\u00e4", "-", "z\\n", "/" * 50, "a/b/c"]
 
 
@@ -162,7 +159,7 @@ def names(program: Path, source: random.Random, folder: Path) -> str | None:
     os.chdir(folder)
     try:
         if kind == "special":
-            name = source.choice(DEVICES)
+            name = source.choice([*DEVICES, "/"])
         elif kind == "odd":
             name = source.choice(ODD) + source.choice(ENDINGS)
         else:

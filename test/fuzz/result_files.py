@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 from cases import POINT, STEADY, TRANSIENT, seal, write
 from damage import damaged
+from dry_cases import HARD, case_text
 from kill_and_resume import busy, different, start, undisturbed, wait_for
 from run import ROOT, attack, call
 from test_output_names import DRY, heights
@@ -54,12 +55,8 @@ def checkpoints(program: Path, source: random.Random, folder: Path) -> str | Non
     return None if now == kept else f"refused, but changed {[name for name in kept if now.get(name) != kept[name]]}"
 
 
-DRY_LINE = """&case problem = 'dry_line' /
-&bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = 4e9 /
-&load mean_pressure = 1e8, 2e8 /
-&surface_1 shape = 'synthetic', seed = 1, hurst = 0.8, rms_height = 5e-7, wavelength_long = 1e-4, wavelength_short = 4e-6 /
-&domain length = 4e-4, intervals = 512 /
-"""
+ROUGH = "shape = 'synthetic', seed = 1, hurst = 0.8, rms_height = 5e-7, wavelength_long = 1e-4, wavelength_short = 4e-6"
+DRY_LINE = case_text(ROUGH, [1e8, 2e8], HARD, "&domain length = 4e-4, intervals = 512 /")
 PASSAGE = TRANSIENT.replace("intervals = 256", "intervals = 64") + "&output film_thresholds = 2e-7, 4e-7 /\n"
 CONTENT = {"steady": STEADY.replace("intervals = 256", "intervals = 64"), "transient": PASSAGE, "dry": DRY_LINE, "point": POINT}
 
@@ -92,14 +89,10 @@ def results_resumed(program: Path, source: random.Random, folder: Path) -> str |
 
 
 KINDS = ["bytes", "bytes", "bytes", "foreign", "edited", "behind", "other", "whole"]
-VALUES = [
-    *(1.0, b"text", np.zeros(0), np.arange(3), np.zeros((2, 3, 4))),
-    *(h5py.Empty("f8"), np.array((1, 2.0), dtype=[("a", "i4"), ("b", "f8")])),
-]
-NAMES = [
-    *("summary/h_min", "solution/x", "solution/pressure", "report/method"),
-    *("input/namelist", "transient", "adequacy/validity/x", "scaling"),
-]
+VALUES = [1.0, b"text", np.zeros(0), np.arange(3), np.zeros((2, 3, 4)), h5py.Empty("f8")]
+VALUES += [np.array((1, 2.0), dtype=[("a", "i4"), ("b", "f8")])]
+NAMES = ["summary/h_min", "solution/x", "solution/pressure", "report/method", "input/namelist", "transient", "scaling"]
+NAMES += ["adequacy/validity/x"]
 
 
 def change(path: Path, source: random.Random) -> None:

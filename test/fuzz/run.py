@@ -123,12 +123,6 @@ def table(rows: list[tuple[str, int, int]], seed: int) -> str:
     return "\n".join(lines + [f"| {title} | {tried} | {broke} |" for title, tried, broke in rows]) + "\n"
 
 
-def write_page(text: str) -> None:
-    page = PAGE.read_text(encoding="utf-8")
-    before, after = page.split(BEGIN)[0], page.split(END)[1]
-    PAGE.write_text(f"{before}{BEGIN}\n{text}{END}{after}", encoding="utf-8")
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="KIND", help="default: all")
@@ -152,7 +146,9 @@ def main() -> int:
         rows.append((kind.title, len(numbers), len(broken)))
         print(f"{name}: {len(numbers)} tried, {len(broken)} broke", flush=True)
     if options.page:
-        write_page(table(rows, options.seed))
+        page = PAGE.read_text(encoding="utf-8")
+        text = f"{page.split(BEGIN)[0]}{BEGIN}\n{table(rows, options.seed)}{END}{page.split(END)[1]}"
+        PAGE.write_text(text, encoding="utf-8")
     return 1 if any(broke for _, _, broke in rows) else 0
 
 

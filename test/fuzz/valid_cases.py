@@ -48,9 +48,8 @@ def history(source: random.Random, folder: Path, loads: str, values: dict[str, f
     names, units = [loads, "speed_1", "speed_2"], ["N/m" if loads == "load_per_length" else "N", "m/s", "m/s"]
     least = [0.3, -1.0, source.choice([-1.0, 0.0, 0.4])]
     times = np.linspace(0, span, source.randint(2, 6))
-    table = [[1.0 if t == 0 else source.uniform(low, 1.0) for low in least] for t in times] * np.array(
-        [values[name] for name in names]
-    )
+    shares = [[1.0 if t == 0 else source.uniform(low, 1.0) for low in least] for t in times]
+    table = shares * np.array([values[name] for name in names])
     kept = sorted(source.sample(range(3), source.randint(1, 3)))
     header = ",".join(["time [s]"] + [f"{names[i]} [{units[i]}]" for i in kept])
     np.savetxt(folder / "history.csv", np.column_stack([times, table[:, kept]]), "%.6e", ",", header=header, comments="")
@@ -59,12 +58,9 @@ def history(source: random.Random, folder: Path, loads: str, values: dict[str, f
 
 def further(source: random.Random, film: float, rms: float) -> dict[str, dict[str, object]]:
     """What else a line contact may have, of each with a chance of its own."""
-    law = source.choice(
-        [
-            {"law": "exponential", "contact_pressure": logarithmic(source, 1e7, 1e10)},
-            {"law": "greenwood_tripp", "density_radius_height": 0.05, "height_over_radius": logarithmic(source, 1e-4, 1e-1)},
-        ]
-    )
+    exponential = {"law": "exponential", "contact_pressure": logarithmic(source, 1e7, 1e10)}
+    tripp = {"law": "greenwood_tripp", "density_radius_height": 0.05, "height_over_radius": logarithmic(source, 1e-4, 1e-1)}
+    law = source.choice([exponential, tripp])
     choices = {
         "asperities": law | {"rms_height": rms, "flow": source.choice(["none", "patir_cheng"])},
         "supply": {"film": film * logarithmic(source, 0.1, 10)},

@@ -170,6 +170,7 @@ end subroutine two
 end module test_a
 """
 GOOD_UNIT_OUTPUT = "test_a_suite.one\ntest_a_suite.two\n2 passed, 0 failed\n"
+UNIT_ALONE = "test_a_suite.one\n1 passed, 0 failed\n"
 PYTHON = "def test_good():\n    assert True\n"
 
 
@@ -187,22 +188,15 @@ def run(folder, unit_output, python_tests, status=0):
     return result.returncode, result.stdout
 
 
-@pytest.mark.parametrize(
-    ("unit_output", "python", "status", "words", "last"),
-    [
-        (GOOD_UNIT_OUTPUT, PYTHON, 0, "", "3 passed, 0 failed"),
-        (
-            "test_a_suite.one\n1 passed, 0 failed\n",
-            PYTHON,
-            0,
-            "unit test did not run: test_a_suite.two",
-            "2 passed, 1 failed",
-        ),
-        ("test_a_suite.one\n", PYTHON, 136, "", "1 passed, 2 failed"),
-        (GOOD_UNIT_OUTPUT, "", 0, "", "2 passed, 1 failed"),
-    ],
-    ids=["all passed", "one did not run", "unit tests crashed", "no Python tests"],
-)
+COUNTS = {
+    "all passed": (GOOD_UNIT_OUTPUT, PYTHON, 0, "", "3 passed, 0 failed"),
+    "one missing": (UNIT_ALONE, PYTHON, 0, "unit test did not run: test_a_suite.two", "2 passed, 1 failed"),
+    "unit tests crashed": ("test_a_suite.one\n", PYTHON, 136, "", "1 passed, 2 failed"),
+    "no Python tests": (GOOD_UNIT_OUTPUT, "", 0, "", "2 passed, 1 failed"),
+}
+
+
+@pytest.mark.parametrize(("unit_output", "python", "status", "words", "last"), COUNTS.values(), ids=COUNTS)
 def test_counts_of_what_exists(tmp_path, unit_output, python, status, words, last):
     ended_with, output = run(tmp_path, unit_output, python, status)
     assert ended_with == (", 0 failed" not in last)
