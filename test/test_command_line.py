@@ -10,9 +10,8 @@ import subprocess
 
 import h5py
 import pytest
-from cases import MOES, POINT, STEADY, contents, ended, seal, text, write
+from cases import MOES, POINT, STEADY, contents, damaged, ended, seal, text, write
 from conftest import ROOT
-from damage import damaged
 
 COARSE = STEADY.replace("intervals = 256", "intervals = 64") + "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
 SPHERE = ROOT / "input" / "dry_sphere.nml"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from damage import damaged
+from cases import damaged
 from run import Run, attack, call
 
 LINE = """&case problem = 'dry_line' /

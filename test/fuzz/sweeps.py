@@ -12,8 +12,7 @@ from pathlib import Path
 import f90nml
 import h5py
 import numpy as np
-from cases import BASE, BATCH
-from damage import damaged
+from cases import BASE, BATCH, damaged
 from height_files import make
 from run import Run, attack, call
 
