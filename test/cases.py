@@ -2,12 +2,16 @@
 
 import csv
 import os
+import pathlib
+import random
 import resource
 import subprocess
+import sys
 
 import h5py
 import numpy as np
 
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Nothing takes so long [s of wall time], however busy the machine is: limits are processor time, wall time guards against hanging.
 HANGING = 900
 
@@ -129,3 +133,78 @@ def seal(path):
         second = (second + first) % 4294967291
     line = f"asperity checksum {second:08X}{first:08X} of the {len(content)} bytes before"
     path.write_bytes(content + f"{line:{SEAL_BYTES - 1}}\n".encode())
+
+
+BATCH, STUDIES = ROOT / "batch", ROOT / "bench" / "studies"
+
+# Four contacts on 256 intervals; the second one has room for one cycle of a slow method only and does not converge.
+SMALL = """base = "base.nml"
+together = ["load.hertz_pressure", "solver.max_cycles"]
+[vary]
+load.hertz_pressure = [0.4e9, 0.6e9, 0.5e9, 0.3e9]
+solver.max_cycles = [100, 1, 100, 100]
+[set]
+domain.intervals = 256
+solver.method = "fas_block_jacobi"
+accuracy.error_bars = false
+"""
+BASE = (ROOT / "input" / "minimal.nml").read_text(encoding="utf-8")
+
+
+def call(script, *arguments, folder, program, **options):
+    environment = {**os.environ, "ASPERITY": str(program), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "agg"}
+    command = [sys.executable, "-W", "error", str(BATCH / script), *map(str, arguments)]
+    return called(command, cwd=folder, env=environment, **options)
+
+
+def write_sweep(folder, text=SMALL, base=BASE, name="small.toml"):
+    (folder / "base.nml").write_text(base, encoding="utf-8")
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder / name
+
+
+def swept(folder, program, text=SMALL, base=BASE):
+    """The folder of a sweep, written by batch/sweep.py."""
+    write_sweep(folder, text, base)
+    ended(call("sweep.py", "small.toml", folder=folder, program=program))
+    return folder / "small"
+
+
+def run_quick(name, program, folder):
+    """Calls a study with --quick; it checks its own references and must end with status 0. Returns standard output."""
+    command = [sys.executable, str(STUDIES / name), "--quick", "--output", str(folder), "--jobs", "2", "--program", str(program)]
+    done = ended(called(command))
+    return done.stdout
+
+
+def damaged(content: bytes, source: random.Random) -> bytes:
+    """`content` with bytes flipped, zeroed, cut off or swapped, in one to four places; never the same as before."""
+    while True:
+        result = bytearray(content)
+        for _ in range(source.choice([1, 1, 2, 4])):
+            change_once(result, source)
+        if result != content:
+            return bytes(result)
+
+
+def change_once(content: bytearray, source: random.Random) -> None:
+    """One change, anywhere or among the first bytes, where the structure of an HDF5 file is."""
+    if not content:
+        return
+    length = min(source.choice([1, 8, 64, 512, 4096]), len(content))
+    place = source.randrange(source.choice([len(content), min(len(content), 2048)]))
+    piece = content[place : place + length]
+    kind = source.choice(["bit", "byte", "zero", "ones", "cut", "swap"])
+    if kind == "bit":
+        content[place] ^= 1 << source.randrange(8)
+    elif kind == "byte":
+        content[place] = source.randrange(256)
+    elif kind in ("zero", "ones"):
+        content[place : place + len(piece)] = (b"\0" if kind == "zero" else b"\xff") * len(piece)
+    elif kind == "cut":
+        del content[source.choice([place, len(content) - min(length, len(content))]) :]
+    else:
+        other = source.randrange(len(content) - len(piece) + 1)
+        content[place : place + len(piece)] = content[other : other + len(piece)]
+        if abs(other - place) >= len(piece):
+            content[other : other + len(piece)] = piece

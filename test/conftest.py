@@ -7,7 +7,8 @@ import signal
 
 import h5py
 import pytest
-from cases import called, contents, ended, processor, write
+from cases import ROOT, called, contents, ended, processor, write
+from cases import call as call_batch
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -15,8 +16,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
     signal.signal(signal.SIGHUP, lambda *_: None)
-
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def pytest_collection_modifyitems(items):
@@ -81,6 +80,18 @@ def solve_all(program, tmp_path_factory):
             done = called([program, f"{name}.nml", "--quiet"], cwd=folder)
             assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
         return folder
+
+    return call
+
+
+@pytest.fixture
+def batch(program, tmp_path):
+    """Calls a script of batch/ in an empty folder: batch('sweep.py', 'small.toml', status=1) ended with that status, in words."""
+
+    def call(script, *arguments, status=0, **options):
+        done = ended(call_batch(script, *arguments, folder=tmp_path, program=program, **options), status)
+        assert "Traceback" not in done.stderr
+        return done
 
     return call
 

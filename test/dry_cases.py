@@ -1,14 +1,11 @@
 """Dry contacts: namelists, reference profiles and tables for the end-to-end tests."""
 
-import pathlib
-
 import cases
 import h5py
 import numpy as np
 from cases import write
 
-DATA = pathlib.Path(__file__).resolve().parent / "data"
-INPUT = DATA.parent.parent / "input"
+DATA, INPUT = cases.ROOT / "test" / "data", cases.ROOT / "input"
 
 CASE = """&case problem = '{problem}' /
 &bodies {elastic}{bodies} /
@@ -35,24 +32,21 @@ def write_heights(folder, z, spacing):
         data.attrs["spacing_x"], data.attrs["spacing_y"] = np.broadcast_to(spacing, 2)
 
 
+def write_profile(path, z, spacing):
+    """Positions and heights of a profile [m] as a table."""
+    path.write_text("x,z\n" + "".join(f"{i * spacing!r},{float(h)!r}\n" for i, h in enumerate(z)), encoding="utf-8")
+
+
 def case_text(surface, loads, bodies=HARD, more="", problem="dry_line", loading="", key="mean_pressure", modulus=None):
     """The namelist of a case; `modulus` replaces steel against a rigid plane."""
-    return CASE.format(
-        problem=problem,
-        elastic=f"reduced_modulus = {modulus!r}" if modulus else "youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3",
-        bodies=bodies,
-        key=key,
-        loads=", ".join(repr(float(load)) for load in loads),
-        loading=loading,
-        surface=surface,
-        more=more,
-    )
+    elastic = f"reduced_modulus = {modulus!r}" if modulus else "youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3"
+    load = {"key": key, "loads": ", ".join(repr(float(load)) for load in loads), "loading": loading}
+    return CASE.format(problem=problem, elastic=elastic, bodies=bodies, surface=surface, more=more, **load)
 
 
 def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_line", **options):
     write(folder, "case.nml", case_text(surface, loads, bodies, more, problem, **options))
-    done = asperity("case.nml", "--quiet")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert cases.ended(asperity("case.nml", "--quiet")).stderr == ""
     return h5py.File(folder / "case.h5")
 
 

@@ -59,14 +59,9 @@ def write_result(
     last = {name: fields[name][-1] if is_transient else fields[name] for name in ("pressure", "film_thickness")}
     history = np.geomspace(1e-2, 4e-9, 9) if residuals is None else residuals
     with h5py.File(path, "w") as file:
-        file.attrs.update(
-            program="asperity",
-            version="0.0.0",
-            problem="ehl_line",
-            title="synthetic",
-            converged=int(converged),
-            reason="converged" if converged else "cycle limit of 12 reached",
-        )
+        reason = "converged" if converged else "cycle limit of 12 reached"
+        file.attrs.update(program="asperity", version="0.0.0", problem="ehl_line", title="synthetic")
+        file.attrs.update(converged=int(converged), reason=reason)
         inputs = {
             "bodies": {f"speed_{i}": speeds[i - 1] for i in (1, 2)},
             "surface_1": {"shape": "smooth"},
@@ -98,11 +93,8 @@ def write_result(
 def write_summary(file: h5py.File, fields: dict[str, np.ndarray], scales: dict[str, tuple[str, float]]) -> None:
     film, pressure = fields["film_thickness"], fields["pressure"]
     central = film[..., np.argmin(np.abs(fields["x"]))]
-    for name, value, like in (
-        ("h_min", film.min(), "film_thickness"),
-        ("h_central", central.min(), "film_thickness"),
-        ("p_max", pressure.max(), "pressure"),
-    ):
+    films = ("h_min", film.min(), "film_thickness"), ("h_central", central.min(), "film_thickness")
+    for name, value, like in (*films, ("p_max", pressure.max(), "pressure")):
         units, scale = scales[like]
         dataset = file.require_group("summary").create_dataset(name, data=value * scale)
         dataset.attrs.update(units=units, error_estimate=0.0)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from batch_runs import ROOT, call
+from cases import ROOT
 from gathered import read_gathered
 from plot import is_logarithmic, wish_of
 from plot_curves import Wish, draw_curves, draw_series, style
@@ -89,7 +89,7 @@ def test_facets_units_and_labels(table):
     style.plt.close(figure)
 
 
-def test_a_map_has_cells_where_the_grid_is_full_and_none_where_cases_failed(table):
+def test_a_map_has_cells_where_the_grid_is_full_none_where_cases_failed_and_labels_beside_words(table):
     figure = draw(table, kind="map", x="u", colour="load.w", y=("h_min",), log=("x", "z"), regimes=True)
     values = np.ma.filled(figure.axes[0].collections[0].get_array(), np.nan)
     assert values.shape == (4, 6)
@@ -101,11 +101,7 @@ def test_a_map_has_cells_where_the_grid_is_full_and_none_where_cases_failed(tabl
     expected = {REGIMES[i] for i in np.unique(read_films().regime(moes_m, moes_l))}
     assert {text.get_text() for text in figure.axes[0].texts} & set(REGIMES) == expected
     assert len(expected) > 1
-    style.plt.close(figure)
-
-
-def test_no_label_of_a_line_is_under_words(table):
-    figure = draw(table, kind="map", x="u", colour="load.w", y=("h_min",), log=("x", "z"), regimes=True)
+    # no label of a line is under words
     texts = figure.axes[0].texts
     boxes = [text.get_bbox_patch().get_window_extent() for text in texts if text.get_bbox_patch()]
     figure.axes[0].text(0.5, 0.5, "under", transform=figure.axes[0].transAxes)
@@ -116,15 +112,6 @@ def test_no_label_of_a_line_is_under_words(table):
     shown = {text.get_text(): text.get_visible() for text in texts}
     assert (shown["under"], shown["over"], shown["apart"]) == (False, True, True)
     style.plt.close(figure)
-
-
-def test_a_column_by_formula(table):
-    found = read_gathered(table)
-    assert found.compute("lambda = h_min/sqrt(2*1e-7**2)") == "lambda"
-    np.testing.assert_allclose(found.numbers("lambda"), found.numbers("h_min") / np.sqrt(2e-14))
-    assert np.isnan(found.numbers("lambda")).sum() == 2
-    with pytest.raises(SweepError, match="h_mean"):
-        found.compute("lambda = h_mean/1e-7")
 
 
 @pytest.mark.parametrize("key", ["bodies.u", "u"])
@@ -143,8 +130,13 @@ def test_long_names_stand_below_each_other_along_an_axis(table):
     style.plt.close(figure)
 
 
-def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(table):
+def test_the_sweep_and_the_command_line_say_what_to_draw_also_by_formula(table):
     found = read_gathered(table)
+    assert found.compute("lambda = h_min/sqrt(2*1e-7**2)") == "lambda"
+    np.testing.assert_allclose(found.numbers("lambda"), found.numbers("h_min") / np.sqrt(2e-14))
+    assert np.isnan(found.numbers("lambda")).sum() == 2
+    with pytest.raises(SweepError, match="h_mean"):
+        found.compute("lambda = h_mean/1e-7")
     assert wish_of(found, SimpleNamespace(**NOTHING)) == Wish("u", ("h_min", "h_central"), log=("x", "y"))
     other = SimpleNamespace(**(NOTHING | {"y": ["h_min"], "colour": "load.w"}))
     assert wish_of(found, other) == Wish("u", ("h_min",), colour="load.w", log=("x", "y"))
@@ -166,10 +158,8 @@ def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(tabl
         (["--x", "u", "--kind", "stribeck"], "found no column friction_coefficient"),
     ],
 )
-def test_bad_wishes(table, program, options, words):
-    done = call("plot.py", table, *options, folder=table.parent, program=program)
-    assert (done.returncode, "Traceback" in done.stderr) == (1, False)
-    assert words in done.stderr
+def test_bad_wishes(batch, table, options, words):
+    assert words in batch("plot.py", table, *options, status=1).stderr
 
 
 def test_damaged_tables_and_wishes(table):
@@ -197,34 +187,33 @@ def test_damaged_tables_and_wishes(table):
     assert "is no gathered table" in words_of(put("status", np.ones(24)))
     assert "is no gathered table" in words_of(lambda file: file.create_group("h_tiny"))
     for text in ("plot = 3", "plot.y = [1, 2]", "plot.log = [['x']]", "plot.x = 1"):
-        assert (
-            "is no gathered table" in (words := words_of(lambda file, t=text: file.attrs.__setitem__("sweep", t)))
-            or "found" in words
-        )
+        words = words_of(lambda file, t=text: file.attrs.__setitem__("sweep", t))
+        assert "is no gathered table" in words or "found" in words
 
 
-def test_files_that_are_no_tables(tmp_path, program):
+def shipped(folder, base, sweep, name):
+    """Copies a shipped sweep with its base; its text."""
+    shutil.copy(ROOT / "input" / f"{base}.nml", folder)
+    text = (ROOT / "input" / "sweeps" / f"{sweep}.toml").read_text(encoding="utf-8").replace("../", "")
+    (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    return text
+
+
+def test_files_that_are_no_tables(batch, tmp_path):
     (tmp_path / "text.h5").write_text("no table", encoding="utf-8")
     os.mkfifo(tmp_path / "pipe.h5")
     for name, words in (("none.h5", "is not there"), ("text.h5", "is no gathered table"), ("pipe.h5", "found a folder, pipe")):
-        done = call("plot.py", name, "--x", "u", "--y", "h_min", folder=tmp_path, program=program)
-        assert (done.returncode, words in done.stderr) == (1, True)
-    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8").replace("../", "")
-    (tmp_path / "film.toml").write_text(text, encoding="utf-8")
-    assert call("sweep.py", "film.toml", folder=tmp_path, program=program).returncode == 0
-    assert call("gather.py", "film", folder=tmp_path, program=program).returncode == 0
-    done = call("plot.py", "film", folder=tmp_path, program=program)
-    assert (done.returncode, "found no column h_min" in done.stderr) == (1, True)
+        assert words in batch("plot.py", name, "--x", "u", "--y", "h_min", status=1).stderr
+    shipped(tmp_path, "minimal", "film_over_speed", "film")
+    batch("sweep.py", "film.toml")
+    batch("gather.py", "film")
+    assert "found no column h_min" in batch("plot.py", "film", status=1).stderr
 
 
-def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
-    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 11
-    (tmp_path / "film.toml").write_text(text.replace("../", ""), encoding="utf-8")
-    done = call("all.py", "film.toml", folder=tmp_path, program=program)
-    assert (done.returncode, done.stderr.splitlines()) == (0, ["30 of 30 cases"]), done.stderr
+def test_one_command_from_the_sweep_to_its_picture(batch, tmp_path):
+    assert len(shipped(tmp_path, "minimal", "film_over_speed", "film").splitlines()) <= 11
+    done = batch("all.py", "film.toml")
+    assert done.stderr == "30 of 30 cases\n"
     words = ["film: 30 cases, checked", "  done               30", "film/gathered.h5: 30 done", "film/plot.png", "film/plot.pdf"]
     assert done.stdout.splitlines() == words
     assert (tmp_path / "film" / "plot.png").stat().st_size > 10_000
@@ -236,13 +225,11 @@ def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
     assert power.max() < 3 / 4
 
 
-def test_a_stribeck_curve_by_one_command(tmp_path, program):
-    shutil.copy(ROOT / "input" / "mixed_bearing.nml", tmp_path)
-    text = (ROOT / "input" / "sweeps" / "stribeck.toml").read_text(encoding="utf-8").replace("../", "")
+def test_a_stribeck_curve_by_one_command(batch, tmp_path):
+    text = shipped(tmp_path, "mixed_bearing", "stribeck", "stribeck")
     text = text.replace("count = 30", "count = 5").replace("= 512", "= 256").replace("thermal.", "# ")  # as cold as the inlet
     (tmp_path / "stribeck.toml").write_text(text, encoding="utf-8")
-    done = call("all.py", "stribeck.toml", folder=tmp_path, program=program)
-    assert done.returncode == 0, done.stderr
+    batch("all.py", "stribeck.toml")
     assert (tmp_path / "stribeck" / "plot.png").stat().st_size > 20_000
     found = read_gathered(tmp_path / "stribeck")
     total, oil, boundary = (found.numbers(f"friction_coefficient{part}") for part in ("", "_oil", "_boundary"))

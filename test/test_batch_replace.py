@@ -7,8 +7,8 @@ import shutil
 import signal
 
 import pytest
-from batch_runs import BASE, call, write_sweep
 from case_folder import INDEX, REPLACEMENT, SWEEP, opened, read_folder
+from cases import BASE, call, ended, write_sweep
 from sweep import publish
 from sweep_file import SweepError
 
@@ -22,8 +22,7 @@ def _sweeps(tmp_path_factory, program):
     folder = tmp_path_factory.mktemp("sweeps")
     for name, values in (("old", "[4e8, 5e8, 6e8, 7e8, 8e8]"), ("new", "[4e8, 5.5e8, 6.5e8]")):
         write_sweep(folder, f"{HEAD}{values}\n", BASE, f"{name}.toml")
-        done = call("sweep.py", f"{name}.toml", folder=folder, program=program)
-        assert done.returncode == 0, done.stderr
+        ended(call("sweep.py", f"{name}.toml", folder=folder, program=program))
     for i in range(1, 6):
         (folder / "old" / "cases" / f"case_{i:04d}.h5").write_text(f"result {i}", encoding="utf-8")
     return folder
@@ -48,34 +47,30 @@ def results(folder):
     return {path.name: path.read_text(encoding="utf-8") for path in (folder / "cases").glob("*.h5")}
 
 
-def failing(monkeypatch, step, end):
-    """The file operations, of which number `step` calls `end`; returns the list of those that were called."""
+def failing(monkeypatch, step, kind):
+    """The file operations, of which number `step` ends; returns the list of those that were called."""
     called = []
     for name, step_of in STEPS.items():
 
         def operation(self, *arguments, name=name, step_of=step_of, **options):
             called.append(name)
             if len(called) == step:
-                end(self)
+                end(kind, self)
             return step_of(self, *arguments, **options)
 
         monkeypatch.setattr(pathlib.Path, name, operation)
     return called
 
 
-def full(path):
-    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
-
-
-def interrupted(_path):
-    raise KeyboardInterrupt
-
-
-def killed(_path):
+def end(kind, path):
+    if kind == "full disk":
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
+    if kind == "interrupted":
+        raise KeyboardInterrupt
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def ended(work):
+def in_a_child(work):
     """Whether `work`, in a process of its own, was ended before its end."""
     child = os.fork()
     if child == 0:
@@ -87,8 +82,8 @@ def ended(work):
     return os.waitpid(child, 0)[1] != 0
 
 
-@pytest.mark.parametrize("end", [full, interrupted, killed])
-def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeypatch, end):
+@pytest.mark.parametrize("kind", ["full disk", "interrupted", "killed"])
+def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeypatch, kind):
     old, new, kept = content(sweeps / "old"), content(sweeps / "new"), results(sweeps / "old")
     seen = set()
     for step in range(1, 100):
@@ -96,10 +91,10 @@ def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeyp
         with monkeypatch.context() as patch:
 
             def replace(patch=patch, part=part, folder=folder, step=step):
-                failing(patch, step, end)
+                failing(patch, step, kind)
                 publish(part, folder, True)
 
-            was_ended = ended(replace)
+            was_ended = in_a_child(replace)
         found = content(folder)
         assert found[INDEX] in (old[INDEX], new[INDEX])
         assert results(folder) == kept
@@ -120,7 +115,7 @@ def test_the_old_or_the_new_sweep_survives_at_every_step(sweeps, places, monkeyp
     assert step > 8
 
 
-def test_what_an_earlier_version_left_without_index_is_completed(sweeps, places, tmp_path, program):
+def test_what_an_earlier_version_left_without_index_is_completed(batch, sweeps, places, tmp_path):
     """It removed the index first, then cases that had gone, then moved the others one by one, and left SMALL.part when killed."""
     new, kept = content(sweeps / "new"), results(sweeps / "old")
     for step in range(6):
@@ -136,11 +131,9 @@ def test_what_an_earlier_version_left_without_index_is_completed(sweeps, places,
             read_folder(folder)
         write_sweep(tmp_path, (sweeps / "new.toml").read_text(encoding="utf-8"), BASE, "new.toml")
         if step == 0:
-            done = call("sweep.py", "new.toml", folder=tmp_path, program=program)
-            assert (done.returncode, "or --replace" in done.stderr) == (1, True)
+            assert "or --replace" in batch("sweep.py", "new.toml", status=1).stderr
             assert results(folder) == kept
-        done = call("sweep.py", "new.toml", "--replace", folder=tmp_path, program=program)
-        assert done.returncode == 0, done.stderr
+        batch("sweep.py", "new.toml", "--replace")
         assert new.items() <= content(folder).items()
         assert results(folder) == kept
         assert not part.exists()
@@ -159,20 +152,18 @@ def test_a_name_that_cannot_be_replaced_is_told_before_anything_changes(sweeps, 
     assert (content(folder), results(folder)) == (before, results(sweeps / "old"))
 
 
-def test_run_and_gather_complete_a_replacement(sweeps, places, program):
+def test_run_and_gather_complete_a_replacement(batch, sweeps, places):
     part, folder = places("small")
     part.rename(folder / REPLACEMENT)
-    done = call("gather.py", "small", folder=folder.parent, program=program)
-    assert done.returncode == 0, done.stderr
+    batch("gather.py", "small")
     assert content(sweeps / "new").items() <= content(folder).items()
     assert not (folder / REPLACEMENT).exists()
 
 
-def test_a_folder_of_the_user_beside_the_sweep_is_left_alone(sweeps, tmp_path, program):
+def test_a_folder_of_the_user_beside_the_sweep_is_left_alone(batch, sweeps, tmp_path):
     shutil.copy(sweeps / "base.nml", tmp_path)
     shutil.copy(sweeps / "new.toml", tmp_path)
     (tmp_path / "new.part").mkdir()
     (tmp_path / "new.part" / "thesis.txt").write_text("mine", encoding="utf-8")
-    done = call("sweep.py", "new.toml", folder=tmp_path, program=program)
-    assert (done.returncode, "found thesis.txt" in done.stderr) == (1, True)
+    assert "found thesis.txt" in batch("sweep.py", "new.toml", status=1).stderr
     assert (tmp_path / "new.part" / "thesis.txt").read_text(encoding="utf-8") == "mine"

@@ -13,8 +13,7 @@ import time
 import cases
 import h5py
 import pytest
-from batch_runs import BATCH, call, swept
-from cases import ended
+from cases import BATCH, swept
 from program_calls import FAILED, bad_input, end_of, outcomes
 
 
@@ -40,13 +39,10 @@ output.profile_stride = 100
 """
 
 
-def run(folder, program, *options, **more):
-    return call("run.py", folder.name, "--jobs", "2", *options, folder=folder.parent, program=program, **more)
-
-
-def log_of(folder):
-    with next((folder / "log").glob("*.csv")).open(newline="", encoding="utf-8") as file:
-        return list(csv.reader(file))
+@pytest.fixture
+def run(batch):
+    """Calls run.py with two jobs on a folder."""
+    return lambda folder, *options, **more: batch("run.py", folder.name, "--jobs", "2", *options, **more)
 
 
 def stamps(folder):
@@ -71,17 +67,18 @@ def test_outcomes_are_a_line_for_each_case(asperity, tmp_path):
     assert asperity("good.nml", "--quiet").stdout == ""
 
 
-def test_runs_all_then_nothing_then_what_has_changed(tmp_path, program):
+def test_runs_all_then_nothing_then_what_has_changed(run, tmp_path, program):
     folder = swept(tmp_path, program)
-    done = ended(run(folder, program), 2)
+    done = run(folder, status=2)
     assert "done                3" in done.stdout
     assert "case_0002  fas block_jacobi" in done.stdout
     assert "4 of 4 cases, 1 not converged" in done.stderr
-    assert sorted(row[:2] for row in log_of(folder)) == [[f"case_{i:04d}", "2" if i == 2 else "0"] for i in (1, 2, 3, 4)]
+    with next((folder / "log").glob("*.csv")).open(newline="", encoding="utf-8") as file:
+        log = list(csv.reader(file))
+    assert sorted(row[:2] for row in log) == [[f"case_{i:04d}", "2" if i == 2 else "0"] for i in (1, 2, 3, 4)]
     before = stamps(folder)
     time.sleep(0.05)
-    done = run(folder, program)
-    assert (done.returncode, "4 of these were complete before" in done.stdout) == (2, True)
+    assert "4 of these were complete before" in run(folder, status=2).stdout
     assert stamps(folder) == before
     # a damaged result, a missing one, and one of another input: these three run again
     damaged = folder / "cases" / "case_0001.h5"
@@ -89,41 +86,36 @@ def test_runs_all_then_nothing_then_what_has_changed(tmp_path, program):
     (folder / "cases" / "case_0003.h5").unlink()
     namelist = folder / "cases" / "case_0004.nml"
     namelist.write_text(namelist.read_text(encoding="utf-8").replace("300000000.0", "350000000.0"), encoding="utf-8")
-    assert "1 of these were complete before" in run(folder, program).stdout
+    assert "1 of these were complete before" in run(folder, status=2).stdout
     after = stamps(folder)
     assert [name for name in after if after[name] == before.get(name)] == ["case_0002.h5"]
-
-
-def test_results_of_another_version_run_again(tmp_path, program):
-    folder = swept(tmp_path, program)
-    run(folder, program)
-    before = stamps(folder)
+    # results of another version run again
     for path in (folder / "cases").glob("*.h5"):
         with h5py.File(path, "r+") as file:
             file.attrs["version"] = "0.0.9"
         cases.seal(path)
-    assert "complete before" not in run(folder, program).stdout
-    assert all(stamps(folder)[name] != stamp for name, stamp in before.items())
+    assert "complete before" not in run(folder, status=2).stdout
+    assert all(stamps(folder)[name] != stamp for name, stamp in after.items())
 
 
-def test_bad_input_and_a_blocked_name_keep_nothing_else_from_running(tmp_path, program):
+def test_bad_input_and_a_blocked_name_keep_nothing_else_from_running(run, tmp_path, program):
     folder = swept(tmp_path, program)
     bad = folder / "cases" / "case_0001.nml"
     bad.write_text(bad.read_text(encoding="utf-8").replace("viscosity", "viscosty"), encoding="utf-8")
     (folder / "cases" / "case_0004.h5").mkdir()
-    done = ended(run(folder, program), 3)
+    done = run(folder, status=3)
     assert "done                1" in done.stdout
     assert "failed              2" in done.stdout
     assert "case_0001  case_0001.nml:" in done.stdout
     assert "viscosty: found an unknown key" in done.stdout
     assert "case_0004  cannot write ./case_0004.h5: it is a folder" in done.stdout
     (folder / "cases" / "case_0004.h5").rmdir()
-    done = run(folder, program)  # repeats the two that failed
+    done = run(folder, status=3)  # repeats the two that failed
     assert "2 of these were complete before" in done.stdout
     assert "failed              1" in done.stdout
 
 
-def test_a_case_that_ends_its_process_does_not_end_the_others(tmp_path, program):
+def test_a_case_that_ends_its_process_does_not_end_the_others(batch, run, tmp_path, program):
     folder = swept(tmp_path, program)
     crashing = tmp_path / "crashing"
     crashing.write_text(
@@ -140,13 +132,13 @@ os.execv("{program}", ["{program}", *sys.argv[1:]])
         encoding="utf-8",
     )
     crashing.chmod(0o755)
-    done = ended(call("run.py", "small", "--jobs", "1", "--program", str(crashing), folder=tmp_path, program=program), 3)
+    done = batch("run.py", "small", "--jobs", "1", "--program", str(crashing), status=3)
     assert "done                2" in done.stdout
     assert "case_0003  the program was ended by SIGSEGV: backtrace of something" in done.stdout
-    assert run(folder, program).returncode == 2
+    run(folder, status=2)
 
 
-def test_a_full_disk_in_the_middle(tmp_path, program):
+def test_a_full_disk_in_the_middle(run, tmp_path, program):
     """A limit on the size of files stands for it: the result has no room, the log has."""
     folder = swept(tmp_path, program)
 
@@ -154,25 +146,28 @@ def test_a_full_disk_in_the_middle(tmp_path, program):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
-    done = ended(run(folder, program, preexec_fn=little_room), 3)
-    assert "failed              4" in done.stdout
-    assert "Traceback" not in done.stderr
+    assert "failed              4" in run(folder, preexec_fn=little_room, status=3).stdout
     assert list((folder / "cases").glob("*.h5*")) == []
-    assert run(folder, program).returncode == 2
+    run(folder, status=2)
     assert len(stamps(folder)) == 4
 
 
-def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(tmp_path, program):
-    folder = swept(tmp_path, program, SLOW, cases.TRANSIENT)
-    whole = shutil.copytree(folder, tmp_path / "whole")
-    assert run(whole, program).returncode == 0
-    command = [sys.executable, str(BATCH / "run.py"), "small", "--jobs", "2"]
-    environment = {**os.environ, "ASPERITY": str(program)}
-    options = {"cwd": tmp_path, "env": environment, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = subprocess.Popen(command, **options)
+def running(folder, program, jobs):
+    """run.py, which has begun a case."""
+    command = [sys.executable, str(BATCH / "run.py"), "small", "--jobs", jobs]
+    options = {"text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    process = subprocess.Popen(command, cwd=folder.parent, env={**os.environ, "ASPERITY": str(program)}, **options)
     while not list((folder / "cases").glob("*.part")):
         assert process.poll() is None
         time.sleep(0.02)
+    return process
+
+
+def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(run, tmp_path, program):
+    folder = swept(tmp_path, program, SLOW, cases.TRANSIENT)
+    whole = shutil.copytree(folder, tmp_path / "whole")
+    run(whole)
+    process = running(folder, program, "2")
     time.sleep(0.4)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=cases.HANGING)
@@ -184,58 +179,43 @@ def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(tmp_path, pro
     time.sleep(0.3)
     assert found == sorted(path.name for path in (folder / "cases").iterdir())
     assert any(name.endswith(".ckpt") for name in found)
-    assert run(folder, program).returncode == 0
+    run(folder)
     for path in (whole / "cases").glob("*.h5"):
         one, other = cases.contents(path), cases.contents(folder / "cases" / path.name)
         assert one.keys() == other.keys()
         assert [key for key in one if "seconds" not in key and not cases.same_bits(one[key], other[key])] == []
 
 
-def test_two_runs_of_the_same_cases(tmp_path, program):
+def test_two_runs_of_the_same_cases(batch, run, tmp_path, program):
     folder = swept(tmp_path, program, SLOW, cases.TRANSIENT)
-    command = [sys.executable, str(BATCH / "run.py"), "small", "--jobs", "1"]
-    process = subprocess.Popen(command, cwd=tmp_path, env={**os.environ, "ASPERITY": str(program)}, stderr=subprocess.DEVNULL)
-    while not list((folder / "cases").glob("*.part")):
-        assert process.poll() is None
-        time.sleep(0.02)
-    done = run(folder, program)
-    assert (done.returncode, "these cases are being run already" in done.stderr) == (1, True)
-    done = call("sweep.py", "small.toml", "--replace", folder=tmp_path, program=program)
-    assert done.returncode == 0  # nothing has changed
+    process = running(folder, program, "1")
+    assert "these cases are being run already" in run(folder, status=1).stderr
+    batch("sweep.py", "small.toml", "--replace")  # nothing has changed
     (tmp_path / "small.toml").write_text(SLOW.replace("1.3", "1.4"), encoding="utf-8")
-    done = call("sweep.py", "small.toml", "--replace", folder=tmp_path, program=program)
-    assert (done.returncode, "its cases are being run" in done.stderr) == (1, True)
+    assert "its cases are being run" in batch("sweep.py", "small.toml", "--replace", status=1).stderr
     process.send_signal(signal.SIGTERM)
-    assert process.wait(timeout=cases.HANGING) == 4
+    process.communicate(timeout=cases.HANGING)
+    assert process.returncode == 4
 
 
-@pytest.mark.parametrize("words", ["0-3", "3-1", "5-9", "two", "-3"])
-def test_bad_ranges_of_cases(tmp_path, program, words):
+def test_a_part_of_the_cases(tmp_path, program, run):
     folder = swept(tmp_path, program)
-    done = run(folder, program, f"--cases={words}")
-    assert (done.returncode, "expected FIRST-LAST between 1 and 4" in done.stderr) == (1, True)
-
-
-def test_a_part_of_the_cases(tmp_path, program):
-    folder = swept(tmp_path, program)
-    assert run(folder, program, "--cases", "3-9").returncode == 0
+    for words in ("0-3", "3-1", "5-9", "two", "-3"):
+        assert "expected FIRST-LAST between 1 and 4" in run(folder, f"--cases={words}", status=1).stderr
+    run(folder, "--cases", "3-9")
     assert sorted(stamps(folder)) == ["case_0003.h5", "case_0004.h5"]
 
 
-def test_folders_that_are_no_sweep(tmp_path, program):
+def test_folders_that_are_no_sweep(batch, run, tmp_path, program):
     (tmp_path / "empty").mkdir()
-    for name, words in (
-        ("none", "is not there"),
-        ("empty", "has no index.csv: it is no sweep, or one that is not written to its end"),
-    ):
+    unfinished = "has no index.csv: it is no sweep, or one that is not written to its end"
+    for name, words in (("none", "is not there"), ("empty", unfinished)):
         for script in ("run.py", "gather.py"):
-            done = call(script, name, folder=tmp_path, program=program)
-            assert (done.returncode, words in done.stderr, "Traceback" in done.stderr) == (1, True, False)
+            assert words in batch(script, name, status=1).stderr
     folder = swept(tmp_path, program)
-    done = call("run.py", "small", "--program", "nowhere", folder=tmp_path, program=program)
-    assert (done.returncode, "run make build" in done.stderr) == (1, True)
+    assert "run make build" in batch("run.py", "small", "--program", "nowhere", status=1).stderr
     (folder / "index.csv").write_text("x,y\n1\n", encoding="utf-8")
-    assert "is no index of cases" in run(folder, program).stderr
+    assert "is no index of cases" in run(folder, status=1).stderr
 
 
 def test_chunks_hold_every_case_once_and_get_smaller():
@@ -250,10 +230,8 @@ def test_chunks_hold_every_case_once_and_get_smaller():
 
 
 def test_what_the_program_says_is_understood():
-    lines = [
-        *("0\tcase_1.nml\t\n", "3\tcase_2.nml\tno room\n"),
-        *("1\tcase_3.nml\tno memory\n", "2\tcase_4.nml\tstagnation", "x\n", "\n"),
-    ]
+    lines = ["0\tcase_1.nml\t\n", "3\tcase_2.nml\tno room\n", "1\tcase_3.nml\tno memory\n"]
+    lines += ["2\tcase_4.nml\tstagnation", "x\n", "\n"]
     assert list(outcomes(iter(lines))) == [("case_1", 0, ""), ("case_2", FAILED, "no room"), ("case_3", FAILED, "no memory")]
     errors = "case_1.nml:3: &load load: found nothing\ncase_1.nml:4: again\n"
     assert bad_input(errors, ["case_1", "case_2"]) == {"case_1": "case_1.nml:3: &load load: found nothing; case_1.nml:4: again"}

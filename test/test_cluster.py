@@ -13,8 +13,7 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from batch_runs import ROOT, call, swept
-from cases import called, ended
+from cases import ROOT, called, ended, swept
 
 LOCAL = ROOT / "tools" / "slurm_local.sh"
 COUNT = 24
@@ -44,11 +43,8 @@ solver.method = "fas_block_jacobi"
 @pytest.fixture(scope="module", name="slurm")
 def _slurm():
     """The environment of a private Slurm."""
-    missing = [
-        name
-        for name in ("munged", "slurmctld", "slurmd", "sbatch")
-        if not shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin")
-    ]
+    needed, path = ("munged", "slurmctld", "slurmd", "sbatch"), f"{os.environ['PATH']}:/usr/sbin"
+    missing = [name for name in needed if not shutil.which(name, path=path)]
     if missing:
         pytest.skip(f"not applicable: Slurm is not installed ({', '.join(missing)}); tools/slurm_local.sh install")
     folder = pathlib.Path(tempfile.mkdtemp(prefix="slurm"))  # short: the name of a socket is
@@ -70,14 +66,14 @@ def _slurm():
 
 def state(job, environment):
     """States of the tasks of a job, by their names."""
-    done = subprocess.run(["scontrol", "-o", "show", "job", job], env=environment, capture_output=True, text=True, check=True)
+    done = ended(called(["scontrol", "-o", "show", "job", job], env=environment))
     return {word.removeprefix("JobState=") for word in done.stdout.split() if word.startswith("JobState=")}
 
 
 def send(signal, whom, task, environment):
     """Sends a signal to a task; scancel itself may then wait for ever for one that is queued again."""
+    command = ["scancel", f"--signal={signal}", whom, task]
     with contextlib.suppress(subprocess.TimeoutExpired):
-        command = ["scancel", f"--signal={signal}", whom, task]
         subprocess.run(command, env=environment, capture_output=True, timeout=1, check=False)
 
 
@@ -89,10 +85,7 @@ def start_now(task, environment):
     until(lambda: state(task, environment) == {"PENDING"}, "the task to be queued again")
     time.sleep(1.1)
     command = ["scontrol", "update", f"JobId={task}", "StartTime=now"]
-    until(
-        lambda: subprocess.run(command, env=environment, capture_output=True, timeout=cases.HANGING, check=False).returncode == 0,
-        "its start",
-    )
+    until(lambda: called(command, env=environment).returncode == 0, "its start")
 
 
 def until(condition, words, seconds=cases.HANGING):
@@ -106,11 +99,8 @@ def until(condition, words, seconds=cases.HANGING):
 
 def submit(folder, environment, program, *options):
     """Array and gather job of batch/submit.sh."""
-    done = called(
-        [ROOT / "batch" / "submit.sh", folder, "--per-task", "4", "--mem-per-cpu=100M", *options],
-        env={**environment, "ASPERITY": str(program)},
-    )
-    assert done.returncode == 0, done.stderr
+    command = [ROOT / "batch" / "submit.sh", folder, "--per-task", "4", "--mem-per-cpu=100M", *options]
+    done = ended(called(command, env={**environment, "ASPERITY": str(program)}))
     words = done.stdout.replace(":", "").replace(";", "").split()
     return words[1], words[words.index("gather") + 1]
 
@@ -130,11 +120,10 @@ def folder(tmp_path, program):
     return found
 
 
-def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run(slurm, folder, program, tmp_path):
+def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run(batch, slurm, folder, program, tmp_path):
     local = shutil.copytree(folder, tmp_path / "local")
-    done = call("run.py", "local", "--jobs", "2", folder=tmp_path, program=program)
-    assert done.returncode == 3, done.stdout
-    assert call("gather.py", "local", folder=tmp_path, program=program).returncode == 0
+    batch("run.py", "local", "--jobs", "2", status=3)
+    batch("gather.py", "local")
 
     array, gather = submit(folder, slurm, program, "--at-once", "2")
     results = folder / "cases"
@@ -148,8 +137,8 @@ def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run
     until((results / f"case_{KILLED:04d}.h5.part").exists, "the case that is to be killed")
     send("KILL", "--full", f"{array}_{(KILLED - 1) // 4 + 1}", slurm)
     start_now(f"{array}_{task}", slurm)
-    ended = {"COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL"}
-    until(lambda: state(gather, slurm) <= ended, "the gather job")
+    over = {"COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL"}
+    until(lambda: state(gather, slurm) <= over, "the gather job")
     assert state(gather, slurm) == {"COMPLETED"}  # though tasks have failed
     log = (folder / "log" / f"task_{task}.log").read_text(encoding="utf-8")
     assert log.count(f"task {task}, job") == 2
@@ -165,7 +154,7 @@ def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run
 
     stamps = {path.name: path.stat().st_mtime_ns for path in results.glob("*.h5")}
     _, gather = submit(folder, slurm, program)
-    until(lambda: state(gather, slurm) <= ended, "the second gather job")
+    until(lambda: state(gather, slurm) <= over, "the second gather job")
     one, other = gathered(folder), gathered(local)
     assert one.keys() == other.keys()
     assert [name for name in one if not cases.same_bits(one[name], other[name]) and one[name].dtype != object] == []
@@ -177,9 +166,9 @@ def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run
 
 
 def test_what_submit_refuses(tmp_path, folder, slurm):
-    def refused(*arguments, environment=None):
+    def refused(*arguments):
         command = [ROOT / "batch" / "submit.sh", *arguments]
-        done = ended(called(command, env=environment or slurm), 1)
+        done = ended(called(command, env=slurm), 1)
         return done.stdout + done.stderr
 
     assert "batch/submit.sh FOLDER" in refused()
@@ -197,6 +186,5 @@ def test_without_slurm_submit_says_so(tmp_path):
     tools.mkdir()
     for name in ("bash", "dirname", "env"):
         (tools / name).symlink_to(shutil.which(name))
-    command = [shutil.which("bash"), ROOT / "batch" / "submit.sh", tmp_path]
-    done = called(command, env={"PATH": str(tools)})
-    assert (done.returncode, "there is no sbatch here: run the cases with batch/run.py" in done.stderr) == (1, True)
+    done = ended(called([shutil.which("bash"), ROOT / "batch" / "submit.sh", tmp_path], env={"PATH": str(tools)}), 1)
+    assert "there is no sbatch here: run the cases with batch/run.py" in done.stderr

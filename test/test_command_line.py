@@ -10,9 +10,8 @@ import subprocess
 
 import h5py
 import pytest
-from cases import MOES, POINT, STEADY, contents, ended, seal, text, write
+from cases import MOES, POINT, STEADY, contents, damaged, ended, seal, text, write
 from conftest import ROOT
-from damage import damaged
 
 COARSE = STEADY.replace("intervals = 256", "intervals = 64") + "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
 SPHERE = ROOT / "input" / "dry_sphere.nml"
@@ -30,11 +29,8 @@ SETS = {
 
 def effective(path):
     """What a result says of its input, and its numbers."""
-    return {
-        name: value
-        for name, value in contents(path).items()
-        if name.startswith(("input/effective", "summary", "solution", "@title"))
-    }
+    starts = ("input/effective", "summary", "solution", "@title")
+    return {name: value for name, value in contents(path).items() if name.startswith(starts)}
 
 
 def test_set_is_the_file_with_that_entry(asperity, tmp_path):
@@ -47,9 +43,8 @@ def test_set_is_the_file_with_that_entry(asperity, tmp_path):
             changed = changed.replace(*SETS[entry], 1)
         if "lubricant.rheology=newtonian" in chosen:
             chosen.append("lubricant.rheology=newtonian")  # the last one counts
-        write(
-            tmp_path, "a.nml", COARSE.replace(", eyring_stress = 3.3e6", "") if "lubricant.rheology=newtonian" in chosen else COARSE
-        )
+        thinned = COARSE.replace(", eyring_stress = 3.3e6", "") if "lubricant.rheology=newtonian" in chosen else COARSE
+        write(tmp_path, "a.nml", thinned)
         write(tmp_path, "b.nml", changed)
         assert asperity("a.nml", "--quiet", *(word for entry in chosen for word in ("--set", entry))).returncode == 0
         assert asperity("b.nml", "--quiet").returncode == 0
@@ -109,12 +104,8 @@ def test_keep_going_runs_the_good_cases(asperity, tmp_path):
     assert asperity(*cases, "--quiet").returncode == 1
     assert not list(tmp_path.glob("*.h5"))
     done = ended(asperity(*cases, "--quiet", "--keep-going", "--outcomes"), 2)
-    assert [line.split("\t")[:2] for line in done.stdout.splitlines()] == [
-        ["1", "bad.nml"],
-        ["1", "none.nml"],
-        ["0", "good.nml"],
-        ["2", "late.nml"],
-    ]
+    told = [["1", "bad.nml"], ["1", "none.nml"], ["0", "good.nml"], ["2", "late.nml"]]
+    assert [line.split("\t")[:2] for line in done.stdout.splitlines()] == told
     assert "&load load_per_length: found -1" in done.stdout
     assert "bad.nml:4: &load load_per_length: found -1, expected" in done.stderr
     assert sorted(path.name for path in tmp_path.glob("*.h5")) == ["good.h5", "late.h5"]
@@ -131,10 +122,8 @@ def test_names_of_files_and_folders(asperity, tmp_path, run_case):
     assert "case.nml is a file, not a folder" in run_case(COARSE, "--quiet", "--output", "case.nml", status=3).stderr
     assert (tmp_path / "case.nml").read_text(encoding="utf-8") == COARSE
     run_case(COARSE, "--quiet")
-    assert (
-        ended(asperity("case.h5"), 1).stderr
-        == "case.h5:1: found an HDF5 file, expected a namelist (results are shown by asperity table)\n"
-    )
+    told = "case.h5:1: found an HDF5 file, expected a namelist (results are shown by asperity table)\n"
+    assert ended(asperity("case.h5"), 1).stderr == told
     write(tmp_path, "case.nml", COARSE)
     assert asperity("case").stderr == "case: no such file; did you mean case.nml?\n"
     assert asperity("other").stderr == "other: no such file\n"
@@ -204,16 +193,6 @@ def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
         assert ended(asperity("table", name, "--profiles"), 1).stderr.startswith(f"{name}: ")
     for name in results[3:5]:
         assert "an area has maps" in ended(asperity("table", name, "--profiles"), 1).stderr
-
-
-def test_table_needs_results_and_a_form(asperity):
-    for arguments, message in (
-        (("table",), "found no result"),
-        (("table", "a.h5", "--format", "xml"), "found --format xml, expected text,"),
-        (("table", "a.h5", "b.h5", "--profiles"), "with one result"),
-        (("a.nml", "--profiles"), "with one result"),
-    ):
-        assert message in ended(asperity(*arguments), 1).stderr
 
 
 def test_table_refuses_what_is_not_whole(run_case, asperity, tmp_path):

@@ -1,4 +1,4 @@
-"""Dry contacts end to end: reference data, surfaces from files and from seeds."""
+"""Dry contacts end to end: reference data, surfaces from files on any nodes and from seeds, given separations."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import contents, ended, same_bits, write
-from dry_cases import HARD, HEIGHTS, STEEL, case_text, close, profile, rows, solve, write_heights
+from dry_cases import HARD, HEIGHTS, STEEL, case_text, close, profile, rows, solve, write_heights, write_profile
 from test_postproc import run
 
 # Of the sweep, and of the reference table.
@@ -136,9 +136,8 @@ BAD_FILES = {
 }
 
 
-@pytest.mark.parametrize("name", BAD_FILES)
-def test_bad_file(run_case, tmp_path, name):
-    content, message = BAD_FILES[name]
+@pytest.mark.parametrize(("content", "message"), BAD_FILES.values(), ids=BAD_FILES)
+def test_bad_file(run_case, tmp_path, content, message):
     if content:
         write(tmp_path, "bad.csv", content)
     surface = "shape = 'file', file = 'bad.csv', dataset = 'z'"
@@ -147,28 +146,18 @@ def test_bad_file(run_case, tmp_path, name):
     assert message in done.stderr
 
 
-def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
-    with solve(asperity, tmp_path, profile("A"), [1e8, 2e8]):
-        pass
-    (tmp_path / "case.h5").rename(tmp_path / "profile.h5")
-    area = SYNTHETIC.format(seed=1, skewness=0.0, kurtosis=3.0)
+def test_figures_of_a_profile_and_an_area(run_case, tmp_path):
+    run_case(case_text(profile("A"), [1e8, 2e8]), "--quiet", name="profile")
     more = "&domain length_x = 4e-4, length_y = 4e-4, intervals_x = 64, intervals_y = 64 /"
-    with solve(asperity, tmp_path, area, [1e8], more=more, problem="dry_area"):
-        pass
-    (tmp_path / "case.h5").rename(tmp_path / "area.h5")
+    area = SYNTHETIC.format(seed=1, skewness=0.0, kurtosis=3.0)
+    run_case(case_text(area, [1e8], more=more, problem="dry_area"), "--quiet", name="area")
     done = run("dry", tmp_path / "profile.h5", tmp_path / "area.h5", "--output", tmp_path / "figures", "--format", "png")
     assert (done.returncode, done.stderr) == (0, "")
-    names = {path.name for path in (tmp_path / "figures").iterdir()}
-    assert names == {
-        *("profile_profile.png", "profile_sweep.png", "profile_surface.png"),
-        *("profile_convergence.png", "area_maps.png", "area_surface.png", "area_convergence.png"),
-    }
-
-
-def test_figures_refuse_other_files(tmp_path):
+    names = {"profile": ("profile", "sweep", "surface", "convergence"), "area": ("maps", "surface", "convergence")}
+    expected = {f"{name}_{kind}.png" for name, kinds in names.items() for kind in kinds}
+    assert {path.name for path in (tmp_path / "figures").iterdir()} == expected
     write(tmp_path, "no.h5", "no HDF5")
-    done = ended(run("dry", tmp_path / "no.h5", "--output", tmp_path), 1)
-    assert "no.h5" in done.stderr
+    assert "no.h5" in ended(run("dry", tmp_path / "no.h5", "--output", tmp_path), 1).stderr
 
 
 @pytest.mark.parametrize("row", rows("jgh_512.csv"), ids=lambda row: row["pbar_over_pstar"])
@@ -203,3 +192,138 @@ def test_zeros_take_no_room_and_are_read_as_zeros(asperity, tmp_path, bodies, st
         assert np.array_equal(file["solution/height_unloaded"][()], file["solution/height_undeformed"][()] - field[()])
         for quantity in ("rq", "rsk", "rz"):
             assert (file[f"sweep/{quantity}_unloaded"][0] == file[f"sweep/{quantity}_undeformed"][0]) == (stored == 0)
+
+
+def resampled(z, nodes):
+    spectrum = np.fft.rfft(z)
+    n = len(z)
+    if n % 2 == 0 and nodes > n:
+        spectrum[-1] /= 2
+    kept = min(len(spectrum), (nodes + 1) // 2)
+    return np.fft.irfft(np.concatenate([spectrum[:kept], np.zeros(nodes // 2 + 1 - kept)]), nodes) * nodes / n
+
+
+def heights(nodes, seed=1):
+    return np.random.default_rng(seed).standard_normal(nodes) * 1e-7
+
+
+FILE = "shape = 'file', file = 'z.csv'"
+
+
+@pytest.mark.parametrize(("old", "new"), [(64, 96), (64, 97), (63, 200), (64, 48), (96, 33), (50, 50)])
+def test_profile_on_other_nodes(asperity, tmp_path, old, new):
+    z = heights(old)
+    write_profile(tmp_path / "z.csv", z, 1e-6)
+    with solve(asperity, tmp_path, FILE, [1e7], "", f"&domain intervals = {new} /") as file:
+        expected = z if new == old else resampled(z, new)
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)
+        assert file["solution/x"][()][-1] == pytest.approx(old * 1e-6 * (new - 1) / new)
+
+
+def test_files_on_other_nodes(asperity, tmp_path):
+    # A wave is measured completely with a few nodes: Westergaard's gap to the accuracy of the fine grid.
+    height, length, share, modulus = 1e-6, 1e-3, 0.3, 230e9
+    write_profile(tmp_path / "z.csv", height * np.cos(2 * np.pi * np.arange(12) / 12), length / 12)
+    load = float(share * np.pi * modulus / 2 * height / length)
+    with solve(asperity, tmp_path, FILE, [load], "", "&domain intervals = 2000 /", modulus=modulus) as file:
+        gap = file["sweep/mean_separation"][0] / height
+        assert file["sweep/contact_area_fraction"][0] == pytest.approx(2 * np.arcsin(np.sqrt(share)) / np.pi, abs=2 / 2000)
+    assert gap == pytest.approx(1 - share * (1 - np.log(share)), rel=1e-4)
+    z = heights(24 * 20).reshape(20, 24)
+    write_heights(tmp_path, z, 1e-6)
+    domain = "&domain intervals_x = 36, intervals_y = 15 /"
+    with solve(asperity, tmp_path, HEIGHTS, [1e7], "", domain, "dry_area") as file:
+        rows = np.array([resampled(row, 36) for row in z])
+        expected = np.array([resampled(column, 15) for column in rows.T]).T
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)
+    first, second = heights(64), heights(48, 2)
+    write_profile(tmp_path / "z.csv", first, 3e-6)
+    write_profile(tmp_path / "other.csv", second, 4e-6)
+    more = "&surface_2 shape = 'file', file = 'other.csv' /\n&domain periodic = .true. /"
+    with solve(asperity, tmp_path, FILE, [1e7], "", more) as file:
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], first + resampled(second, 64), rtol=0, atol=1e-20)
+
+
+REFUSED = {
+    "&domain intervals = 96, periodic = .false. /": "&domain intervals: found 96, expected the 64 nodes of the file",
+    "&surface_2 shape = 'file', file = 'other.csv' /": "expected the length of the domain",
+    "&domain length = 1e-3 /": "nodes times spacing of the file",
+    "&surface_2 shape = 'file', file = 'coarse.csv' /\n&domain periodic = .false. /": (
+        "&surface_2 file: found 32 x 1 nodes, expected 64 x 1 as in the other surface"
+    ),
+}
+
+
+@pytest.mark.parametrize("more", REFUSED)
+def test_what_cannot_be_resampled(run_case, tmp_path, more):
+    for name, nodes, spacing in (("z", 64, 1e-6), ("other", 64, 2e-6), ("coarse", 32, 2e-6)):
+        write_profile(tmp_path / f"{name}.csv", heights(nodes), spacing)
+    assert REFUSED[more] in run_case(case_text(FILE, [1e7], "", more), status=1).stderr
+
+
+def separated(asperity, folder, surface, separations, **options):
+    return solve(asperity, folder, surface, separations, key="separation", **options)
+
+
+@pytest.mark.parametrize("bodies", ["", HARD])
+@pytest.mark.parametrize("name", ["A", "C"])
+def test_load_to_separation_to_load(asperity, tmp_path, name, bodies):
+    # From a single node to 97.5 % of the hardness; A is mostly plastic: there the datum is an interval at some loads.
+    loads = [1e5, 12.5e6, 250e6, 1e9, 3.9e9]
+    with solve(asperity, tmp_path, profile(name), loads, bodies) as file:
+        first = {key: value[()] for key, value in file["sweep"].items()}
+    assert np.all(np.diff(first["separation"]) < 0)
+    plane = first["mean_separation"] - first["dp_mean"]
+    np.testing.assert_allclose(first["separation"], plane, atol=1e-12 * first["rq_undeformed"][0])
+    with separated(asperity, tmp_path, profile(name), first["separation"], bodies=bodies) as file:
+        second = {key: value[()] for key, value in file["sweep"].items()}
+    rms = first["rq_undeformed"][0]
+    np.testing.assert_allclose(second["separation"], first["separation"], rtol=0, atol=1e-12 * rms)
+    np.testing.assert_allclose(second["mean_pressure"], first["mean_pressure"], rtol=1e-8)
+    np.testing.assert_allclose(second["load"], first["load"], rtol=1e-8)
+    assert list(second["contact_area_fraction"]) == list(first["contact_area_fraction"])
+    assert list(second["plastic_area_fraction"]) == list(first["plastic_area_fraction"])
+    assert second["kkt"].max() <= 1e-12
+
+
+def test_datum_between_two_nodes(asperity, tmp_path):
+    # All contact nodes at the hardness: the load stays, the separation is free between two values.
+    write_profile(tmp_path / "z.csv", [4e-6, 2e-6, 0, 0, 0, 0, 0, 0], 1e-6)
+    surface = "shape = 'file', file = 'z.csv', detrend = 'none'"
+    separations = np.array([2.6, 2.2, 1.8, 1.4]) * 1e-6
+    with separated(asperity, tmp_path, surface, separations, bodies=", hardness = 1e6") as file:
+        sweep = {key: value[()] for key, value in file["sweep"].items()}
+    np.testing.assert_allclose(sweep["separation"], separations, rtol=1e-12)
+    np.testing.assert_allclose(sweep["mean_pressure"], 1e6 / 8, rtol=1e-12)
+    assert list(sweep["plastic_area_fraction"]) == [1 / 8] * 4
+    # Below, the one node sinks with the plane.
+    np.testing.assert_allclose(np.diff(sweep["dp_max"]), -np.diff(separations), rtol=1e-9)
+    assert sweep["kkt"].max() <= 1e-12
+
+
+@pytest.mark.path
+def test_history_of_separations(run_case, asperity, tmp_path):
+    # Back at the first separation the deformed surface is where it was; further out it has lost contact sooner.
+    surface, options = profile("C"), {"bodies": HARD}
+    with separated(asperity, tmp_path, surface, [2e-7, 2.6e-7, 2e-7], loading=", loading = 'history'", **options) as file:
+        history = {key: value[()] for key, value in file["sweep"].items()}
+    with separated(asperity, tmp_path, surface, [2.6e-7], **options) as file:
+        virgin = file["sweep/load"][0]
+    close(history["load"][2], history["load"][0], 1e-8)
+    close(history["dp_mean"], np.full(3, history["dp_mean"][0]), 1e-8)
+    assert history["load"][1] < 0.9 * virgin
+    text = case_text(surface, [1e-7, 5e-7], HARD, key="separation", loading=", loading = 'history'")
+    assert "found a separation at which nothing touches" in run_case(text, "--quiet", status=1, name="apart").stderr
+    assert not (tmp_path / "apart.h5").exists()
+
+
+def test_where_there_is_no_separation(asperity, tmp_path):
+    with solve(asperity, tmp_path, profile("C"), [4e9]) as file:
+        lowest = file["sweep/separation"][0]
+    with separated(asperity, tmp_path, profile("C"), [lowest - 1e-7], bodies=HARD) as file:
+        assert file["sweep/mean_pressure"][0] == pytest.approx(4e9, rel=1e-14)
+        assert file["solution/plastic_deformation"][:].min() == pytest.approx(1e-7, rel=1e-9, abs=0)
+    domain = "&domain length = 1e-3, intervals = 64, periodic = .false. /"
+    surface = "shape = 'sinusoid', amplitude = 1e-6, wavelength = 1e-3"
+    with solve(asperity, tmp_path, surface, [1e6], bodies="", more=domain) as file:
+        assert "separation" not in file["sweep"]

@@ -125,18 +125,16 @@ def test_element_kernel_of_an_area_in_full_contact(asperity, tmp_path):
 
 
 BAD_HDF5 = {
-    "no_dataset": ({"z": np.zeros((4, 4))}, "/other", "other"),
-    "profile": ({"z": np.zeros(8)}, "z", "found a profile, expected an area"),
-    "no_spacing": ({"z": np.ones((4, 4))}, "z", "length_x"),
+    "no_dataset": (np.zeros((4, 4)), "/other", "other"),
+    "profile": (np.zeros(8), "z", "found a profile, expected an area"),
+    "no_spacing": (np.ones((4, 4)), "z", "length_x"),
 }
 
 
-@pytest.mark.parametrize("name", BAD_HDF5)
-def test_bad_hdf5_file(run_case, tmp_path, name):
-    datasets, path, message = BAD_HDF5[name]
+@pytest.mark.parametrize(("heights", "path", "message"), BAD_HDF5.values(), ids=BAD_HDF5)
+def test_bad_hdf5_file(run_case, tmp_path, heights, path, message):
     with h5py.File(tmp_path / "bad.h5", "w") as file:
-        for dataset, values in datasets.items():
-            file[dataset] = values
+        file["z"] = heights
     text = case_text(f"shape = 'file', file = 'bad.h5', dataset = '{path}'", [1e6], "", problem="dry_area")
     done = run_case(text, status=1)
     assert message in done.stderr
@@ -159,8 +157,7 @@ BAD_ATTRIBUTES = {
 
 def refused_heights(asperity, tmp_path):
     """The message about the dataset z of bad.h5."""
-    text = case_text("shape = 'file', file = 'bad.h5', dataset = 'z'", [1e6], "")
-    write(tmp_path, "case.nml", text)
+    write(tmp_path, "case.nml", case_text("shape = 'file', file = 'bad.h5', dataset = 'z'", [1e6], ""))
     done = ended(asperity("case.nml"), 1)
     assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
     assert "bad.h5" in done.stderr
@@ -169,9 +166,8 @@ def refused_heights(asperity, tmp_path):
 
 
 @pytest.mark.path
-@pytest.mark.parametrize("name", BAD_ATTRIBUTES)
-def test_bad_attribute(asperity, tmp_path, name):
-    attribute, value, message = BAD_ATTRIBUTES[name]
+@pytest.mark.parametrize(("attribute", "value", "message"), BAD_ATTRIBUTES.values(), ids=BAD_ATTRIBUTES)
+def test_bad_attribute(asperity, tmp_path, attribute, value, message):
     with h5py.File(tmp_path / "bad.h5", "w") as file:
         attributes = file.create_dataset("z", data=np.linspace(0, 1e-6, 64)).attrs
         attributes["spacing"] = 1e-6

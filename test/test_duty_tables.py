@@ -27,9 +27,8 @@ def write(capsys, tmp_path, monkeypatch):
 
     def call(command, keys, *arguments, lift="", tables=""):
         (tmp_path / "lift.csv").write_text(lift, encoding="utf-8")
-        (tmp_path / "mesh.toml").write_text(
-            f"{keys if keys[:1] == '[' else f'[{command}]{chr(10)}{keys}'}{tables}", encoding="utf-8"
-        )
+        head = "" if keys[:1] == "[" else f"[{command}]\n"
+        (tmp_path / "mesh.toml").write_text(head + keys + tables, encoding="utf-8")
         status = duty.main([command, "mesh.toml", *arguments])
         out, err = capsys.readouterr()
         assert (err if status == 0 else out) == ""

@@ -8,6 +8,7 @@ import namelists
 import numpy as np
 import pytest
 from cases import text, write
+from test_borders import heavy
 
 FAS = "fas_block_jacobi"
 METHODS = {
@@ -25,11 +26,6 @@ CYCLES = [name for name in METHODS if name.startswith("fas")]
 IN_TIME = METHODS | {"block_jacobi": {"method": "block_jacobi"}}
 # Processor time that a run may take [s], also by the checked build.
 PATIENCE = 100
-
-
-def heavy(m: float, intervals: int, solver: dict, **more: object) -> str:
-    """Barus, L = 10, on the domain of the thesis."""
-    return namelists.moes(m, 10, intervals, solver | more, domain=namelists.WINDOW)
 
 
 def spike(solver: dict, intervals: int = 2048) -> str:
@@ -59,7 +55,7 @@ def low_stress(stress: float, solver: dict) -> str:
 def collect():
     cases = {}
     for name, solver in METHODS.items():
-        cases[f"far_start-{name}"] = heavy(1000, 1024, solver, start="hertz")
+        cases[f"far_start-{name}"] = heavy(1000, 1024, solver | {"start": "hertz"})
         cases[f"far_start_of_shear_thinning-{name}"] = low_stress(1e6, solver | {"start": "hertz"})
         cases[f"low_stress-{name}"] = low_stress(2e5, solver)
         cases[f"closing_film-{name}"] = waves(3.0, solver)
@@ -67,7 +63,7 @@ def collect():
         cases[f"spike-{name}"] = spike(solver, 1024 if name == "dense" else 2048)
     # the others have no levels: a test of bad input
     for name in ["auto", *CYCLES]:
-        cases[f"coarsest_level_of_16_at_m_1000-{name}"] = heavy(1000, 1024, METHODS[name], levels=7)
+        cases[f"coarsest_level_of_16_at_m_1000-{name}"] = heavy(1000, 1024, METHODS[name] | {"levels": 7})
     for name in CYCLES:
         # a tolerance below the round-off floor, which the bound is then taken from
         solver = METHODS[name] | {"tolerance": 1e-14}
@@ -85,8 +81,8 @@ CASES = collect()
 SOLVED = {
     *("far_start-auto", "far_start_of_shear_thinning-auto", "low_stress-auto", "spike-auto"),
     *("spike-krylov", "spike-dense", "coarsest_level_of_16_at_m_1000-auto"),
-    *("round_off_of_fine_grids-fas_block_jacobi", "round_off_of_fine_grids-fas_gauss_seidel"),
-    *("round_off_of_fine_grids-fas_line", "dent_deeper_than_the_film-auto", "dent_deeper_than_the_film-krylov"),
+    *(f"round_off_of_fine_grids-fas_{name}" for name in ("block_jacobi", "gauss_seidel", "line")),
+    *("dent_deeper_than_the_film-auto", "dent_deeper_than_the_film-krylov"),
 }
 
 
@@ -127,15 +123,15 @@ def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
         assert reason.startswith("the surfaces rise to 2.5 times the estimated film of the smooth contact; ")
 
 
-@pytest.mark.parametrize(
-    ("intervals", "solver", "bound"),
-    [
-        # theory page, residuals and convergence: the rest of P is kept on more than 2^13 intervals, by Newton's method
-        (2**13, {"method": "newton_krylov"}, 5 * 2.8e-11 * 8**2),
-        (2**14, {"method": FAS, "smoother": "line"}, 5 * 2.8e-11 * 16**2),
-        (2**14, {"method": "newton_krylov"}, 5 * 1.5e-12 * 16),
-    ],
-)
+# theory page, residuals and convergence: the rest of P is kept on more than 2^13 intervals, by Newton's method
+ROUND_OFF = [
+    (2**13, {"method": "newton_krylov"}, 5 * 2.8e-11 * 8**2),
+    (2**14, {"method": FAS, "smoother": "line"}, 5 * 2.8e-11 * 16**2),
+    (2**14, {"method": "newton_krylov"}, 5 * 1.5e-12 * 16),
+]
+
+
+@pytest.mark.parametrize(("intervals", "solver", "bound"), ROUND_OFF)
 def test_round_off_bounds_the_residual(run_case, tmp_path, intervals, solver, bound):
     text = namelists.case_1(intervals, solver | {"tolerance": 1e-14}, accuracy={"error_bars": False})
     run_case(text, "--quiet", seconds=PATIENCE)

@@ -4,9 +4,10 @@ import math
 import re
 
 import h5py
-import numpy as np
 import pytest
 from cases import STEADY, TRANSIENT, text, write
+from conftest import ROOT
+from film_formulas import contacts
 
 ROLLER = """&case problem = 'ehl_line' /
 &bodies reduced_radius = {radius}, reduced_modulus = 226e9, speed_1 = {speed}, speed_2 = {speed} /
@@ -15,6 +16,7 @@ ROLLER = """&case problem = 'ehl_line' /
 &output adequacy = .false. /
 """
 USUAL = {"radius": 0.01, "speed": 0.6, "pressure": 0.6e9, "viscosity": 0.14, "alpha": 2.2e-8, "law": "roelands"}
+LAWS = ("roelands", "barus")
 QUANTITY = {"dowson_higginson": "h_min", "dowson_toyoda": "h_central", "moes": "h_central"}
 NAMES = {"dowson_higginson": "Dowson-Higginson", "dowson_toyoda": "Dowson-Toyoda", "moes": "Moes"}
 
@@ -38,27 +40,8 @@ def by_hand(radius, speed, pressure, viscosity, alpha, **_):
     return films, w / math.sqrt(u), g * u**0.25
 
 
-def random_contacts(number):
-    """Contacts within the range of the formulas."""
-    source = np.random.default_rng(3)
-    found = []
-    while len(found) < number:
-        contact = {
-            "radius": 10 ** source.uniform(-2.7, -1),
-            "speed": 10 ** source.uniform(-1.3, 1.3),
-            "pressure": source.uniform(0.3e9, 2e9),
-            "viscosity": 10 ** source.uniform(-2.3, -0.3),
-            "alpha": source.uniform(1e-8, 3e-8),
-            "law": source.choice(["roelands", "barus"]),
-        }
-        _, m, l = by_hand(**contact)  # noqa: E741
-        if 3 <= m <= 500 and 5 <= l <= 30:
-            found.append(contact)
-    return found
-
-
 @pytest.mark.parametrize("density", ["constant", "dowson_higginson"])
-@pytest.mark.parametrize("contact", [USUAL, *random_contacts(8)])
+@pytest.mark.parametrize("contact", [USUAL, *(contact | {"law": law} for contact, law in zip(contacts(8), LAWS * 4, strict=True))])
 def test_formulas_stand_beside_the_film(run_case, tmp_path, contact, density):
     done = run_case(ROLLER.format(**contact, density=density) + "&accuracy target = 3e-3 /\n", "--verbose", name="a")
     films, _, _ = by_hand(**contact)
@@ -80,9 +63,8 @@ def test_formulas_stand_beside_the_film(run_case, tmp_path, contact, density):
             assert lowest - 0.06 <= difference <= highest + 0.06, name
             shown = [line for line in lines if f": {NAMES[name]}, known bias" in line]
             assert len(shown) == 1
-            value = re.fullmatch(
-                rf"(?:  formulas  | {{12}}){quantity} ([\d.]+) ([nu])m, ([+-]?\d+) %: .* known bias .* %", shown[0]
-            )
+            line = rf"(?:  formulas  | {{12}}){quantity} ([\d.]+) ([nu])m, ([+-]?\d+) %: .* known bias .* %"
+            value = re.fullmatch(line, shown[0])
             assert float(value[1]) * {"n": 1e-9, "u": 1e-6}[value[2]] == pytest.approx(film, rel=1e-3)
             assert float(value[3]) == pytest.approx(100 * difference, abs=0.51)
     assert max(map(len, lines)) <= 80
@@ -105,9 +87,8 @@ def test_density_explains_the_gap_in_the_middle(solved_case):
 def test_dimensionless_contacts_have_them_too(run_case, tmp_path):
     films, m, l = by_hand(**USUAL)  # noqa: E741
     oil = f"&lubricant viscosity_law = 'roelands', pressure_viscosity = {USUAL['alpha']}, density_law = 'constant' /\n"
-    done = run_case(
-        f"&case problem = 'ehl_line' /\n&moes moes_m = {m!r}, moes_l = {l!r}, velocity = 'mean' /\n{oil}", "--verbose", name="a"
-    )
+    case = f"&case problem = 'ehl_line' /\n&moes moes_m = {m!r}, moes_l = {l!r}, velocity = 'mean' /\n{oil}"
+    done = run_case(case, "--verbose", name="a")
     half_width = 4 * USUAL["pressure"] * USUAL["radius"] / 226e9
     with h5py.File(tmp_path / "a.h5") as file:
         for name, film in films.items():
@@ -128,16 +109,56 @@ NONE = {
 
 
 @pytest.mark.parametrize("name", NONE)
-def test_none_where_they_are_not_meant(run_case, tmp_path, name):
-    assert "Dowson" not in run_case(NONE[name], "--verbose", name="a").stdout
-    with h5py.File(tmp_path / "a.h5") as file:
-        assert "formulas" not in file
+def test_none_where_they_are_not_meant(told_case, name):
+    found, said = told_case(NONE[name])
+    assert "Dowson" not in said
+    assert not any(key.startswith("formulas") for key in found)
 
 
-def test_an_oil_that_thins_has_no_known_bias(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
-    done = asperity("a.nml", "--verbose")
-    assert "Dowson-Higginson, of oil that does not thin" in done.stdout
+def test_an_oil_that_thins_has_no_known_bias(told_case):
+    found, said = told_case(STEADY)
+    assert "Dowson-Higginson, of oil that does not thin" in said
+    assert {name for name in found if name.startswith("formulas/") and "@" not in name} == {f"formulas/{name}" for name in QUANTITY}
+    assert not any("known_bias" in name for name in found)
+
+
+MINIMAL = (ROOT / "input" / "minimal.nml").read_text()
+ROELANDS = "   roelands_z = 0.6\n   roelands_p0 = 1.98e8         ! [Pa]\n"
+SLOW, FAST = (["bodies.speed_1=" + speed, "bodies.speed_2=" + speed] for speed in ("0.1", "3"))
+GUIDE = {
+    "input/minimal.nml": (MINIMAL, []),
+    "p_h = 1 GPa": (MINIMAL, ["load.hertz_pressure=1e9"]),
+    "speeds of 0.1 m/s": (MINIMAL, SLOW),
+    "speeds of 3 m/s": (MINIMAL, FAST),
+    "p_h = 1.5 GPa, speeds of 0.1 m/s": (MINIMAL, [*SLOW, "load.hertz_pressure=1.5e9"]),
+    "constant density": (MINIMAL, ["lubricant.density_law=constant"]),
+    "constant density, Barus": (
+        MINIMAL.replace(ROELANDS, "   viscosity_law = 'barus', pressure_viscosity = 2.3345e-8\n"),
+        ["lubricant.density_law=constant"],
+    ),
+    "the Eyring oil of the template": ("", []),
+}
+
+
+def rows_of_the_guide():
+    page = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
+    table = page.split("## What film formulas give\n")[1].split("\nThe 12 to 26 %")[0]
+    return {cells[1]: cells[2:6] for cells in (re.split(r" *\| *", line) for line in table.splitlines()[6:] if line)}
+
+
+def test_all_rows_are_cases():
+    assert rows_of_the_guide().keys() == GUIDE.keys()
+
+
+@pytest.mark.parametrize("name", GUIDE)
+def test_row_of_the_guide(asperity, tmp_path, name):
+    """The guide's table of film formulas beside computed films: each row again."""
+    content, entries = GUIDE[name]
+    write(tmp_path, "a.nml", content or asperity("--template", "ehl_line").stdout)
+    sets = [word for entry in [*entries, "accuracy.target=1e-3", "case.output=a.h5"] for word in ("--set", entry)]
+    assert asperity("a.nml", "--quiet", *sets).returncode == 0
     with h5py.File(tmp_path / "a.h5") as file:
-        assert set(file["formulas"]) == set(QUANTITY)
-        assert all("known_bias" not in row.attrs for row in file["formulas"].values())
+        shown = rows_of_the_guide()[name]
+        for formula, said, deviation in zip(("dowson_higginson", "dowson_toyoda"), shown[::2], shown[1::2], strict=True):
+            assert float(said.split()[0]) == pytest.approx(1e9 * file["summary"][QUANTITY[formula]][()], rel=1e-3)
+            assert float(deviation.split()[0]) == pytest.approx(100 * file["formulas"][formula].attrs["difference"], abs=0.6)

@@ -10,9 +10,8 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from batch_runs import ROOT, call, swept
 from case_folder import header, read_folder, split_header
-from cases import called, ended
+from cases import ROOT, call, called, ended, swept
 
 
 @pytest.fixture(scope="module", name="finished")
@@ -28,9 +27,10 @@ def folder(finished, tmp_path):
     return shutil.copytree(finished, tmp_path / "small")
 
 
-def gather(folder, program, *options):
-    done = ended(call("gather.py", folder.name, *options, folder=folder.parent, program=program))
-    return done.stdout
+@pytest.fixture
+def gather(batch):
+    """What gather.py says of the folder of the sweep."""
+    return lambda *options: batch("gather.py", "small", *options).stdout
 
 
 def rows_of(folder):
@@ -45,24 +45,23 @@ domain.intervals = 256
 """
 
 
-def test_film_below_the_roughness_has_a_status_of_its_own(tmp_path, program):
+def test_film_below_the_roughness_has_a_status_of_its_own(batch, gather, tmp_path, program):
     folder = swept(tmp_path, program, ROUGH)
-    done = ended(call("run.py", "small", folder=tmp_path, program=program), 2)
+    done = batch("run.py", "small", status=2)
     assert "  done                1\n  outside the model   1\n    case_0002  outside the model: mixed lubr" in done.stdout
     assert "2 of 2 cases, 1 outside the model\n" in done.stderr
-    assert gather(folder, program) == "small/gathered.h5: 1 done, 1 outside the model: mixed\n"
+    assert gather() == "small/gathered.h5: 1 done, 1 outside the model: mixed\n"
     rows = rows_of(folder)
     assert rows["case_0001"]["status"] == "done"
     assert rows["case_0002"]["status"] == "outside the model: mixed"
     ratios = [float(rows[f"case_000{i}"]["lambda_ratio [1]"]) for i in (1, 2)]
     assert ratios[0] == pytest.approx(10 * ratios[1], rel=1e-12)
     options = ("small/gathered.h5", "--x", "bodies.roughness_1", "--y", "lambda_ratio", "--format", "svg")
-    assert call("plot.py", *options, folder=tmp_path, program=program).returncode == 0
+    batch("plot.py", *options)
 
 
-def test_rows_hold_parameters_and_every_number_of_the_summary_with_its_error(folder, program):
-    said = gather(folder, program)
-    assert said == "small/gathered.h5: 3 done, 1 not converged\n"
+def test_rows_hold_parameters_and_every_number_of_the_summary_with_its_error(gather, folder):
+    assert gather() == "small/gathered.h5: 3 done, 1 not converged\n"
     with h5py.File(folder / "gathered.h5") as file:
         assert list(file["status"].asstr()) == ["done", "not converged", "done", "done"]
         assert list(file["load.hertz_pressure"]) == [0.4e9, 0.6e9, 0.5e9, 0.3e9]
@@ -91,14 +90,12 @@ def test_rows_hold_parameters_and_every_number_of_the_summary_with_its_error(fol
         assert float(rows["case_0003"]["h_min [m]"]) == file["summary/h_min"][()]
 
 
-def test_error_estimates_and_loads_of_dry_contacts(tmp_path, program):
-    base = (ROOT / "input" / "dry_sphere.nml").read_text(encoding="utf-8")
+def test_error_estimates_and_loads_of_dry_contacts(batch, gather, tmp_path, program):
     text = 'base = "base.nml"\n[vary]\nload.hertz_pressure = [0.8e9, 1e9]\n[set]\n'
     text += "domain.intervals_x = 32\ndomain.intervals_y = 32\n"
-    folder = swept(tmp_path, program, text, base)
-    done = call("run.py", "small", folder=tmp_path, program=program)
-    assert done.returncode == 0, done.stdout + done.stderr
-    gather(folder, program)
+    folder = swept(tmp_path, program, text, (ROOT / "input" / "dry_sphere.nml").read_text(encoding="utf-8"))
+    batch("run.py", "small")
+    gather()
     with h5py.File(folder / "gathered.h5") as file, h5py.File(folder / "cases" / "case_0002.h5") as result:
         for name in ("p_max", "contact_area_fraction"):
             assert file[name][1] == result[f"summary/{name}"][()]
@@ -107,7 +104,7 @@ def test_error_estimates_and_loads_of_dry_contacts(tmp_path, program):
         assert file["elastic_energy"].attrs["units"] == "J"
 
 
-def test_missing_and_broken_results_are_rows_with_their_reason(folder, program):
+def test_missing_and_broken_results_are_rows_with_their_reason(gather, folder):
     results = folder / "cases"
     (results / "case_0001.h5").unlink()
     content = (results / "case_0002.h5").read_bytes()
@@ -117,7 +114,7 @@ def test_missing_and_broken_results_are_rows_with_their_reason(folder, program):
     damaged = bytearray((results / "case_0004.h5").read_bytes())
     damaged[8:200] = bytes(192)
     (results / "case_0004.h5").write_bytes(damaged)
-    assert gather(folder, program) == "small/gathered.h5: 3 failed, 1 not run\n"
+    assert gather() == "small/gathered.h5: 3 failed, 1 not run\n"
     rows = rows_of(folder)
     reasons = ["no result", "not complete, or was changed", "an earlier form of this case", "the result cannot be read"]
     for row, words in zip(rows.values(), reasons, strict=True):
@@ -126,17 +123,17 @@ def test_missing_and_broken_results_are_rows_with_their_reason(folder, program):
     assert [row["load.hertz_pressure [Pa]"] for row in rows.values()] == [f"{i}00000000.0" for i in (4, 6, 5, 3)]
 
 
-def test_what_is_no_file_in_place_of_a_result_is_a_row_with_its_reason(folder, program):
+def test_what_is_no_file_in_place_of_a_result_is_a_row_with_its_reason(batch, gather, folder):
     """A pipe, to open which takes for ever; also in place of a case, and of the log of a run."""
     results = folder / "cases"
-    for path in (results / "case_0001.h5", results / "case_0002.nml", results / "case_0003.h5", results / "case_0004.h5"):
-        path.unlink()
+    for name in ("case_0001.h5", "case_0002.nml", "case_0003.h5", "case_0004.h5"):
+        (results / name).unlink()
     os.mkfifo(results / "case_0001.h5")
     os.mkfifo(results / "case_0002.nml")
     (results / "case_0003.h5").mkdir()
     (results / "case_0004.h5").symlink_to("nowhere")
     os.mkfifo(folder / "log" / "another.csv")
-    assert gather(folder, program) == "small/gathered.h5: 3 failed, 1 not run\n"
+    assert gather() == "small/gathered.h5: 3 failed, 1 not run\n"
     reasons = [row["reason"] for row in rows_of(folder).values()]
     assert reasons[:3] == [
         "the result cannot be read: is no regular file",
@@ -145,38 +142,36 @@ def test_what_is_no_file_in_place_of_a_result_is_a_row_with_its_reason(folder, p
     ]
     (folder / "index.csv").unlink()
     os.mkfifo(folder / "index.csv")
-    done = call("gather.py", "small", folder=folder.parent, program=program)
-    assert (done.returncode, "index.csv: found a folder, pipe or device, expected a file" in done.stderr) == (1, True)
+    assert "index.csv: found a folder, pipe or device, expected a file" in batch("gather.py", "small", status=1).stderr
 
 
-def test_titles_stay_text_and_a_parameter_of_an_earlier_version_is_no_column_of_the_table(folder, program):
+def test_titles_stay_text_and_a_parameter_of_an_earlier_version_is_no_column_of_the_table(batch, gather, folder):
     index = '"case","case.title","x [1]"\n' + "".join(f'"case_000{i}","{i}_0",{i}e0\n' for i in range(1, 5))
     (folder / "index.csv").write_text(index, encoding="utf-8")
-    gather(folder, program)
+    gather()
     with h5py.File(folder / "gathered.h5") as file:
         assert list(file["case.title"].asstr()) == ["1_0", "2_0", "3_0", "4_0"]
         assert list(file["x"]) == [1.0, 2.0, 3.0, 4.0]
     (folder / "index.csv").write_text(index.replace("x [1]", "program"), encoding="utf-8")
-    done = call("gather.py", "small", folder=folder.parent, program=program)
-    assert (done.returncode, "found the parameter program, which the table has itself" in done.stderr) == (1, True)
+    assert "found the parameter program, which the table has itself" in batch("gather.py", "small", status=1).stderr
 
 
-def test_the_reason_of_a_failure_is_that_of_its_run(folder, program):
+def test_the_reason_of_a_failure_is_that_of_its_run(batch, gather, folder):
     (folder / "cases" / "case_0001.h5").unlink()
     bad = folder / "cases" / "case_0001.nml"
     bad.write_text(bad.read_text(encoding="utf-8").replace("viscosity", "viscosty"), encoding="utf-8")
-    assert call("run.py", "small", folder=folder.parent, program=program).returncode == 3
-    gather(folder, program)
+    batch("run.py", "small", status=3)
+    gather()
     row = rows_of(folder)["case_0001"]
     assert row["status"] == "failed"
     assert "viscosty: found an unknown key" in row["reason"]
     assert row["h_min [m]"] == ""
 
 
-def test_pandas_and_xarray_open_it_without_a_word(folder, program):
+def test_pandas_and_xarray_open_it_without_a_word(batch, gather, folder):
     pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
     (folder / "cases" / "case_0004.h5").unlink()
-    gather(folder, program)
+    gather()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with xarray.open_dataset(folder / "gathered.h5", engine="h5netcdf") as data:
@@ -184,8 +179,7 @@ def test_pandas_and_xarray_open_it_without_a_word(folder, program):
             assert data["h_min"].attrs["units"] == "m"
             assert list(data["status"].values) == ["done", "not converged", "done", "not run"]
             assert np.isnan(data["h_min"].sel(case="case_0004"))
-            chosen = data.where(data["status"] == "done", drop=True)
-            assert chosen.sizes == {"case": 2}
+            assert data.where(data["status"] == "done", drop=True).sizes == {"case": 2}
             frame = data.to_dataframe()
         table = pandas.read_csv(folder / "gathered.csv")
     assert list(table.columns[:4]) == ["case", "load.hertz_pressure [Pa]", "solver.max_cycles [1]", "status"]
@@ -193,16 +187,16 @@ def test_pandas_and_xarray_open_it_without_a_word(folder, program):
     assert set(heads.values()) > set(table.columns) - {"case"}
     assert {heads[name] for name in ("reason", "h_min", "p_max")} < set(table.columns)
     assert len(table.columns) < 30 and not any("extrapolated" in name for name in table.columns)
-    assert call("gather.py", folder.name, "--all", folder=folder.parent, program=program).returncode == 0
+    batch("gather.py", folder.name, "--all")
     assert list(pandas.read_csv(folder / "gathered.csv").columns) == ["case", *heads.values()]
     np.testing.assert_array_equal(table["h_min [m]"], frame["h_min"])
 
 
-def test_a_parameter_with_the_name_of_a_result(tmp_path, program):
+def test_a_parameter_with_the_name_of_a_result(batch, gather, tmp_path, program):
     text = 'base = "base.nml"\n[vary]\nh_min = [1.0, 2.0]\n[formula]\nload.hertz_pressure = "h_min*4e8"\n'
     folder = swept(tmp_path, program, text)
-    assert call("run.py", "small", folder=tmp_path, program=program).returncode == 0
-    gather(folder, program)
+    batch("run.py", "small")
+    gather()
     with h5py.File(folder / "gathered.h5") as file:
         assert list(file["h_min"]) == [1.0, 2.0]
         assert 0 < file["summary_h_min"][0] < 1e-5
@@ -273,12 +267,9 @@ def test_a_process_that_is_killed_leaves_the_older_table(folder, tmp_path):
         "gather.ProcessPoolExecutor = lambda jobs, context, start: pool(jobs, context, os._exit, (1,));"
         "sys.exit(gather.main([sys.argv[2]]))"
     )
-    command = [sys.executable, "-c", script, str(ROOT / "batch"), str(many)]
-    done = called(command)
-    assert (done.returncode, done.stderr) == (
-        3,
-        f"gather.py: {many / 'cases'}: a process that reads results was ended, by somebody or for lack of memory\n",
-    )
+    done = ended(called([sys.executable, "-c", script, str(ROOT / "batch"), str(many)]), 3)
+    words = "a process that reads results was ended, by somebody or for lack of memory"
+    assert done.stderr == f"gather.py: {many / 'cases'}: {words}\n"
     assert (many / "gathered.h5").read_text(encoding="utf-8") == "older"
 
 
@@ -294,10 +285,10 @@ def with_words(path, name, words):
 
 
 @pytest.mark.parametrize("words", ["seven", "eight888"])
-def test_words_in_a_column_of_numbers_are_kept(folder, program, words):
+def test_words_in_a_column_of_numbers_are_kept(gather, folder, words):
     """Of any length, also that of a number."""
     with_words(folder / "cases" / "case_0003.h5", "cycles", words)
-    gather(folder, program, "--all")
+    gather("--all")
     with h5py.File(folder / "gathered.h5") as file, h5py.File(folder / "cases" / "case_0001.h5") as result:
         assert file["report_cycles"].asstr()[2] == words
         assert float(file["report_cycles"].asstr()[0]) == result["report/cycles"][()]

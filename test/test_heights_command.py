@@ -65,10 +65,23 @@ class Sample:
         self.z = np.round(size * source.standard_normal(self.shape), self.digits)
         self.step = self.chance.choice([0.5, 2.0, 0.125, 3.0])
         self.first = self.chance.choice([0.0, 12.5, -4.0])
-        self.options = []
-        self.header = []
-        self.columns = {}
-        getattr(self, kind.replace(" ", "_"))()
+        self.options, self.header = [], []
+        x, z = self.positions(), self.z
+        columns = {
+            "two columns": {"x": x, "z": z},
+            "turned": {"x": x[::-1], "z": z},
+            "constant y": {"X": x, "Y": np.full(self.shape, 7.0), "Z": z},
+            "running number": {"No": np.arange(z.size), "X": x, "Z": z},
+            "more columns": {"Time": np.arange(z.size), "x": x, "raw": z**2, "z": z, "Intensity": -z},
+            "chosen": {"a": z * 3, "b": x, "c": z, "d": -z},
+        }
+        self.columns = columns.get(kind, {})
+        if kind == "turned":
+            self.z = z[::-1].copy()
+        elif kind == "chosen":
+            self.options = ["--columns", self.chance.choice(["b,c", "2,3", "2,c"]), "--unit", ",".join(self.units)]
+        elif not self.columns:
+            getattr(self, kind.replace(" ", "_"))()
 
     def cell(self, number):
         thousands = {".": ["", "'", "," * self.quoted], ",": ["", "."]}[self.decimal] if abs(self.z).max() > 1000 else [""]
@@ -93,26 +106,6 @@ class Sample:
         line = [form.format(name, word) if word else name for name, word in zip(self.columns, words, strict=True)]
         return [["# " * (way == "comment") + line[0], *line[1:]]]
 
-    def two_columns(self):
-        self.columns = {"x": self.positions(), "z": self.z}
-
-    def turned(self):
-        self.z = self.z[::-1].copy()
-        self.columns = {"x": self.positions()[::-1], "z": self.z[::-1]}
-
-    def constant_y(self):
-        self.columns = {"X": self.positions(), "Y": np.full(self.shape, 7.0), "Z": self.z}
-
-    def running_number(self):
-        self.columns = {"No": np.arange(self.z.size), "X": self.positions(), "Z": self.z}
-
-    def more_columns(self):
-        self.columns = {"Time": np.arange(self.z.size), "x": self.positions(), "raw": self.z**2, "z": self.z, "Intensity": -self.z}
-
-    def chosen(self):
-        self.columns = {"a": self.z * 3, "b": self.positions(), "c": self.z, "d": -self.z}
-        self.options = ["--columns", self.chance.choice(["b,c", "2,3", "2,c"]), "--unit", ",".join(self.units)]
-
     def matrix_area(self):
         self.matrix = self.z
         self.options = ["--spacing", f"{self.step}{self.units[0]}", "--unit", ",".join(self.units)]
@@ -124,24 +117,16 @@ class Sample:
 
     def calibrated_area(self):
         self.matrix = self.z
-        self.header = [
-            ["Model", "X-0000"],
-            ["XY calibration", f"{self.step:.4f}", f"{self.units[0]}/pixel"],
-            ["Unit", self.units[1]],
-            [],
-        ]
+        calibration = ["XY calibration", f"{self.step:.4f}", f"{self.units[0]}/pixel"]
+        self.header = [["Model", "X-0000"], calibration, ["Unit", self.units[1]], []]
         self.separator, self.decimal, self.quoted = ",", ".", 1
 
     def exported_area(self):
         self.matrix = self.z
         width, height = (n * self.step for n in self.z.shape[::-1])
         word = self.chance.choice(UNITS[self.units[1]][:1])
-        self.header = [
-            ["# Channel: Topography"],
-            [f"# Width: {width!r} {self.units[0]}"],
-            [f"# Height: {height!r} {self.units[0]}"],
-        ]
-        self.header += [[f"# Value units: {word}"]]
+        sizes = [f"{name}: {size!r} {self.units[0]}" for name, size in (("Width", width), ("Height", height))]
+        self.header = [[f"# {line}"] for line in ("Channel: Topography", *sizes, f"Value units: {word}")]
         self.separator, self.decimal, self.quoted = "\t", ".", 0
 
     def list_of_area(self):
@@ -158,10 +143,8 @@ class Sample:
         if not self.columns:
             return self.header + [[self.cell(z) for z in row] for row in self.matrix]
         formats = {name: (lambda v: str(int(v))) if name in ("No", "Time") else self.cell for name in self.columns}
-        rows = [
-            [formats[name](v) for name, v in zip(self.columns, row, strict=True)]
-            for row in zip(*self.columns.values(), strict=True)
-        ]
+        cells = zip(*self.columns.values(), strict=True)
+        rows = [[formats[name](v) for name, v in zip(self.columns, row, strict=True)] for row in cells]
         return self.names() + rows
 
     def data(self):
@@ -250,11 +233,7 @@ REFUSED = {
     ),
     "channel": ("x_mm;z_um\n" + PROFILE, ["--channel", "1"], "found --channel, expected it for an instrument only"),
     "spacing and positions": ("x_mm;z_um\n" + PROFILE, ["--spacing", "2mm"], "0.001 m apart"),
-    "two spacings": (
-        '"Pixel size","2","um"\n1,2,1\n2,1,2\n',
-        ["--spacing", "3um"],
-        "2e-06 m in the file, but 3e-06 m in --spacing",
-    ),
+    "spacings": ('"Pixel size","2","um"\n1,2,1\n2,1,2\n', ["--spacing", "3um"], "2e-06 m in the file, but 3e-06 m in --spacing"),
     "spacing without unit": ("1 2 1 2\n2 1 2 1\n", ["--spacing", "2"], "--spacing: found '2', expected a length > 0 with its unit"),
     "thousands": ("0;1,234\n1;2,345\n2;1,111\n", ["--unit", "um"], "expected --decimal . or ,"),
     "one number or two": ("0,5\n1,5\n2,5\n", ["--unit", "um"], "one number or several, expected --decimal ."),
@@ -273,9 +252,8 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_is_in_doubt_is_refused(convert, tmp_path, name):
-    text, options, words = REFUSED[name]
+@pytest.mark.parametrize(("text", "options", "words"), REFUSED.values(), ids=REFUSED)
+def test_what_is_in_doubt_is_refused(convert, tmp_path, text, options, words):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     status, said = convert("scan.txt", "out.h5", *options)
     assert (status, said.startswith("asperity-heights: scan.txt: ") or said.startswith("asperity-heights: ")) == (1, True)
@@ -291,12 +269,7 @@ READ = {
     "one column": ("0,5\n1,5\n2,25\n", ["--unit", "um", "--decimal", ",", "--spacing", "2"], [0.5, 1.5, 2.25], [2]),
     "Fortran": ("0 1.5D-1\n1 2.5d0\n2 -1D0\n", ["--unit", "um"], [0.15, 2.5, -1], [1]),
     "mark": ("0 1\n1 999\n2 3\n3 2\n", ["--unit", "um", "--missing", "999", "--fill"], [1, 2, 3, 2], [1]),
-    "mark that is a position too": (
-        "0 1\n1 2\n2 1\n3 0\n4 3\n",
-        ["--unit", "um", "--missing", "1", "--fill"],
-        [2, 2, 1, 0, 3],
-        [1],
-    ),
+    "mark is a position": ("0 1\n1 2\n2 1\n3 0\n4 3\n", ["--unit", "um", "--missing", "1", "--fill"], [2, 2, 1, 0, 3], [1]),
     "blank rows": ("x_um;z_um;\n0;1;\n1;2;\n2;5;\n;;\n", [], [1, 2, 5], [1]),
     "word": ("0;1\n1;out\n2;3\n", ["--unit", "um", "--missing", "out", "--fill"], [1, 2, 3], [1]),
     "no mark": ("0 1\n1 2\n2 3\n3 -9999\n", ["--unit", "um", "--missing", "none"], [1, 2, 3, -9999], [1]),
@@ -314,9 +287,8 @@ READ = {
 }
 
 
-@pytest.mark.parametrize("name", READ)
-def test_what_is_said_is_read(convert, tmp_path, name):
-    text, options, z, spacing = READ[name]
+@pytest.mark.parametrize(("text", "options", "z", "spacing"), READ.values(), ids=READ)
+def test_what_is_said_is_read(convert, tmp_path, text, options, z, spacing):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     status, words = convert("scan.txt", "out.h5", *options)
     assert status == 0, words
@@ -335,12 +307,8 @@ def test_arrays_of_numpy(convert, tmp_path):
     np.save(tmp_path / "xz.npy", np.column_stack([np.arange(12) * 0.5, z[:, 0]]))
     assert convert("xz.npy", "out.h5", "--unit", "mm,um")[0] == 0
     np.testing.assert_allclose(written()[0], z[:, 0].astype(float) * 1e-6, rtol=1e-12)
-    for name, array in {
-        "text": np.array(["a"]),
-        "object": np.array([{}]),
-        "three": np.zeros((2, 2, 2)),
-        "none": np.zeros(0),
-    }.items():
+    others = {"text": np.array(["a"]), "object": np.array([{}]), "three": np.zeros((2, 2, 2)), "none": np.zeros(0)}
+    for name, array in others.items():
         np.save(tmp_path / f"{name}.npy", array)
         assert convert(f"{name}.npy", "new.h5", "--unit", "um", "--spacing", "2")[0] == 1
     whole = (tmp_path / "z.npy").read_bytes()
@@ -404,9 +372,8 @@ def test_without_the_library_it_is_said(tmp_path):
     folders = [str(tmp_path), str(ROOT / "python")]
     command = f"import sys; sys.path[:0] = {folders!r}; import asperity.heights as h; sys.exit(h.main())"
     done = ended(called([sys.executable, "-c", command, "scan.x3p", "out.h5"], cwd=tmp_path), 1)
-    assert (
-        f"scan.x3p: found no text; the files of instruments need a library: {sys.executable} -m pip install Surface" in done.stderr
-    )
+    words = f"scan.x3p: found no text; the files of instruments need a library: {sys.executable} -m pip install Surface"
+    assert words in done.stderr
 
 
 @pytest.fixture
@@ -436,9 +403,8 @@ def test_area_of_an_instrument(library, convert, tmp_path, ending):
     np.testing.assert_allclose(written()[1], [2e-6, 4e-6], rtol=1e-12)
     assert "found --spacing, expected it for a table only" in convert(f"scan.{ending}", "out.h5", "--spacing", "1um")[1]
     assert "expected no --unit" in convert(f"scan.{ending}", "out.h5", "--unit", "mm")[1]
-    assert (
-        "found 1 channels of heights (1 Default), expected --channel N" in convert(f"scan.{ending}", "out.h5", "--channel", "3")[1]
-    )
+    told = convert(f"scan.{ending}", "out.h5", "--channel", "3")[1]
+    assert "found 1 channels of heights (1 Default), expected --channel N" in told
     data = bytearray((tmp_path / f"scan.{ending}").read_bytes())
     for seed in range(6):
         damaged = data[: len(data) // 2] if seed == 0 else bytearray(data)

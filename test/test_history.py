@@ -16,11 +16,8 @@ CASE = (
     .replace("intervals = 256", "intervals = 128")
     + "&time transient = .true. /\n&accuracy error_bars = .false. /\n&output adequacy = .false. /\n&history file = 'h.csv' /\n"
 )  # fmt: skip
-OPEN = (
-    CASE.replace("&load load_per_length = 1e5 /\n", "")
-    .replace("reduced_radius = 0.01, ", "")
-    .replace(", speed_1 = 0.1, speed_2 = 1.1", "")
-)
+OPEN = CASE.replace("&load load_per_length = 1e5 /\n", "").replace("reduced_radius = 0.01, ", "")
+OPEN = OPEN.replace(", speed_1 = 0.1, speed_2 = 1.1", "")
 ROWS = f"time [s],{LOAD}\n0,1e5\n1e-3,1.2e5\n"
 NAMES = f", expected names with units: time [s] or angle [deg], then any of {LOAD}, {RADIUS}, {U1}, {U2}"
 RADII = f", expected a number from 1.00000E-09 to 1.00000E+09 in {RADIUS}"
@@ -55,10 +52,7 @@ DAMAGED = {
     "no load": (ROWS.replace("1.2e5", "0"), ":3: found '0'" + LOADS),
     "infinite": (ROWS.replace("1.2e5", "Inf"), ":3: found 'Inf'" + LOADS),
     "NaN": (ROWS.replace("1.2e5", "NaN"), ":3: found 'NaN'" + LOADS),
-    "no radius": (
-        f"time [s],{RADIUS}\n0,0\n1,1\n",
-        ":2: found '0'" + RADII,
-    ),
+    "no radius": (f"time [s],{RADIUS}\n0,0\n1,1\n", ":2: found '0'" + RADII),
     "no span": (ROWS.replace("1e-3", "1e-300"), ": found a table over 1.00E-300 s, expected at least 1.E-12 s"),
     "angles": (ROWS.replace("time [s]", "angle [deg]"), ": found angles, expected &history speed_rpm with them"),
     "rest": (f"time [s],{U1},{U2}\n0,1,-1\n1,1,1\n", ": found speed_1 + speed_2 = 0 in the first row, " + MOTION),
@@ -114,9 +108,8 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("name", OTHERS)
-def test_what_does_not_go_with_a_history(run_case, tmp_path, name):
-    old, new, words = OTHERS[name]
+@pytest.mark.parametrize(("old", "new", "words"), OTHERS.values(), ids=OTHERS)
+def test_what_does_not_go_with_a_history(run_case, tmp_path, old, new, words):
     write(tmp_path, "h.csv", ROWS)
     (finding,) = run_case(CASE.replace(old, new), "--check", status=1).stderr.splitlines()
     assert finding.endswith(words)
@@ -127,9 +120,8 @@ def test_all_findings_are_told_at_once(run_case, tmp_path):
     write(tmp_path, "h.csv", DAMAGED["gap"][0])
     case = CASE.replace("'h.csv'", "'h.csv', interpolation = 'spline'").replace("= 0.14", "= -1.0")
     lines = run_case(case, "--check", status=1).stderr.splitlines()
-    for line, words in zip(
-        lines, ["viscosity: found -1.0", "interpolation: found 'spline'", "file: h.csv:3: found nothing"], strict=True
-    ):
+    expected = ["viscosity: found -1.0", "interpolation: found 'spline'", "file: h.csv:3: found nothing"]
+    for line, words in zip(lines, expected, strict=True):
         assert words in line
     for content in (ROWS, ROWS.replace("\n", "\r\n"), "\ufeff" + ROWS, "# Öl\n\n" + ROWS.replace(",", " , ")):
         write(tmp_path, "h.csv", content)
@@ -330,10 +322,8 @@ def test_bars_of_a_quasi_steady_history_are_its_own(solved_cases, tmp_path):
 
 def test_heat_over_time_is_that_of_each_moment(solved_cases, run_case, tmp_path):
     """At the end of a slow rise of the load that of the steady contact; refused where a surface comes to rest."""
-    warm = CASE.replace("viscosity = 0.14", "viscosity = 0.04").replace(
-        "speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 2.0, speed_2 = 3.0"
-    )
-    warm += "&thermal temperature = 40 /\n"
+    warm = CASE.replace("viscosity = 0.14", "viscosity = 0.04") + "&thermal temperature = 40 /\n"
+    warm = warm.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 2.0, speed_2 = 3.0")
     steady = warm.replace("&history file = 'h.csv' /\n", "").replace("transient = .true.", "transient = .false.")
     table(tmp_path, [0, 0.2, 0.3], load=[5e4, 1e5, 1e5])
     in_time, at_rest = solved_cases(in_time=warm, at_rest=steady)
@@ -363,17 +353,7 @@ def test_a_history_starts_where_kappa_has_no_steady_film(run_case, tmp_path):
     """Its first moment is then that of upwind2. (Found among random histories that rest.)"""
     clock = np.array([0, 0.79, 1.38, 2.08, 2.69, 3.04, 3.45, 3.83, 4.16]) * 1e-3
     load = [50494.458, 26033.046, 45459.466, 55501.0, 23848.226, 33704.133, 52338.766, 78026.512, 30802.05]
-    radius = [
-        7.4269250e-3,
-        9.5823305e-3,
-        5.2359379e-3,
-        3.2515197e-3,
-        7.859683e-3,
-        2.664598e-3,
-        7.8469832e-3,
-        8.3820254e-3,
-        6.529826e-3,
-    ]
+    radius = 1e-3 * np.array([7.426925, 9.5823305, 5.2359379, 3.2515197, 7.859683, 2.664598, 7.8469832, 8.3820254, 6.529826])
     u1 = np.array([1, 0.56750186, 0.37105659, 0.73437089, 0, 0, 0.94599433, 0.2885986, 0.6640286])
     table(tmp_path, clock, load=load, radius=radius, u1=u1, u2=2.8742443 * u1)
     case = OPEN.replace("x_inlet = -3.0, x_outlet = 3.0, intervals = 128", "intervals = 3584").replace("0.14", "0.031")

@@ -19,11 +19,9 @@ P_H, FILM, TIME = 601736020.0, 1.124901e-06, 0.021484375
 EXPONENTIAL = f"&asperities law = 'exponential', rms_height = 2e-7, contact_pressure = {2 * P_H}, decay_length = 9e-8 /\n"
 TRIPP = "&asperities law = 'greenwood_tripp', rms_height = 2e-7, density_radius_height = 0.05, height_over_radius = 0.01, "
 TABLE = "&asperities law = 'table', rms_height = 1.8e-7, file = 'law.csv' /\n"
-GAPS = (
-    "1.475926 1.5332689 1.598324 1.6658249 1.7604534 1.937559 2.1969078 2.5292601 2.7394507 2.9985575 3.3345119 3.7009375 4.1409305"
-)
-PRESSURES = "250 225 200 175 150 125 100 75 62.5 50 37.5 25 12.5"
-LAW = "gap [m],pressure [Pa]\n" + "".join(f"{g}e-7,{p}e6\n" for g, p in zip(GAPS.split(), PRESSURES.split(), strict=True))
+ROWS = "1.475926,250 1.5332689,225 1.598324,200 1.6658249,175 1.7604534,150 1.937559,125 2.1969078,100 2.5292601,75 2.7394507,62.5"
+ROWS += " 2.9985575,50 3.3345119,37.5 3.7009375,25 4.1409305,12.5"
+LAW = "gap [m],pressure [Pa]\n" + "".join(f"{row.replace(',', 'e-7,')}e6\n" for row in ROWS.split())
 # Speed, the groups; H at X = 0 (separation), smallest mean gap, largest total pressure, share of load; first and last full node.
 PROTOTYPE = {
     "exponential": (0.1, EXPONENTIAL, (0.12440346, 0.10843424, 0.96924398, 0.55892804), (-3.9785156, 0.8984375)),
@@ -43,9 +41,8 @@ def case_of(speed, groups):
     return CASE.format(slow=0.1 * speed, fast=1.1 * speed) + groups
 
 
-@pytest.mark.parametrize("name", PROTOTYPE)
-def test_numbers_of_the_prototype(solved_case, tmp_path, name):
-    speed, groups, expected, ends = PROTOTYPE[name]
+@pytest.mark.parametrize(("speed", "groups", "expected", "ends"), PROTOTYPE.values(), ids=PROTOTYPE)
+def test_numbers_of_the_prototype(solved_case, tmp_path, speed, groups, expected, ends):
     write(tmp_path, "law.csv", LAW)
     with solved_case(case_of(speed, groups) + LEAN) as file:
         fields = {key: value[()] for key, value in file["solution"].items() if value.ndim == 1}
@@ -85,10 +82,9 @@ SLOW = """&case problem = 'ehl_line' /
 STARVED = {"dry": (4e-8, case_of(0.003, EXPONENTIAL)), "shared": (7e-8, case_of(0.03, EXPONENTIAL)), "smoother": (9e-10, SLOW)}
 
 
-@pytest.mark.parametrize("name", STARVED)
-def test_what_arrives_passes_the_centre(solved_case, name):
+@pytest.mark.parametrize(("supply", "text"), STARVED.values(), ids=STARVED)
+def test_what_arrives_passes_the_centre(solved_case, supply, text):
     """Films of a few nanometres, starved: the front lies where pressures are high, and moves far when a little less oil arrives."""
-    supply, text = STARVED[name]
     with solved_case(text + f"&supply film = {supply} /\n" + LEAN) as file:
         gap = file["solution/film_thickness"]
         content = gap[()] * gap.attrs["si_scale"] * file["solution/density"][()] * file["solution/saturation"][()]
@@ -235,21 +231,17 @@ def test_a_dry_sweep_is_a_law(run_case, asperity, tmp_path):
 
 
 TABLES = {
-    "rises": ("1e-7,2e8\n2e-7,3e8\n", "found 3.000E+08 Pa at 2.000E-07 m behind 2.000E+08 Pa at 1.000E-07 m, expected a"),
-    "one row": ("1e-7,2e8\n", "found 1 row, expected names with units and at least two rows"),
-    "negative": ("1e-7,2e8\n2e-7,-1\n", "found '-1', expected a number from"),
+    "1e-7,2e8\n2e-7,3e8\n": "found 3.000E+08 Pa at 2.000E-07 m behind 2.000E+08 Pa at 1.000E-07 m, expected a",
+    "1e-7,2e8\n": "found 1 row, expected names with units and at least two rows",
+    "1e-7,2e8\n2e-7,-1\n": "found '-1', expected a number from",
 }
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_a_bad_table_is_refused(run_case, tmp_path, name):
-    rows, reason = TABLES[name]
-    write(tmp_path, "law.csv", "gap [m],pressure [Pa]\n" + rows)
-    assert reason in run_case(case_of(1, TABLE), "--check", status=1).stderr
-
-
-def test_files_that_hold_no_law_are_refused(run_case, solved_case):
+def test_files_that_hold_no_law_are_refused(tmp_path, run_case, solved_case):
     told = run_case(case_of(1, TABLE), "--check", status=1).stderr
     assert told == "case.nml:8: &asperities file: law.csv: no such file\n"
+    for rows, reason in TABLES.items():
+        write(tmp_path, "law.csv", "gap [m],pressure [Pa]\n" + rows)
+        assert reason in run_case(case_of(1, TABLE), "--check", status=1).stderr
     solved_case(STEADY + LEAN, name="film").close()
     assert "film.h5" in run_case(case_of(1, TABLE.replace("law.csv", "film.h5")), "--check", status=1).stderr

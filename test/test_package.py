@@ -35,10 +35,12 @@ def test_a_path_a_text_and_a_mapping_are_the_same_case(minimal):
     assert asperity.run(groups).case.todict() == groups.todict()
 
 
-def test_examples_come_with_the_package():
+def test_examples_and_the_version_of_the_program():
     assert asperity.example("minimal.nml") == MINIMAL
     with pytest.raises(asperity.AsperityError, match=r"case1\.nml"):
         asperity.example("none.nml")
+    version = tomllib.loads((ROOT / "fpm.toml").read_text())["version"]
+    assert re.fullmatch(r"asperity (\S+) \(commit \S+\)", asperity.version())[1] == version
 
 
 def test_fields_and_summary_are_in_si(minimal, tmp_path):
@@ -59,10 +61,7 @@ def test_fields_and_summary_are_in_si(minimal, tmp_path):
     assert re.search(r"h_min +\d+(\.\d+)?e-07 m \+- \d", repr(result))
     even = asperity.run(MINIMAL.read_text() + "&domain grid = 'even' /\n")
     assert re.search(r"p_central +5\.81e\+08 Pa \+- 0\.35 %", repr(even))
-
-
-def test_the_central_pressure_is_shown_beside_a_spike_only():
-    assert "p_central" not in repr(asperity.run(ROOT / "input" / "case1.nml"))
+    assert "p_central" not in repr(asperity.run(ROOT / "input" / "case1.nml"))  # there is no spike
 
 
 def test_a_passage_has_time_and_place_as_coordinates():
@@ -85,8 +84,7 @@ def test_areas_and_loads_of_a_dry_contact():
     assert result.pressure.dims == ("y", "x")
     assert result.sweep.contact_area_fraction.size == 3
     assert float(result.film.min()) >= 0
-    mean = float(result.pressure.mean())
-    assert mean == pytest.approx(float(result.sweep.mean_pressure[-1]), rel=1e-6)
+    assert float(result.pressure.mean()) == pytest.approx(float(result.sweep.mean_pressure[-1]), rel=1e-6)
 
 
 def test_findings_have_line_group_and_key():
@@ -145,10 +143,6 @@ def test_what_is_no_result(tmp_path, content):
         asperity.read(tmp_path / "b.h5")
 
 
-def test_the_version_is_that_of_the_program(asperity_version=re.compile(r"asperity (\S+) \(commit \S+\)")):
-    assert asperity_version.fullmatch(asperity.version())[1] == tomllib.loads((ROOT / "fpm.toml").read_text())["version"]
-
-
 def command(name, *arguments):
     code = f"import sys; from asperity.commands import {name}; sys.argv[0] = {name!r}; {name}()"
     environment = os.environ | {"MPLBACKEND": "agg"}
@@ -159,8 +153,7 @@ def test_commands(tmp_path):
     assert command("asperity", MINIMAL, "--quiet").returncode == 0
     assert command("plot", "profile", "minimal.h5", "--format", "png").returncode == 0
     assert np.ptp(np.asarray(Image.open(next(tmp_path.glob("minimal*.png"))))) > 0
-    unknown = ended(command("plot", "nothing"), 1)
-    assert "profile" in unknown.stderr
+    assert "profile" in ended(command("plot", "nothing"), 1).stderr
     assert "sweep" in command("batch", "--help").stdout
     assert command("batch", "gather", "--help").returncode == 0
 
@@ -182,13 +175,8 @@ def wheel(program, tmp_path_factory):
 def test_the_wheel_carries_program_and_scripts(wheel):
     assert re.fullmatch(r"asperity-[\d.]+-py3-none-manylinux_2_\d+_\w+(\.manylinux\w+)*\.whl", wheel.name)
     names = zipfile.ZipFile(wheel).namelist()
-    assert {
-        "asperity/bin/asperity",
-        "asperity/postproc/profile.py",
-        "asperity/batch/sweep.py",
-        "asperity/py.typed",
-        "asperity/input/minimal.nml",
-    } <= set(names)
+    carried = {"bin/asperity", "postproc/profile.py", "batch/sweep.py", "py.typed", "input/minimal.nml"}
+    assert {f"asperity/{name}" for name in carried} <= set(names)
     assert any(re.match(r"asperity\.libs/libgomp-.*\.so", name) for name in names)  # of others what is not in the program
 
 
@@ -222,9 +210,8 @@ def test_a_plain_fpm_install_from_a_tarball(program, tmp_path):
     environment = {**os.environ, "PATH": f"{sys.prefix}/bin:{os.environ['PATH']}"}
     if (ROOT / ".pc").is_dir():  # of two HDF5 libraries, the serial one
         environment["PKG_CONFIG_PATH"] = str(ROOT / ".pc")
-    subprocess.run(
-        ["fpm", "install", "--prefix", tmp_path / "there"], cwd=tmp_path, env=environment, check=True, capture_output=True
-    )
+    command = ["fpm", "install", "--prefix", tmp_path / "there"]
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)
     plain = tmp_path / "there" / "bin" / "asperity"
     assert "commit unknown" in subprocess.run([plain, "--version"], capture_output=True, text=True, check=True).stdout
     cases = sorted((tmp_path / "input").rglob("*.nml"))

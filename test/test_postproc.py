@@ -4,9 +4,9 @@ import contextlib
 import importlib.util
 import io
 import re
+import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
@@ -16,35 +16,26 @@ import pytest
 import result_maker
 from cases import STEADY, STOKES, called, ended, seal
 from conftest import ROOT
+from dry_cases import case_text
+
+sys.path.append(str(ROOT / "postproc"))
+
+import figure_style
+from result_file import read_result
 
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
 RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
 
 
-@dataclass
-class Done:
-    returncode: int
-    stdout: str
-    stderr: str
-
-
 def load(script: str) -> ModuleType:
     """A script of postproc/ as a module; under its own name 'profile' would hide Python's."""
-    folder = ROOT / "postproc"
-    if str(folder) not in sys.path:
-        sys.path.append(str(folder))
-    spec = importlib.util.spec_from_file_location(f"figures_{script}", folder / f"{script}.py")
+    spec = importlib.util.spec_from_file_location(f"figures_{script}", ROOT / "postproc" / f"{script}.py")
     sys.modules[spec.name] = module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def load_module(name: str) -> ModuleType:
-    load("profile")
-    return importlib.import_module(name)
-
-
-def run(script: str, *arguments: object) -> Done:
+def run(script: str, *arguments: object) -> subprocess.CompletedProcess:
     """Runs a script inside this process, which saves the second that its imports take."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
@@ -52,7 +43,7 @@ def run(script: str, *arguments: object) -> Done:
             status = load(script).main([str(argument) for argument in arguments])
         except SystemExit as end:
             status = int(end.code or 0)
-    return Done(status, out.getvalue(), err.getvalue())
+    return subprocess.CompletedProcess(script, status, out.getvalue(), err.getvalue())
 
 
 def drawn(script: str, *arguments: object) -> str:
@@ -90,18 +81,15 @@ def test_profile_draws_png_and_pdf(steady: Path, tmp_path: Path, si: tuple[str, 
 def test_far_inlet_leaves_the_units(asperity: Callable, tmp_path: Path) -> None:
     (tmp_path / "smooth.nml").write_text((ROOT / "input" / "minimal.nml").read_text())
     asperity("smooth.nml", "--quiet")
-    read = load_module("result_file").read_result(tmp_path / "smooth.h5", si=True)
+    read = read_result(tmp_path / "smooth.h5", si=True)
     assert abs(read.x[0]) > 100  # half-widths of 0.1 mm, with a film of millimetres
     assert [read.solution[name].axis(True).unit for name in ("x", "film_thickness", "pressure")] == ["µm", "µm", "MPa"]
 
 
-def test_profile_of_a_time(moving: Path, tmp_path: Path) -> None:
+def test_profile_of_a_time_and_convergence(steady: Path, moving: Path, tmp_path: Path) -> None:
     target = tmp_path / "deep" / "middle.png"
     drawn("profile", moving, "--time", 1.4, "--output", target)
     assert files_of(target.parent) == ["middle.png"]
-
-
-def test_convergence_draws(steady: Path, moving: Path, tmp_path: Path) -> None:
     drawn("convergence", steady, moving, "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == ["ridge_convergence.png", "smooth_convergence.png"]
 
@@ -114,20 +102,15 @@ def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: 
     assert first.split()[:2] == ["smooth", "129"]
     assert "+0.000%" in first
     assert second.split()[0] == "ridge"
-    done = ended(run("compare", steady), 1)
-    assert "at least two" in done.stderr
-
-
-def scaled(entry: str) -> str:
-    """An entry of a namelist with one and a half times its value."""
-    name, value = entry.split("=")
-    return f"{name}= {1.5 * float(value)!r}"
+    assert "at least two" in ended(run("compare", steady), 1).stderr
 
 
 @pytest.mark.parametrize("key", ["load_per_length = 1e5", "radius_1 = 0.01", "speed_2 = 1.1"])
 def test_compare_is_in_si_where_scales_differ(solved_cases: Callable, tmp_path: Path, key: str) -> None:
     """The change of the film that is printed is that of the film in metres, whatever of the case changes."""
-    films = [file["summary/h_min"][()] for file in solved_cases(one=STEADY, other=STEADY.replace(key, scaled(key)))]
+    name, value = key.split("=")
+    other = STEADY.replace(key, f"{name}= {1.5 * float(value)!r}")
+    films = [file["summary/h_min"][()] for file in solved_cases(one=STEADY, other=other)]
     said = drawn("compare", tmp_path / "one.h5", tmp_path / "other.h5", "--output", tmp_path / "out", "--format", "png")
     change = f"{100 * (films[1] / films[0] - 1):+8.3f}%".strip()
     assert change != "+0.000%"
@@ -189,7 +172,7 @@ def test_figures_of_the_program(run_case, tmp_path: Path) -> None:
     for script in ("profile", "convergence", "transient"):
         drawn(script, result, "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == [f"demo_{kind}" for kind in ("convergence.png", "film_strip.png", "profile.png", "xt.png")]
-    read = load_module("result_file").read_result(result, with_transient=True)
+    read = read_result(result, with_transient=True)
     (ridge,) = read.features
     assert (ridge.word, ridge.surface, ridge.position) == ("ridge", 2, -2.5)
     assert ridge.speed == pytest.approx(11 / 6, rel=1e-12)
@@ -212,7 +195,7 @@ def test_a_periodic_history_has_its_last_cycle_and_paths_there_and_back(run_case
     run_case(text + ridge + "&accuracy error_bars = .false. /\n", "--quiet", name="ring")
     drawn("transient", tmp_path / "ring.h5", "--si", "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == [f"ring_{part}.png" for part in ("film_strip", "history", "xt")]
-    read = load_module("result_file").read_result(tmp_path / "ring.h5", with_transient=True)
+    read = read_result(tmp_path / "ring.h5", with_transient=True)
     (path,), time = read.features, read.transient["time"].values
     assert np.ptp(path.centre(time)) * read.solution["x"].si_scale == pytest.approx(2e-4 / np.pi, rel=0.02)
     load("transient").keep_last_cycle(read)
@@ -226,7 +209,7 @@ def test_profiles_have_times_of_their_own(run_case, tmp_path: Path) -> None:
     for script in ("profile", "convergence", "transient"):
         extra = ("--time", 1.0) if script == "profile" else ()
         drawn(script, tmp_path / "demo.h5", "--output", tmp_path / "out", "--format", "png", *extra)
-    read = load_module("result_file").read_result(tmp_path / "demo.h5", with_transient=True)
+    read = read_result(tmp_path / "demo.h5", with_transient=True)
     assert read.transient["time"].values.size == 407
     assert read.profile_time.values == pytest.approx(read.transient["time"].values[::40], abs=0)
     assert read.transient["pressure"].values.shape[0] == 11
@@ -240,26 +223,19 @@ def test_profiles_have_times_of_their_own(run_case, tmp_path: Path) -> None:
 
 
 def test_results_of_older_versions_are_drawn(tmp_path: Path) -> None:
-    """Without profile_time the times of the numbers are those of the profiles."""
+    """Without profile_time the times of the numbers are those of the profiles; in files of layout 2 inputs are datasets."""
     result = result_maker.write_result(tmp_path / "old.h5", result_maker.passage(), RIDGE, has_profile_time=False)
     drawn("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip", "--format", "png")
-    read = load_module("result_file").read_result(result, with_transient=True)
+    read = read_result(result, with_transient=True)
     assert read.profile_time.values.size == read.transient["pressure"].values.shape[0]
-
-
-def test_inputs_that_are_datasets_are_read(tmp_path: Path) -> None:
-    """As in files of layout 2; since then they are attributes."""
-    result = result_maker.write_result(tmp_path / "old.h5", result_maker.passage(), RIDGE)
-    read = load_module("result_file").read_result
-    features = read(result).features
-    assert len(features) == 1
+    assert len(read.features) == 1
     with h5py.File(result, "a") as file:
         for group in file["input/effective"].values():
             for key, value in list(group.attrs.items()):
                 group[key] = value
                 del group.attrs[key]
     seal(result)
-    assert read(result).features == features
+    assert read_result(result).features == read.features
 
 
 MOES = """&case problem = 'ehl_line' /
@@ -306,8 +282,8 @@ def test_friction_draws_with_and_without_velocity(run_case, tmp_path: Path) -> N
         for options in ((), ("--si", "--window", -1, 1)):
             drawn("friction", tmp_path / f"{name}.h5", "--output", tmp_path / "out", "--format", "png", *options)
     assert files_of(tmp_path / "out") == ["passage_friction.png", "steady_friction.png"]
-    friction, read = load("friction"), load_module("result_file").read_result
-    result = read(tmp_path / "steady.h5")
+    friction = load("friction")
+    result = read_result(tmp_path / "steady.h5")
     found = friction.read_friction(tmp_path / "steady.h5", result)
     assert found.velocity.values.shape == (129, 9)
     assert not friction.has_times(result)
@@ -319,10 +295,9 @@ def test_friction_draws_with_and_without_velocity(run_case, tmp_path: Path) -> N
             assert min(abs(number - file[f"summary/{name}"][()]) for number in shown) < 0.1 * error
             assert min(abs(number - error) for number in shown) < 0.1 * error
     assert "largest in time" not in words
-    result = read(tmp_path / "passage.h5")
-    assert "largest in time; curves over $X$: $T$ = 0.500" in friction.caption(
-        friction.read_friction(tmp_path / "passage.h5", result), result
-    )
+    result = read_result(tmp_path / "passage.h5")
+    words = friction.caption(friction.read_friction(tmp_path / "passage.h5", result), result)
+    assert "largest in time; curves over $X$: $T$ = 0.500" in words
 
 
 def test_friction_of_a_chosen_time(run_case, tmp_path: Path, steady: Path) -> None:
@@ -338,8 +313,8 @@ def test_friction_of_a_chosen_time(run_case, tmp_path: Path, steady: Path) -> No
     for options in ((), ("--time", 0.25), ("--time", 0.25, "--si")):
         drawn("friction", path, "--output", tmp_path / "out", "--format", "png", *options)
     assert files_of(tmp_path / "out") == ["passage_friction.png"]
-    friction, style = load("friction"), load_module("figure_style")
-    result = load_module("result_file").read_result(path)
+    friction, style = load("friction"), figure_style
+    result = read_result(path)
     found = friction.read_friction(path, result, 0.25)
     with h5py.File(path) as file:
         for name, field in (found.stresses | found.contact).items():
@@ -417,11 +392,9 @@ def test_film_statistics_of_the_program(run_case, tmp_path: Path) -> None:
 
 def test_history_of_a_transient_is_cut_at_its_start(moving: Path, tmp_path: Path) -> None:
     convergence = load("convergence")
-    read = load_module("result_file").read_result
-    assert [part for _, part in convergence.sections(read(moving))] == [slice(0, 9)]
+    assert [part for _, part in convergence.sections(read_result(moving))] == [slice(0, 9)]
     bad = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
-    parts = convergence.sections(read(bad))
-    assert [part for _, part in parts] == [slice(0, 9), slice(9 + 3 * 80, None)]
+    assert [part for _, part in convergence.sections(read_result(bad))] == [slice(0, 9), slice(9 + 3 * 80, None)]
 
 
 def refused(script: str, path: Path, tmp_path: Path) -> str:
@@ -477,24 +450,17 @@ def test_missing_groups_and_fields(steady: Path, moving: Path, tmp_path: Path) -
         del file["solution/pressure"]
     seal(steady)
     assert "has no /solution/pressure" in refused("profile", steady, tmp_path)
-
-
-def test_one_bad_file_and_none_is_drawn(steady: Path, tmp_path: Path) -> None:
-    ended(run("profile", steady, tmp_path / "none.h5", "--output", tmp_path / "out"), 1)
+    # one bad file, and none is drawn
+    ended(run("profile", moving, tmp_path / "none.h5", "--output", tmp_path / "out"), 1)
     assert not (tmp_path / "out").exists()
-
-
-def test_output_is_a_file(steady: Path) -> None:
-    done = ended(run("profile", steady, "--output", steady), 3)
-    assert "cannot write" in done.stderr
+    assert "cannot write" in ended(run("profile", moving, "--output", moving), 3).stderr
 
 
 def test_si_of_a_dimensionless_study(tmp_path: Path) -> None:
     x, pressure, film = result_maker.smooth_contact()
     fields = {"x": x, "pressure": pressure, "film_thickness": film}
     result = result_maker.write_result(tmp_path / "moes.h5", fields, has_si=False)
-    done = ended(run("profile", result, "--si", "--output", tmp_path / "out"), 1)
-    assert "leave out --si" in done.stderr
+    assert "leave out --si" in ended(run("profile", result, "--si", "--output", tmp_path / "out"), 1).stderr
     assert run("profile", result, "--output", tmp_path / "out").returncode == 0
 
 
@@ -517,17 +483,11 @@ def test_values_that_are_not_finite(tmp_path: Path) -> None:
     ended(run("transient", result, "--output", tmp_path / "out", "--frames", 3, "--format", "png"))
 
 
-DRY = """&case problem = 'dry_line' /
-&bodies reduced_radius = 0.01, reduced_modulus = 226e9 /
-&load hertz_pressure = 0.5e9 /
-&surface_1 shape = 'parabola' /
-&domain length = 1e-3, intervals = 128 /
-"""
-
-
 def test_regime_of_any_result(solved_cases, tmp_path: Path) -> None:
     """A contact by the full momentum equations has its place; of a dry one the command says that it has none."""
-    solved_cases(stokes=STOKES.replace("256", "128"), dry=DRY)
+    body, domain = ", reduced_radius = 0.01", "&domain length = 1e-3, intervals = 128 /"
+    dry = case_text("shape = 'parabola'", [0.5e9], body, domain, key="hertz_pressure", modulus=226e9)
+    solved_cases(stokes=STOKES.replace("256", "128"), dry=dry)
     both = ended(run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png"))
     assert "dry: dry, without a film" in both.stdout
     assert "stokes: M 5.1" in both.stdout

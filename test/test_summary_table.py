@@ -11,8 +11,8 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from batch_runs import BATCH, ROOT, call, swept
-from cases import LONG, MOES, POINT, STEADY, TRANSIENT, ended, rows, write
+from cases import BATCH, LONG, MOES, POINT, ROOT, STEADY, TRANSIENT, ended, rows, swept, write
+from kill_and_resume import start
 from number_table import RowError, places_in, read_row
 from result_row import RowReader
 from test_batch_run import module_of
@@ -100,11 +100,8 @@ def test_what_a_killed_process_leaves_of_a_line_is_cut(asperity, tmp_path):
 def test_resume_computes_what_has_no_row(asperity, tmp_path):
     file = "&surface_1 shape = 'file', file = 'heights.csv' /\n"
     write(tmp_path, "heights.csv", "".join(f"{i * 2e-6},{1e-8 * (i % 7)}\n" for i in range(400)))
-    texts = {
-        "good": STEADY + BARE,
-        "few": STEADY + FEW + BARE,
-        "rough": STEADY.replace("speed_1 = 0.1", "speed_1 = 0") + file + BARE,
-    }
+    rough = STEADY.replace("speed_1 = 0.1", "speed_1 = 0") + file + BARE
+    texts = {"good": STEADY + BARE, "few": STEADY + FEW + BARE, "rough": rough}
     for name, text in texts.items():
         write(tmp_path, f"{name}.nml", text)
     arguments = [*(f"{name}.nml" for name in texts), "--quiet", "--outcomes", "--summary", "t.csv"]
@@ -167,24 +164,22 @@ def test_no_room_and_no_folder_for_the_row(program, tmp_path):
 
 def test_an_interrupted_passage_has_no_row(program, tmp_path):
     write(tmp_path, "long.nml", LONG)
-    process = subprocess.Popen([str(program), "long.nml", "--summary", "t.csv"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    time.sleep(1.5)
-    process.send_signal(signal.SIGINT)
-    words = process.communicate(timeout=cases.HANGING)[1]
+    with start(program, tmp_path, "--summary", "t.csv", name="long.nml") as process:
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        words = process.stderr.read()
     assert process.returncode == 4
     assert "interrupted without a checkpoint, nothing is kept of t.csv, the row of long.nml" in words
     assert [path.name for path in tmp_path.iterdir()] == ["long.nml"]
 
 
-def test_a_sweep_of_numbers_gathers_what_results_give(tmp_path, program):
+def test_a_sweep_of_numbers_gathers_what_results_give(batch, tmp_path, program):
     folder = swept(tmp_path, program)
     results = shutil.copytree(folder, tmp_path / "results")
     said = {}
     for path, option in ((folder, "--numbers"), (results, "--fields")):
-        said[option] = ended(call("run.py", path.name, "--jobs", "2", option, folder=tmp_path, program=program), 2).stdout
-        assert call("gather.py", path.name, "--all", folder=tmp_path, program=program).stdout.endswith(
-            ": 3 done, 1 not converged\n"
-        )
+        said[option] = batch("run.py", path.name, "--jobs", "2", option, status=2).stdout
+        assert batch("gather.py", path.name, "--all").stdout.endswith(": 3 done, 1 not converged\n")
     assert said["--numbers"] == said["--fields"]
     assert not list((folder / "cases").glob("*.h5"))
     with h5py.File(folder / "gathered.h5") as found, h5py.File(results / "gathered.h5") as wanted:
@@ -195,18 +190,17 @@ def test_a_sweep_of_numbers_gathers_what_results_give(tmp_path, program):
                 np.testing.assert_array_equal(found[name][()], wanted[name][()])
     # a second run keeps all rows, and one of a changed case appends its own
     before = (folder / "numbers.csv").read_bytes()
-    assert call("run.py", "small", "--numbers", folder=tmp_path, program=program).stdout == said["--numbers"]
+    assert batch("run.py", "small", "--numbers", status=2).stdout == said["--numbers"]
     assert (folder / "numbers.csv").read_bytes() == before
     namelist = folder / "cases" / "case_0004.nml"
     namelist.write_text(namelist.read_text(encoding="utf-8").replace("300000000.0", "350000000.0"), encoding="utf-8")
-    call("gather.py", "small", folder=tmp_path, program=program)
+    batch("gather.py", "small")
     assert "an earlier form of this case" in rows(folder / "gathered.csv")[3]["reason"]
-    assert call("run.py", "small", "--numbers", folder=tmp_path, program=program).returncode == 2
+    batch("run.py", "small", "--numbers", status=2)
     assert len(rows(folder / "numbers.csv")) == 5
     (folder / "numbers.csv").write_text("case,x\n", encoding="utf-8")
-    assert "numbers.csv: found another first line" in call("run.py", "small", "--numbers", folder=tmp_path, program=program).stdout
-    done = call("gather.py", "small", folder=tmp_path, program=program)
-    assert (done.returncode, "numbers.csv: is no table of asperity --summary" in done.stderr) == (1, True)
+    assert "numbers.csv: found another first line" in batch("run.py", "small", "--numbers", status=3).stdout
+    assert "numbers.csv: is no table of asperity --summary" in batch("gather.py", "small", status=1).stderr
 
 
 def test_many_cases_are_run_for_their_numbers(tmp_path, capsys):

@@ -9,11 +9,10 @@ import overtaking
 import pytest
 import trends
 import waviness
-from cases import rows
+from cases import rows, run_quick
 from conftest import ROOT
 from linear_response import Advection
 from study import Claims, Runner
-from study_runs import run_quick
 
 
 @pytest.fixture
@@ -33,9 +32,8 @@ def test_case_1_films_and_spatial_errors(program, tmp_path):
 
 def test_case_3_extremes_and_errors(runner):
     # 1024 intervals, dT = dX/2: references 0.2525 and 1.269 are rounded to the last digit.
-    cases = {
-        f"{n}_{factor:g}": chapter5.passage_case("case3", factor, n) for n, factor in ((512, 2), (512, 1), (1024, 1), (1024, 0.5))
-    }
+    steps = (512, 2), (512, 1), (1024, 1), (1024, 0.5)
+    cases = {f"{n}_{factor:g}": chapter5.passage_case("case3", factor, n) for n, factor in steps}
     found = runner.run(cases, chapter5.read_passage)
     given = found["1024_1"]
     assert given.film.min() == pytest.approx(0.2525, abs=1e-4)
@@ -51,9 +49,8 @@ def test_case_3_extremes_and_errors(runner):
 def test_film_thinning_quick_form(program, tmp_path):
     # 0.403, 0.294 and 0.470 to 0.005: in the study. Here all widths; the time error (5 to 10 %) shifts them alike.
     run_quick("chapter6.py", program, tmp_path)
-    found = {
-        (float(row["slip"]) > 1, float(row["load"]), int(row["m2"])): float(row["xi_a"]) for row in rows(tmp_path / "xi_quick.csv")
-    }
+    table = rows(tmp_path / "xi_quick.csv")
+    found = {(float(row["slip"]) > 1, float(row["load"]), int(row["m2"])): float(row["xi_a"]) for row in table}
     widths = [found[True, 1e5, m2] for m2 in range(1, 8)]
     assert widths == pytest.approx([0.4032, 0.4496, 0.4431, 0.4248, 0.4023, 0.3903, 0.4149], abs=0.0005)
 

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import STEADY, TRANSIENT, ended, text, write
+from dry_cases import write_profile
 
 WAVE = "&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 1e-4, position = 0.2 /\n"
 RIDGE = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4{} /\n"
@@ -35,8 +36,7 @@ def run(asperity, folder, surface, end, others="", extra=""):
 )
 def test_a_chosen_end_shows_everything(run_case, tmp_path, surface, expected):
     """Nothing is left to be told about the times; the last ridge or node leaves at |X| = 1."""
-    x = np.linspace(0, 1e-3, 201)
-    write(tmp_path, "z.csv", "x_m,z_m\n" + "".join(f"{a},{1e-8 * np.sin(6e4 * a)}\n" for a in x))
+    write_profile(tmp_path / "z.csv", 1e-8 * np.sin(0.3 * np.arange(201)), 5e-6)
     done = run_case(STEADY + surface + "&time transient = .true., time_step = 0.04 /\n", "--verbose", name="a")
     assert "end_time" not in done.stderr
     with h5py.File(tmp_path / "a.h5") as file:
@@ -77,9 +77,8 @@ def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
         values = series["h_min"][()]
         assert h_min.attrs["dimensionless"] == values[counted].min()
         scale = series["h_min"].attrs["si_scale"]
-        assert h_min.attrs["error_start"] == pytest.approx(
-            abs(values[counted].min() - values[earlier].min()) * scale, rel=1e-6, abs=0
-        )
+        change = abs(values[counted].min() - values[earlier].min())
+        assert h_min.attrs["error_start"] == pytest.approx(change * scale, rel=1e-6, abs=0)
         assert 0 < h_min.attrs["error_start"] < h_min.attrs["error_estimate"] < 0.2 * h_min[()]
         assert "note" not in file["report"]
         assert float(file["input/effective/time"].attrs["statistics_from"]) == begin
@@ -113,9 +112,7 @@ def test_a_ridge_without_a_place_begins_in_front(asperity, tmp_path):
     assert first == pytest.approx(other, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    ("position", "words"), [("0.3", "stands in the contact at T = 0"), ("-12.0", "still in the contact or in")]
-)
+@pytest.mark.parametrize(("position", "words"), [(0.3, "stands in the contact at T = 0"), (-12.0, "still in the contact or in")])
 def test_a_passage_that_is_not_whole_is_told(asperity, tmp_path, position, words):
     with run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 6.0) as (file, told):
         assert words in text(file["report/note"][()])
@@ -176,10 +173,8 @@ def test_what_is_asked_for_counts(asperity, tmp_path):
 )
 def test_statistics_begin_when_the_ridge_arrives(asperity, tmp_path, ridge, others, first):
     """The smooth film before it is no peak of the distribution, unless asked for; what never arrives leaves all times."""
-    with run(asperity, tmp_path, ridge, 12.0 if "surface_1" in ridge else 5.0, others, "&output film_thresholds = 4e-7 /\n") as (
-        file,
-        _,
-    ):
+    end = 12.0 if "surface_1" in ridge else 5.0
+    with run(asperity, tmp_path, ridge, end, others, "&output film_thresholds = 4e-7 /\n") as (file, _):
         time, films = file["transient/time"][()], file["transient/h_min"]
         values = films[()] * films.attrs["si_scale"]
         begin = file["statistics"].attrs["statistics_from"]

@@ -108,10 +108,9 @@ ROUGHNESS = {
 
 
 @pytest.mark.path
-@pytest.mark.parametrize("name", ROUGHNESS)
-def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, name):
+@pytest.mark.parametrize(("case", "words", "is_mixed"), ROUGHNESS.values(), ids=ROUGHNESS)
+def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, case, words, is_mixed):
     """The same outcome in the file, the closing table, the outcomes, the table of results, and of --resume."""
-    case, words, is_mixed = ROUGHNESS[name]
     write(tmp_path, "a.nml", changed(case, ("speed_2 = 1.1", f"speed_2 = 1.1, {words}")))
     done = ended(asperity("a.nml"), 2 if is_mixed else 0)
     with h5py.File(tmp_path / "a.h5") as file:
@@ -120,14 +119,14 @@ def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, name)
         assert file.attrs["converged"] == 1
         rms = np.linalg.norm([float(number) for number in re.findall(r"\d\S+e-6", words)])
         assert ratio[()] == pytest.approx(film[()] / rms, rel=1e-12)
-        assert ratio.attrs["error_estimate"] / ratio[()] == pytest.approx(
-            film.attrs["error_estimate"] / film[()], rel=1e-12, nan_ok=True
-        )
+        share = film.attrs["error_estimate"] / film[()]
+        assert ratio.attrs["error_estimate"] / ratio[()] == pytest.approx(share, rel=1e-12, nan_ok=True)
         assert file["adequacy/validity/mixed_lubrication"][()] == ratio[()]
-        assert (ratio[()] < 1) == is_mixed
+        found = ratio[()]
+        assert (found < 1) == is_mixed
     lines = done.stdout.splitlines()
     (row,) = [line.split() for line in lines if line.startswith("  lambda ratio ")]
-    assert float(row[2]) == pytest.approx(ratio_of(tmp_path / "a.h5"), rel=1e-3)
+    assert float(row[2]) == pytest.approx(found, rel=1e-3)
     assert outcome == ("outside the model: mixed" if is_mixed else "converged")
     assert len(lines) <= 12
     row = json.loads(asperity("table", "a.h5", "--format", "json").stdout)
@@ -144,11 +143,6 @@ def test_film_below_the_roughness_is_outside_the_model(asperity, tmp_path, name)
     else:
         assert "  limit     the film is" in done.stdout
         assert "outside" not in told
-
-
-def ratio_of(path):
-    with h5py.File(path) as file:
-        return file["summary/lambda_ratio"][()]
 
 
 @pytest.mark.path
@@ -183,14 +177,18 @@ def rise_by(heat, x, film, bodies, oil):
     return float((surfaces + heat * film / (8 * oil["thermal_conductivity"])).max())
 
 
+def in_si(file, pressure, film):
+    """Positions, pressure and film [m, Pa, m] of dimensionless fields."""
+    scales = file["scaling"].attrs
+    fields = (file["solution/x"][()], "half_width"), (pressure, "hertz_pressure"), (film, "film_thickness")
+    return [field * scales[unit] for field, unit in fields]
+
+
 def rise_of(file, pressure, film):
     """Largest temperature rise of a film by sliding, from dimensionless fields and the input alone, in SI."""
-    given, scales = file["input/effective"], file["scaling"].attrs
+    given = file["input/effective"]
     oil, bodies = given["lubricant"].attrs, given["bodies"].attrs
-    x, p, h = (
-        field * scales[unit]
-        for field, unit in ((file["solution/x"][()], "half_width"), (pressure, "hertz_pressure"), (film, "film_thickness"))
-    )
+    x, p, h = in_si(file, pressure, film)
     sliding, stress_0 = abs(bodies["speed_2"] - bodies["speed_1"]), oil["eyring_stress"]
     exponent = (np.log(oil["viscosity"]) + 9.67) * ((1 + p / oil["roelands_p0"]) ** oil["roelands_z"] - 1)
     rate = oil["viscosity"] * np.exp(exponent) * sliding / (stress_0 * h)
@@ -242,27 +240,19 @@ def test_what_is_solved_is_not_doubted(solved_case):
     assert float(length) * {"mm": 1e-3, "um": 1e-6}[unit] == pytest.approx(np.log(100) / 0.68 * width, rel=1e-3)
 
 
-def test_pure_rolling_has_no_sliding_for_reynolds_to_fail_by(asperity, tmp_path):
+def test_pure_rolling_has_no_sliding_for_reynolds_to_fail_by(solved_cases):
     """T_max is 0, though the pressure gradient shears the oil: the films of the full equations agree to 0.1 %."""
-    case = changed(
-        STEADY, ("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 3.0, speed_2 = 3.0"), ("eyring_stress = 3.3e6", "eyring_stress = 20e6")
-    )
-    write(tmp_path, "a.nml", case)
-    write(
-        tmp_path,
-        "full.nml",
-        changed(case, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")) + "&film layers = 10 /\n",
-    )
-    write(tmp_path, "sliding.nml", changed(case, ("speed_1 = 3.0, speed_2 = 3.0", "speed_1 = 1.0, speed_2 = 5.0")))
-    assert asperity("a.nml", "full.nml", "sliding.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "full.h5") as full, h5py.File(tmp_path / "sliding.h5") as other:
-        number = file["adequacy/validity/stokes_number"]
-        assert number[()] == 0.0
-        assert number.attrs["exceeded"] == 0
-        assert full["momentum/stress_rise"][()] > number.attrs["threshold"]
-        for name in ("h_min", "h_central"):
-            assert abs(full[f"momentum/difference_{name}"][()]) < 1e-3
-        assert other["adequacy/validity/stokes_number"].attrs["exceeded"] == 1
+    rolling = "speed_1 = 3.0, speed_2 = 3.0"
+    case = changed(STEADY, ("speed_1 = 0.1, speed_2 = 1.1", rolling), ("eyring_stress = 3.3e6", "eyring_stress = 20e6"))
+    full = changed(case, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")) + "&film layers = 10 /\n"
+    file, full, other = solved_cases(a=case, full=full, sliding=changed(case, (rolling, "speed_1 = 1.0, speed_2 = 5.0")))
+    number = file["adequacy/validity/stokes_number"]
+    assert number[()] == 0.0
+    assert number.attrs["exceeded"] == 0
+    assert full["momentum/stress_rise"][()] > number.attrs["threshold"]
+    for name in ("h_min", "h_central"):
+        assert abs(full[f"momentum/difference_{name}"][()]) < 1e-3
+    assert other["adequacy/validity/stokes_number"].attrs["exceeded"] == 1
 
 
 def limits_from_fields(file, pressure, film):
@@ -270,9 +260,7 @@ def limits_from_fields(file, pressure, film):
     given = file["input/effective"]
     oil = {name: float(given["lubricant"].attrs[name]) for name in ("viscosity", "roelands_z", "roelands_p0", "eyring_stress")}
     sliding = abs(float(given["bodies"].attrs["speed_2"] - given["bodies"].attrs["speed_1"]))
-    scales = file["scaling"].attrs
-    p, h = pressure * scales["hertz_pressure"], film * scales["film_thickness"]
-    x = file["solution/x"][()] * scales["half_width"]
+    x, p, h = in_si(file, pressure, film)
     ratio, exponent = 1 + p / oil["roelands_p0"], np.log(oil["viscosity"]) + 9.67
     viscosity = oil["viscosity"] * np.exp(exponent * (ratio ** oil["roelands_z"] - 1))
     by_pressure = exponent * oil["roelands_z"] / oil["roelands_p0"] * ratio ** (oil["roelands_z"] - 1)
@@ -288,9 +276,7 @@ def limits_by_definition(file):
     given = file["input/effective"]
     oil, bodies, wave = (given[group].attrs for group in ("lubricant", "bodies", "surface_1"))
     scales = file["scaling"].attrs
-    x = file["solution/x"][()] * scales["half_width"]
-    p = file["solution/pressure"][()] * scales["hertz_pressure"]
-    h = file["solution/film_thickness"][()] * scales["film_thickness"]
+    x, p, h = in_si(file, file["solution/pressure"][()], file["solution/film_thickness"][()])
     stress = np.abs(file["solution/shear_stress_mean"][()]) * scales["shear_stress"]
     film = float(np.interp(0.0, x, h))
     speeds = np.array([bodies["speed_1"], bodies["speed_2"]])
@@ -333,9 +319,8 @@ def test_what_a_near_inlet_starves_is_measured(asperity, tmp_path, grid, place):
 
 def test_every_limit_by_its_definition(solved_cases):
     """Values from the result file alone; starvation against a domain that is far longer: its rule is good to a factor of two."""
-    case = changed(
-        wavy(0.05e-6, 1e-4), ("speed_2 = 1.1", "speed_2 = 1.1, hardness = 0.9e9, contact_length = 1e-3"), ("4096", "512")
-    )
+    bodies = "speed_2 = 1.1, hardness = 0.9e9, contact_length = 1e-3"
+    case = changed(wavy(0.05e-6, 1e-4), ("speed_2 = 1.1", bodies), ("4096", "512"))
     far = changed(case, ("x_inlet = -4.0", "x_inlet = -15.0"), ("intervals = 512", "intervals = 1536"))
     file, whole = solved_cases(a=case, far=far + "&accuracy error_bars = .false. /&output adequacy = .false. /\n")
     found = {name: item[()] for name, item in file["adequacy/validity"].items()}

@@ -3,11 +3,10 @@
 
     run.py [KIND ...] [--seed 1] [--cases N] [--only I] [--page]
 
-Each kind of attack is a module of this folder with
+Each kind of attack is a function of a module of this folder,
 
-    TITLE     what is attacked, and with what
-    CASES     how many cases the long form has
-    attack(program, source, folder)    one case, drawn from `source` (random.Random), in an empty folder; what broke, else None
+    @attack(title, cases)    what is attacked, and with what; how many cases the long form has
+    def KIND(program, source, folder)    one case, drawn from `source` (random.Random), in an empty folder; what broke, else None
 
 A case depends on its kind, seed and number alone, so `run.py KIND --seed S --only I` repeats one that broke; its folder is kept
 then. What counts as broken: a crash, a hang, a trap or backtrace, a wrong number taken for a right one, NaN in a result that
@@ -24,6 +23,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,7 +31,6 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PAGE = ROOT / "docs" / "testing.md"
 BEGIN, END = "<!-- fuzz: written by make fuzz -->", "<!-- fuzz: end -->"
-NOT_KINDS = {"run", "test_fuzz"}
 # Processor time that a run may take, and wall time on a busy machine [s].
 PROCESSOR, PATIENCE = 30, 900
 STATUSES = {0, 1, 2, 3, 4}
@@ -75,19 +74,42 @@ def call(program: Path, folder: Path, *arguments: str, env: dict[str, str] | Non
     return Run(status, *((stream or b"").decode("utf-8", "replace") for stream in (out, err)))
 
 
-def kinds() -> dict[str, object]:
-    """All modules of this folder that attack, by name."""
-    sys.path.insert(0, str(HERE))
-    sys.path.insert(0, str(HERE.parent))
-    names = sorted(path.stem for path in HERE.glob("*.py") if path.stem not in NOT_KINDS)
-    modules = {name: importlib.import_module(name) for name in names}
-    return {name: module for name, module in modules.items() if hasattr(module, "attack")}
+@dataclass
+class Attack:
+    """A kind of attack: its function, and how many cases its long and its quick form have."""
+
+    title: str
+    cases: int
+    quick: int
+    draw: Callable[[Path, random.Random, Path], str | None]
 
 
-def attack(name: str, module: object, program: Path, seed: int, number: int, keep: bool = False) -> str | None:
+KINDS: dict[str, Attack] = {}
+
+
+def attack(title: str, cases: int, quick: int = 5) -> Callable:
+    """Makes a function a kind of attack, of its name."""
+
+    def enter(function: Callable) -> Callable:
+        KINDS[function.__name__] = Attack(title, cases, quick, function)
+        return function
+
+    return enter
+
+
+def kinds() -> dict[str, Attack]:
+    """All attacks of this folder by name. Its modules know this one as `run`, also where it is the script."""
+    sys.path[:0] = [str(HERE.parent), str(HERE)]
+    for path in HERE.glob("[!t]*.py"):
+        importlib.import_module(path.stem)
+    return dict(sorted(importlib.import_module("run").KINDS.items()))
+
+
+def outcome(name: str, kind: Attack, program: Path, seed: int, number: int, keep: bool = False) -> str | None:
+    """What broke in a case, and how to repeat it."""
     folder = Path(tempfile.mkdtemp(prefix=f"{name}_{number}_"))
     try:
-        broken = module.attack(program, random.Random(f"{name} {seed} {number}"), folder)
+        broken = kind.draw(program, random.Random(f"{name} {seed} {number}"), folder)
     finally:
         if keep:
             print(f"kept: {folder}")
@@ -101,12 +123,6 @@ def table(rows: list[tuple[str, int, int]], seed: int) -> str:
     return "\n".join(lines + [f"| {title} | {tried} | {broke} |" for title, tried, broke in rows]) + "\n"
 
 
-def write_page(text: str) -> None:
-    page = PAGE.read_text(encoding="utf-8")
-    before, after = page.split(BEGIN)[0], page.split(END)[1]
-    PAGE.write_text(f"{before}{BEGIN}\n{text}{END}{after}", encoding="utf-8")
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="KIND", help="default: all")
@@ -117,20 +133,22 @@ def main() -> int:
     options = parser.parse_args()
     program = Path(os.environ.get("ASPERITY", ROOT / "build" / "bin" / "asperity")).resolve()
     rows = []
-    for name, module in kinds().items():
+    for name, kind in kinds().items():
         if options.names and name not in options.names:
             continue
-        numbers = [options.only] if options.only is not None else range(options.cases or module.CASES)
+        numbers = [options.only] if options.only is not None else range(options.cases or kind.cases)
         broken = []
         for number in numbers:
-            found = attack(name, module, program, options.seed, number, keep=options.only is not None)
+            found = outcome(name, kind, program, options.seed, number, keep=options.only is not None)
             if found:
                 broken.append(found)
                 print(found, flush=True)
-        rows.append((module.TITLE, len(numbers), len(broken)))
+        rows.append((kind.title, len(numbers), len(broken)))
         print(f"{name}: {len(numbers)} tried, {len(broken)} broke", flush=True)
     if options.page:
-        write_page(table(rows, options.seed))
+        page = PAGE.read_text(encoding="utf-8")
+        text = f"{page.split(BEGIN)[0]}{BEGIN}\n{table(rows, options.seed)}{END}{page.split(END)[1]}"
+        PAGE.write_text(text, encoding="utf-8")
     return 1 if any(broke for _, _, broke in rows) else 0
 
 

@@ -12,39 +12,19 @@ from pathlib import Path
 import f90nml
 import h5py
 import numpy as np
-from batch_runs import BASE, BATCH
-from damage import damaged
-from names import make
-from run import Run, call
+from cases import BASE, BATCH, damaged
+from height_files import make
+from run import Run, attack, call
 
-TITLE = "sweeps: TOML, names, bases by encoding, indices, pipes for results, tables of figures, `--replace` ended at any moment"
-CASES = 300
-QUICK = 7
 HEAD = 'base = "base.nml"\n[vary]\n'
 SWEEP = 'title = "T"\nbase = "base.nml"\ntogether = ["case.title", "u"]\n[vary]\ncase.title = ["1_0", "b"]\n'
 SWEEP += 'u = { values = [1, 2.5], unit = "m" }\nload.hertz_pressure = { from = 4e8, to = 5e8, count = 2, spacing = "log" }\n'
 SWEEP += '[set]\ndomain.intervals = 256\n[formula]\nv = "u*sqrt(2)"\nbodies.speed_1 = "0.1*v"\n[plot]\nx = "u"\ny = ["v"]\n'
-# Right and wrong values, one a line; keys and names with blanks between them.
-VALUES = r"""[1, 2]
-1
-nan
-[inf]
-[]
-{}
-[[1], [2, 3]]
-[[[1]]]
-2024-01-01
-[07:32:00]
-["a", 1]
-true
-"\u0000"
-["a\nb"]
-[1e999]
-[-0.0, 0.0]
-{ from = 1, to = 2, count = 2 }
-{ values = [1], unit = 'm] [' }
-{ from = -1e308, to = 1e308, count = 3 }
-{ from = 1, to = 1e-320, count = 2, spacing = 'log' }""".splitlines()
+# Right and wrong values between bars; keys and names with blanks between them.
+VALUES_TEXT = r"""[1, 2] | 1 | nan | [inf] | [] | {} | [[1], [2, 3]] | [[[1]]] | 2024-01-01 | [07:32:00] | ["a", 1] | true
+| "\u0000" | ["a\nb"] | [1e999] | [-0.0, 0.0] | { from = 1, to = 2, count = 2 } | { values = [1], unit = 'm] [' }
+| { from = -1e308, to = 1e308, count = 3 } | { from = 1, to = 1e-320, count = 2, spacing = 'log' }"""
+VALUES = [value.strip() for value in VALUES_TEXT.split("|")]
 VALUES += ["[" * 5000, "[" * 5000 + "]" * 5000, "9" * 400, f"[{'9' * 6000}]", f"{{ from = 1, to = {'9' * 400}, count = 3 }}"]
 KEYS = """u vary.u pi load.hertz_pressure load base sample together plot.y plot.log formula.w set.u a.b.c.d leave_out
 sample.count title 'x' 'µ' _start_index.u case._start_index unit from"""
@@ -101,9 +81,8 @@ def sweep_files(program: Path, source: random.Random, folder: Path) -> str | Non
         return sweep(program, folder, damaged(SWEEP.encode(), source))[1]
     lines = SWEEP.splitlines()
     for _ in range(source.choice([1, 1, 2, 3])):
-        lines.insert(
-            source.randrange(len(lines) + 1), f"{source.choice([*KEYS.split(), 'u' + '.u' * 6000])} = {source.choice(VALUES)}"
-        )
+        key = source.choice([*KEYS.split(), "u" + ".u" * 6000])
+        lines.insert(source.randrange(len(lines) + 1), f"{key} = {source.choice(VALUES)}")
     return sweep(program, folder, "\n".join(lines) + "\n")[1]
 
 
@@ -167,6 +146,10 @@ def places(program: Path, source: random.Random, folder: Path) -> str | None:
     return broken(script(program, folder, "gather.py", "small"), 0, 1)
 
 
+PLOTS = """x = "u"\ny = "h_min" | x = "u"\ny = [1] | x = "v"\ny = ["h_min"]\nlog = [["x"]] | x = "u"\ny = "v"\nlog = ["x", "y"]
+| x = "u"\ny = ["h_min"]\ncolour = "v"\nkind = "map" | x = "u"\ny = ["v"]\nfacet = "case"\ncolour = "status" """
+
+
 def tables(program: Path, source: random.Random, folder: Path) -> str | None:
     """A picture of a table with columns of another shape or kind, or with damaged bytes."""
     with h5py.File(folder / "gathered.h5", "w", track_order=True) as file:
@@ -174,28 +157,15 @@ def tables(program: Path, source: random.Random, folder: Path) -> str | None:
         file["u"], file["v"] = np.arange(4.0), np.arange(4.0) ** 2
         file["status"] = ["done"] * 4
         file["h_min"], file["h_min_error"] = np.ones(4), np.full(4, 0.1)
-        odd = [
-            *(np.ones((4, 2)), np.ones(3), np.float64(1), np.array(["a"] * 4, dtype=object)),
-            *(np.full(4, np.nan), np.zeros(4, "f8,i4")),
-        ]
-        odd += [
-            *(np.zeros(4, complex), np.ones(4, bool), np.full(4, 2**62)),
-            *(np.ones((4, 0)), np.array([b"\xff"] * 4), np.full(4, 1e308)),
-        ]
+        odd = [np.ones((4, 2)), np.ones(3), np.float64(1), np.array(["a"] * 4, dtype=object), np.full(4, np.nan)]
+        odd += [np.zeros(4, "f8,i4"), np.zeros(4, complex), np.ones(4, bool), np.full(4, 2**62), np.ones((4, 0))]
+        odd += [np.array([b"\xff"] * 4), np.full(4, 1e308)]
         for name in source.sample(list(file), source.choice([0, 1, 2])):
             del file[name]
             if (values := source.choice([None, *odd])) is not None:
                 file[name] = values
-        plots = [
-            'x = "u"\ny = "h_min"',
-            'x = "u"\ny = [1]',
-            'x = "v"\ny = ["h_min"]\nlog = [["x"]]',
-            'x = "u"\ny = "v"\nlog = ["x", "y"]',
-        ]
-        plots += ['x = "u"\ny = ["h_min"]\ncolour = "v"\nkind = "map"', 'x = "u"\ny = ["v"]\nfacet = "case"\ncolour = "status"']
-        file.attrs["sweep"] = source.choice(
-            [f"[plot]\n{plot}\n" for plot in plots] + ["plot = 3", "sample = 1", "x = '\u2028'", "["]
-        )
+        plots = [f"[plot]\n{plot.strip()}\n" for plot in PLOTS.split("|")]
+        file.attrs["sweep"] = source.choice([*plots, "plot = 3", "sample = 1", "x = '\u2028'", "["])
     if source.random() < 0.3:
         content = (folder / "gathered.h5").read_bytes()
         (folder / "gathered.h5").write_bytes(damaged(content, source))
@@ -203,9 +173,8 @@ def tables(program: Path, source: random.Random, folder: Path) -> str | None:
 
 
 def state(small: Path) -> dict[str, bytes]:
-    return {
-        str(path.relative_to(small)): path.read_bytes() for path in small.rglob("*") if path.suffix in {".csv", ".toml", ".nml"}
-    }
+    kept = (path for path in small.rglob("*") if path.suffix in {".csv", ".toml", ".nml"})
+    return {str(path.relative_to(small)): path.read_bytes() for path in kept}
 
 
 def replacements(program: Path, source: random.Random, folder: Path) -> str | None:
@@ -254,7 +223,10 @@ def what_is_left(small: Path, states: dict[str, dict[str, bytes]]) -> str | None
     return None if is_ready or any(wanted.items() <= found.items() for wanted in states.values()) else "a mixture of two sweeps"
 
 
-def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    return source.choice([sweep_files, sweep_files, own_names, bases, places, tables, replacements, replacements])(
-        program, source, folder
-    )
+TITLE = "sweeps: TOML, names, bases by encoding, indices, pipes for results, tables of figures, `--replace` ended at any moment"
+
+
+@attack(TITLE, 300, quick=7)
+def sweeps(program: Path, source: random.Random, folder: Path) -> str | None:
+    kinds = [sweep_files, sweep_files, own_names, bases, places, tables, replacements, replacements]
+    return source.choice(kinds)(program, source, folder)

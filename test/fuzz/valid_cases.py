@@ -14,15 +14,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 from kill_and_resume import different
-from run import ROOT, Run, call
+from run import ROOT, Run, attack, call
 
 sys.path.append(str(ROOT / "bench"))
 
 import namelists
 
-TITLE = "random valid cases: lines, points, histories, mixed, dry (`ASPERITY=build/bin/asperity-debug`: with traps)"
-CASES = 650
-QUICK = 5
 # Draws of a case until a valid one is found, at most.
 MOST_DRAWS = 100
 # Processor time that a case may take [s]; the checked build is five times slower.
@@ -51,9 +48,8 @@ def history(source: random.Random, folder: Path, loads: str, values: dict[str, f
     names, units = [loads, "speed_1", "speed_2"], ["N/m" if loads == "load_per_length" else "N", "m/s", "m/s"]
     least = [0.3, -1.0, source.choice([-1.0, 0.0, 0.4])]
     times = np.linspace(0, span, source.randint(2, 6))
-    table = [[1.0 if t == 0 else source.uniform(low, 1.0) for low in least] for t in times] * np.array(
-        [values[name] for name in names]
-    )
+    shares = [[1.0 if t == 0 else source.uniform(low, 1.0) for low in least] for t in times]
+    table = shares * np.array([values[name] for name in names])
     kept = sorted(source.sample(range(3), source.randint(1, 3)))
     header = ",".join(["time [s]"] + [f"{names[i]} [{units[i]}]" for i in kept])
     np.savetxt(folder / "history.csv", np.column_stack([times, table[:, kept]]), "%.6e", ",", header=header, comments="")
@@ -62,12 +58,9 @@ def history(source: random.Random, folder: Path, loads: str, values: dict[str, f
 
 def further(source: random.Random, film: float, rms: float) -> dict[str, dict[str, object]]:
     """What else a line contact may have, of each with a chance of its own."""
-    law = source.choice(
-        [
-            {"law": "exponential", "contact_pressure": logarithmic(source, 1e7, 1e10)},
-            {"law": "greenwood_tripp", "density_radius_height": 0.05, "height_over_radius": logarithmic(source, 1e-4, 1e-1)},
-        ]
-    )
+    exponential = {"law": "exponential", "contact_pressure": logarithmic(source, 1e7, 1e10)}
+    tripp = {"law": "greenwood_tripp", "density_radius_height": 0.05, "height_over_radius": logarithmic(source, 1e-4, 1e-1)}
+    law = source.choice([exponential, tripp])
     choices = {
         "asperities": law | {"rms_height": rms, "flow": source.choice(["none", "patir_cheng"])},
         "supply": {"film": film * logarithmic(source, 0.1, 10)},
@@ -193,7 +186,8 @@ def resumed(program: Path, source: random.Random, folder: Path, seconds: float) 
     return f"resumed to other bits: {paths[:3]}" if paths else run.trouble(0, 2)
 
 
-def attack(program: Path, source: random.Random, folder: Path) -> str | None:
+@attack("random valid cases: lines, points, histories, mixed, dry (`ASPERITY=build/bin/asperity-debug`: with traps)", 650)
+def valid_cases(program: Path, source: random.Random, folder: Path) -> str | None:
     kind = source.choice([lubricated, lubricated, point, dry])
     write_valid(program, folder, lambda: kind(source, folder))
     begin = time.monotonic()

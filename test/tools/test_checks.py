@@ -1,9 +1,11 @@
-"""The checks of `make lint`: planted mistakes are found, good code passes."""
+"""The checks of `make lint` find planted mistakes; a test that exists and did not run is a failure of `make test`."""
 
 import pathlib
+import shutil
 import subprocess
 import sys
 
+import pytest
 from cases import called
 
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
@@ -34,13 +36,8 @@ def test_layers_may_be_used_from_the_right_only(tmp_path):
     )
     assert status == 1
     found = sorted(line.split("src/")[1] for line in output.splitlines())
-    assert [line.split(":")[0:2] for line in found] == [
-        ["dry/area.f90", "2"],
-        ["film/film.f90", "2"],
-        ["numerics/fft.f90", "1"],
-        ["numerics/fft.f90", "2"],
-        ["other/thing.f90", "1"],
-    ]
+    places = ["dry/area.f90:2", "film/film.f90:2", "numerics/fft.f90:1", "numerics/fft.f90:2", "other/thing.f90:1"]
+    assert [":".join(line.split(":")[:2]) for line in found] == places
 
 
 def test_a_chain_of_modules_is_bounded():
@@ -160,3 +157,63 @@ contains
     assert status == 1
     assert [line.split("base/")[1].split(" is")[0] for line in output.splitlines()] == ["kinds.f90:3: lonely", "kinds.f90:4: spare"]
     assert check("check_public.py", tmp_path, physics__laws=laws.replace("! lonely", "x = lonely"))[0] == 0
+
+
+UNIT = """module test_a
+contains
+@test
+subroutine one()
+end subroutine one
+@Test
+subroutine two()
+end subroutine two
+end module test_a
+"""
+GOOD_UNIT_OUTPUT = "test_a_suite.one\ntest_a_suite.two\n2 passed, 0 failed\n"
+UNIT_ALONE = "test_a_suite.one\n1 passed, 0 failed\n"
+PYTHON = "def test_good():\n    assert True\n"
+
+
+def run(folder, unit_output, python_tests, status=0):
+    """A small tree with these test files; returns (exit status, output)."""
+    (folder / "tools").mkdir()
+    shutil.copy(TOOLS / "run_tests.py", folder / "tools")
+    (folder / "test" / "unit" / "base").mkdir(parents=True)
+    (folder / "test" / "unit" / "base" / "test_a.pf").write_text(UNIT, encoding="utf-8")
+    (folder / "test" / "test_b.py").write_text(python_tests, encoding="utf-8")
+    (folder / "pyproject.toml").write_text("", encoding="utf-8")
+    unit_command = [sys.executable, "-c", f"print({unit_output!r}, end=''); raise SystemExit({status})"]
+    command = [sys.executable, str(folder / "tools" / "run_tests.py"), "asperity", *unit_command]
+    result = called(command)
+    return result.returncode, result.stdout
+
+
+COUNTS = {
+    "all passed": (GOOD_UNIT_OUTPUT, PYTHON, 0, "", "3 passed, 0 failed"),
+    "one missing": (UNIT_ALONE, PYTHON, 0, "unit test did not run: test_a_suite.two", "2 passed, 1 failed"),
+    "unit tests crashed": ("test_a_suite.one\n", PYTHON, 136, "", "1 passed, 2 failed"),
+    "no Python tests": (GOOD_UNIT_OUTPUT, "", 0, "", "2 passed, 1 failed"),
+}
+
+
+@pytest.mark.parametrize(("unit_output", "python", "status", "words", "last"), COUNTS.values(), ids=COUNTS)
+def test_counts_of_what_exists(tmp_path, unit_output, python, status, words, last):
+    ended_with, output = run(tmp_path, unit_output, python, status)
+    assert ended_with == (", 0 failed" not in last)
+    assert words in output
+    assert output.splitlines()[-1] == last
+
+
+def test_failing_skipped_and_missing_python_tests(tmp_path):
+    python_tests = PYTHON + (
+        "import pytest\n"
+        "def test_bad():\n    assert False\n"
+        "def test_skipped():\n    pytest.skip('no time')\n"
+        "def test_elsewhere():\n    pytest.skip('not applicable: another system')\n"
+        "if False:\n    def test_never():\n        pass\n"
+    )
+    status, output = run(tmp_path, GOOD_UNIT_OUTPUT, python_tests)
+    assert status == 1
+    assert "end-to-end test did not run: test_b.test_never" in output
+    assert "skipped, which counts as failed: test_skipped: no time" in output
+    assert output.splitlines()[-1] == "3 passed, 3 failed"

@@ -95,12 +95,8 @@ FAILING = """
 
 def one_test_each(module, assertions):
     """A .pf file with one test for each assertion."""
-    lines = [
-        f"module {module}",
-        "use, intrinsic :: ieee_arithmetic",
-        "use, intrinsic :: iso_fortran_env, only: wp => real64, int64",
-    ]
-    lines += ["use funit", "implicit none (type, external)", "contains"]
+    uses = ["use, intrinsic :: ieee_arithmetic", "use, intrinsic :: iso_fortran_env, only: wp => real64, int64", "use funit"]
+    lines = [f"module {module}", *uses, "implicit none (type, external)", "contains"]
     for i, assertion in enumerate(assertions):
         lines += ["@test", f"subroutine t{i}()", "real(wp) :: nan, inf"]
         lines += ["nan = ieee_value(nan, ieee_quiet_nan)", "inf = ieee_value(inf, ieee_positive_inf)"]
@@ -171,10 +167,8 @@ def test_good_assertions_pass_and_bad_ones_fail(run):
 
 def test_all_passing_exits_0_and_a_filter_without_match_2(run):
     files = {"test_x": module("@test\nsubroutine good()\n@assertTrue(.true.)\nend subroutine")}
-    result = ended(run(**files))
-    assert result.stdout.endswith("1 passed, 0 failed\n")
-    result = ended(run("-f", "nothing_like_this", **files), 2)
-    assert result.stdout.endswith("0 passed, 0 failed\n")
+    assert ended(run(**files)).stdout.endswith("1 passed, 0 failed\n")
+    assert ended(run("-f", "nothing_like_this", **files), 2).stdout.endswith("0 passed, 0 failed\n")
     assert "test_x_suite.good" in run("-v", "-f", "go", **files).stdout
 
 
@@ -205,8 +199,7 @@ def test_modules_that_tests_share_are_copied(run, tmp_path):
     text = module("@test\nsubroutine a()\nuse answers, only: answer\n@assertEqual(42, answer)\nend subroutine")
     assert run(answers=shared, test_x=text).returncode == 0
     for wrong in (shared.replace("implicit", "@test\nimplicit"), shared.replace("module answers", "module other")):
-        result = ended(translate(tmp_path, answers=wrong, test_x=text), 1)
-        assert "answers.pf:" in result.stderr
+        assert "answers.pf:" in ended(translate(tmp_path, answers=wrong, test_x=text), 1).stderr
 
 
 REFUSED = {
@@ -226,16 +219,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_refused_inside_a_test(tmp_path, case):
-    text, line, reason = REFUSED[case]
-    result = ended(translate(tmp_path, test_x=module(f"@test\n{text_of_test(text)}")), 1)
+@pytest.mark.parametrize(("text", "line", "reason"), REFUSED.values(), ids=REFUSED)
+def test_refused_inside_a_test(tmp_path, text, line, reason):
+    result = ended(translate(tmp_path, test_x=module(f"@test\nsubroutine a()\n{text}\nend subroutine")), 1)
     assert f"test_x.pf:{line + 1}: " in result.stderr
     assert reason in result.stderr
-
-
-def text_of_test(assertion):
-    return f"subroutine a()\n{assertion}\nend subroutine"
 
 
 PLAIN = "subroutine b()\nend subroutine\n"
@@ -249,10 +237,7 @@ STRUCTURE = {
     "ifdef": (f"@test(ifdef=X)\n{PLAIN}", "@test does not take"),
     "comment behind the subroutine": ("@test\nsubroutine a() ! comment\nend subroutine", "comment"),
     "no test": (PLAIN, "no @test in this file"),
-    "two tests of one name": (
-        "@test\nsubroutine a()\nend subroutine\n@test\nsubroutine A()\nend subroutine",
-        "two tests are called",
-    ),
+    "two of one name": ("@test\nsubroutine a()\nend subroutine\n@test\nsubroutine A()\nend subroutine", "two tests are called"),
     "long name": (f"@test\nsubroutine {'a' * 45}()\nend subroutine", "at most 44"),
     "argument": ("@test\nsubroutine a(this)\nend subroutine", "without prefix, argument"),
     "suite": (f"@suite(name='x')\n{PLAIN}", "@suite is not in the subset"),
@@ -260,9 +245,8 @@ STRUCTURE = {
 }
 
 
-@pytest.mark.parametrize("case", STRUCTURE)
-def test_refused_structure(tmp_path, case):
-    text, reason = STRUCTURE[case]
+@pytest.mark.parametrize(("text", "reason"), STRUCTURE.values(), ids=STRUCTURE)
+def test_refused_structure(tmp_path, text, reason):
     result = ended(translate(tmp_path, test_x=module(text)), 1)
     assert "test_x.pf:" in result.stderr
     assert reason in result.stderr
@@ -270,8 +254,7 @@ def test_refused_structure(tmp_path, case):
 
 
 def test_refused_module_of_another_name(tmp_path):
-    result = ended(translate(tmp_path, test_x=module(f"@test\n{PLAIN}", name="test_y")), 1)
-    assert "must be called test_x" in result.stderr
+    assert "must be called test_x" in ended(translate(tmp_path, test_x=module(f"@test\n{PLAIN}", name="test_y")), 1).stderr
 
 
 def test_stale_translations_disappear(tmp_path):
