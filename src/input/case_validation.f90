@@ -2,11 +2,11 @@
 !>
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
-   use body_input, only: check_bodies, check_load, speeds
+   use body_input, only: check_bodies, check_dry_bodies, check_load, speeds
    use case_record, only: case_t
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: check_surface, input_values_t, value_t
-   use key_row, only: dry, expected_value, film, has_word, is_in_range, lubricated, word_kind
+   use key_row, only: dry, expected_value, film, has_word, is_in_range, lubricated
    use key_rules, only: check_rules, find_unusual, unusual_t
    use kinds, only: wp
    use lubricant_input, only: check_moes_laws, check_roelands
@@ -38,8 +38,12 @@ contains
       call check_case(values)
       call check_accuracy(values)
       call check_fields(values)
-      if (has_word(dry, values%problem) .and. .not. is_read) return
-      call check_bodies(values)
+      if (has_word(dry, values%problem)) then
+         if (.not. is_read) return
+         call check_dry_bodies(values)
+      else
+         call check_bodies(values)
+      end if
       if (values%has_group('load') .or. values%is_given('history', 'file')) call check_load(values)
       call check_moes_laws(values)
       call check_roelands(values)
@@ -163,7 +167,7 @@ contains
             if (row%group /= 'solver' .or. index(row%key, 'film') > 0 .or. .not. &
                has_word(row%problems, lubricated)) cycle
             if (.not. values%is_given('solver', row%key)) cycle
-            if (row%kind == word_kind) then
+            if (row%kind == 'word') then
                if (row%default == "'"//trim(values%word_value('solver', row%key))//"'") cycle
             end if
             reason = '&solver '//trim(row%key)
@@ -329,14 +333,14 @@ contains
       type(unusual_t), allocatable :: unusual(:)
 
       if (.not. case%scaling%is_dimensional) return
-      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
-         l => key_rows(find_key('moes', 'moes_l')))
+      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m', lubricated)), &
+         l => key_rows(find_key('moes', 'moes_l', lubricated)))
          if (scales%half_width >= case%bodies%reduced_radius) then
             call values%refuse('load', key, 'found a contact of half-width ' &
                // to_text(scales%half_width, 3) // ' m, expected less than the reduced radius, ' &
                // to_text(case%bodies%reduced_radius, 3) // ' m')
-         else if (.not. (is_in_range(scales%moes_m, m%range) .and. is_in_range(scales%moes_l, &
-            l%range))) then
+         else if (.not. (is_in_range(scales%moes_m, m%allowed) .and. is_in_range(scales%moes_l, &
+            l%allowed))) then
             unusual = find_unusual(values)
             if (size(unusual) > 0) then
                call values%refuse('load', key, 'found no contact that can be computed: '// &
@@ -345,7 +349,8 @@ contains
             end if
             call values%refuse('load', key, 'found a contact with Moes numbers M = ' &
                // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) &
-               // ' (mean velocity), expected M ' // trim(m%range) // ' and L ' // trim(l%range))
+               // ' (mean velocity), expected M ' // trim(m%allowed) // ' and L ' &
+                  // trim(l%allowed))
          end if
       end associate
    end subroutine check_regime

@@ -89,17 +89,11 @@ contains
       bytes = dry_memory(nodes, self%is_periodic, refined)
    end function memory_on
 
-   !> Fills the heights on the grid of `dry`. Findings: no memory; what the surfaces find.
+   !> Fills the heights on the grid of `dry`. Findings: what the surfaces find.
    subroutine make_heights(dry)
       type(dry_case_t), intent(inout) :: dry
-      integer :: i, status
+      integer :: i
 
-      allocate (dry%height(dry%grid%nx*dry%grid%ny), stat=status)
-      if (status /= 0) then
-         call dry%values%refuse('domain', '', 'not enough memory for the heights of the grid')
-         return
-      end if
-      deallocate (dry%height)   ! there is room
       do i = 1, size(surfaces)
          call add_surface(dry, i)
       end do
@@ -153,18 +147,19 @@ contains
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
       type(error_t), allocatable :: error
-      real(wp), allocatable :: z(:)
+      real(wp), allocatable :: x(:), y(:), z(:)
 
+      x = node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic)
+      y = node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic)   ! of a line 0 alone
       select case (dry%values%word_value(surfaces(i), 'shape'))
       case ('file')
          call add_file(dry, i, z)
       case ('synthetic')
          call add_synthetic(dry, surfaces(i), z)
       case ('parabola')
-         z = parabola_heights(dry%radius, positions(dry, 1), positions(dry, 2), dry%lengths, &
-            dry%is_periodic)
+         z = parabola_heights(dry%radius, x, y, dry%lengths, dry%is_periodic)
       case ('feature', 'sinusoid')
-         z = feature_heights(features_of(dry%values, surfaces(i)), positions(dry, 1), dry%grid%ny, &
+         z = feature_heights(features_of(dry%values, surfaces(i)), x, dry%grid%ny, &
             dry%lengths(1), dry%is_periodic)
       case default   ! smooth, or refused
          return
@@ -186,16 +181,6 @@ contains
          call move_alloc(z, dry%height)
       end if
    end subroutine add_surface
-
-   !> Positions of the nodes in x (1) or y (2); a line has y = 0 alone.
-   pure function positions(dry, direction) result(x)
-      type(dry_case_t), intent(in) :: dry
-      integer, intent(in) :: direction
-      real(wp), allocatable :: x(:)
-
-      x = node_positions(merge(dry%grid%nx, dry%grid%ny, direction == 1), dry%lengths(direction), &
-         dry%is_periodic)
-   end function positions
 
    !> Heights of a file, resampled if periodic. Findings: another length; other nodes if open.
    subroutine add_file(dry, i, z)

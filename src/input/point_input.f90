@@ -1,17 +1,16 @@
 !> From the checked values of a namelist to a lubricated point contact.
 module point_input
-   use body_input, only: check_curvature, fill_bodies, find_load, radius_of
+   use body_input, only: check_curvature, fill_bodies, radius_of
    use case_record, only: case_t, list_effective, set_effective
    use input_values, only: input_values_t
    use kinds, only: pi, wp
-   use line_case, only: plan_duty, plan_times
+   use line_case, only: fill_scaling, plan_duty, plan_times
    use line_contact, only: intervals_for_waves
    use line_profiles, only: make_surface
-   use lubricant_input, only: fill_lubricant
    use point_contact, only: first_intervals, fit_duty, intervals_for, new_point_contact, &
       point_contact_t, rows_for
    use point_cycle, only: fewest
-   use scaling, only: new_moes_scaling, new_scaling, scaled_fluid, sum_per_mean
+   use scaling, only: scaled_fluid, sum_per_mean
    use system_limits, only: memory_fault, of_blas, point_memory
    use text, only: to_text
    implicit none (type, external)
@@ -36,27 +35,19 @@ contains
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
       character(:), allocatable :: key
-      real(wp) :: load, m, l, per_speed, ratio
+      real(wp) :: ratio
 
-      call fill_lubricant(values, case%lubricant, case%materials)
       if (values%has_group('moes')) then
          ratio = values%real_value('moes', 'radius_ratio')
-         m = values%real_value('moes', 'moes_m')
-         l = values%real_value('moes', 'moes_l')
-         per_speed = merge(sum_per_mean, 1.0_wp, values%word_value('moes', 'velocity') == 'sum')
-         call new_moes_scaling(case%scaling, m*per_speed**0.75_wp, l*per_speed**(-0.25_wp), &
-            case%lubricant, ratio)
       else
          call fill_radii(values, case, ratio)
          if (values%findings%count > 0) return
-         call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
-            load, ratio)
-         call new_scaling(case%scaling, case%bodies, case%lubricant, load, ratio)
-         if (any(case%scaling%half_width*[1.0_wp, case%scaling%ellipse%ratio*ratio] >= &
-            case%bodies%reduced_radius)) call values%refuse('load', key, 'found a contact as '// &
-            'wide as its radii, '//to_text(case%scaling%half_width, 3)// &
-            ' m, expected a smaller one')
       end if
+      call fill_scaling(values, case, key, ratio)
+      if (case%scaling%is_dimensional .and. any(case%scaling%half_width*[1.0_wp, &
+         case%scaling%ellipse%ratio*ratio] >= case%bodies%reduced_radius)) call values%refuse( &
+         'load', key, 'found a contact as wide as its radii, '// &
+         to_text(case%scaling%half_width, 3)//' m, expected a smaller one')
       if (values%findings%count > 0) return
       associate (scales => case%scaling)
          case%point = new_point_contact(ratio, scales%moes_m*sum_per_mean**(-0.75_wp), &
