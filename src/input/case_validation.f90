@@ -117,17 +117,18 @@ contains
       end if
    end subroutine check_case
 
-   !> Finds more levels than the grid has; and what `check_fineness` and `check_kappa_scheme` find.
+   !> Finds more intervals than the method is given, or than there is memory for, more levels than
+   !> the grid has, equations and methods that do not go together.
    subroutine check_solver(values)
       type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: reason
+      character(:), allocatable :: fault, method, reason
       integer :: intervals, levels
 
       if (values%has_value('history', 'file') .and. values%integer_value('output', &
          'velocity_layers') > 0) call values%refuse('output', 'velocity_layers', &
          'found with &history, expected 0')
-      if (conserver(values) /= '') call check_cavitation(values)
-      if (values%has_group('thermal')) call check_heat(values)
+      call check_cavitation(values)
+      call check_heat(values)
       if (values%word_value('case', 'equations') == 'stokes') then
          call check_equations(values)
          call check_kappa_scheme(values, "equations = 'stokes'")
@@ -145,8 +146,15 @@ contains
       if (values%word_value('domain', 'grid') == 'graded' .and. reason /= '') call values%refuse( &
          'domain', 'grid', "found 'graded' with "//reason//", expected 'even' or 'auto'")
       if (.not. values%has_value('domain', 'intervals')) return
-      call check_fineness(values)
+      method = trim(values%word_value('solver', 'method'))
       intervals = values%integer_value('domain', 'intervals')
+      fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
+         method == 'newton_dense', merge(values%integer_value('film', 'layers'), 0, &
+         values%word_value('case', 'equations') == 'stokes')), of_blas)
+      if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
+         // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
+         // method // "'"
+      if (fault /= '') call values%refuse('domain', 'intervals', fault)
       levels = values%integer_value('solver', 'levels')
       if (.not. values%has_value('solver', 'levels')) return
       if (shiftr(intervals, levels - 1) < min_intervals) call values%refuse('solver', 'levels', &
@@ -198,6 +206,7 @@ contains
       type(input_values_t), intent(inout) :: values
       character(:), allocatable :: because, method
 
+      if (conserver(values) == '') return
       method = trim(values%word_value('solver', 'method'))
       because = ' with '//conserver(values)//', expected '
       if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
@@ -217,6 +226,7 @@ contains
       type(input_values_t), intent(inout) :: values
       real(wp) :: inlet
 
+      if (.not. values%has_group('thermal')) return
       if (values%logical_value('time', 'transient') .and. (.not. values%has_group('history') .or. &
          values%is_given('surface_1', 'shape') .or. values%is_given('surface_2', 'shape'))) call &
          values%refuse('time', 'transient', 'found .true. with &thermal, expected .false., or '// &
@@ -234,23 +244,6 @@ contains
          'thermal', 'temperature', 'found another one than &lubricant temperature, '// &
          to_text(inlet)//' [degC], expected the same')
    end subroutine check_heat
-
-   !> Finding: more intervals than the method is given, or than there is memory for.
-   subroutine check_fineness(values)
-      type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: fault, method
-      integer :: intervals
-
-      method = trim(values%word_value('solver', 'method'))
-      intervals = values%integer_value('domain', 'intervals')
-      fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
-         method == 'newton_dense', merge(values%integer_value('film', 'layers'), 0, &
-         values%word_value('case', 'equations') == 'stokes')), of_blas)
-      if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
-         // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
-         // method // "'"
-      if (fault /= '') call values%refuse('domain', 'intervals', fault)
-   end subroutine check_fineness
 
    !> Finds what the full momentum equations of the film do not go with.
    subroutine check_equations(values)
@@ -293,17 +286,15 @@ contains
 
       fields = values%slot('output', 'fields')
       if (.not. fields%has_value) return
-      do i = 2, size(fields%words)
+      do i = 1, size(fields%words)
          if (any(fields%words(:i - 1) == fields%words(i)) .and. fields%words(i) /= '?') call &
             values%refuse('output', 'fields', "found '" // trim(fields%words(i)) &
             // "' twice, expected " // expected_value(key_rows(find_key('output', 'fields', &
             values%problem))) // ', each once')
-      end do
-      if (.not. values%has_group('moes')) return
-      do i = 1, size(fields%words)
-         if (index(fields%words(i), 'shear_stress') == 1) call values%refuse('output', 'fields', &
-            "found '" // trim(fields%words(i)) // "' with &moes, expected 'pressure' or "// &
-            "'film_thickness': the speeds of the surfaces are not known")
+         if (values%has_group('moes') .and. index(fields%words(i), 'shear_stress') == 1) call &
+            values%refuse('output', 'fields', "found '" // trim(fields%words(i)) &
+            // "' with &moes, expected 'pressure' or 'film_thickness': the speeds of the "// &
+            'surfaces are not known')
       end do
    end subroutine check_fields
 

@@ -147,6 +147,7 @@ contains
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
       type(error_t), allocatable :: error
+      type(synthesis_t) :: wanted
       real(wp), allocatable :: x(:), y(:), z(:)
 
       x = node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic)
@@ -155,7 +156,16 @@ contains
       case ('file')
          call add_file(dry, i, z)
       case ('synthetic')
-         call add_synthetic(dry, surfaces(i), z)
+         call read_synthesis(dry%values, surfaces(i), maxval(dry%lengths), &
+            2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)
+         if (dry%values%findings%count > 0) return
+         call begin_activity('making the surface')
+         call synthetic_heights(wanted, dry%first_nodes, dry%lengths(1), max(dry%lengths(2), &
+            tiny(1.0_wp)), z, error)
+         if (.not. allocated(error) .and. any([dry%grid%nx, dry%grid%ny] /= dry%first_nodes)) call &
+            resample_heights(dry%first_nodes, [dry%grid%nx, dry%grid%ny], z, error, &
+            at_centres=.not. dry%is_periodic)
+         if (allocated(error)) call dry%values%refuse(surfaces(i), 'shape', error%message)
       case ('parabola')
          z = parabola_heights(dry%radius, x, y, dry%lengths, dry%is_periodic)
       case ('feature', 'sinusoid')
@@ -214,26 +224,5 @@ contains
       end associate
       if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
    end subroutine add_file
-
-   !> Synthetic heights, those of the first grid resampled. Findings: those of the synthesis.
-   subroutine add_synthetic(dry, group, z)
-      type(dry_case_t), intent(inout) :: dry
-      character(*), intent(in) :: group
-      real(wp), allocatable, intent(out) :: z(:)
-      type(synthesis_t) :: wanted
-      type(error_t), allocatable :: error
-
-      associate (first => dry%first_nodes, nodes => [dry%grid%nx, dry%grid%ny])
-         call read_synthesis(dry%values, group, maxval(dry%lengths), &
-            2.0_wp*dry%lengths(1)/first(1), wanted)
-         if (dry%values%findings%count > 0) return
-         call begin_activity('making the surface')
-         call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), &
-            z, error)
-         if (.not. allocated(error) .and. any(nodes /= first)) call resample_heights(first, nodes, &
-            z, error, at_centres=.not. dry%is_periodic)
-      end associate
-      if (allocated(error)) call dry%values%refuse(group, 'shape', error%message)
-   end subroutine add_synthetic
 
 end module dry_case

@@ -87,25 +87,45 @@ contains
       if (dry%values%findings%count == 0) call check_parabola(dry)
    end subroutine fill_dry_case
 
-   !> Mean pressures and hardness. Finding: a load above hardness times area.
+   !> Mean pressures, or separations, and hardness. Findings: a load above hardness times area; a
+   !> separation of an open line, without contact, or of an elastic surface pressed beyond flat.
    subroutine fill_loads(dry)
       type(dry_case_t), intent(inout) :: dry
-      type(value_t) :: pressures
+      type(value_t) :: given
       real(wp) :: area, load
-      character(:), allocatable :: key
+      character(:), allocatable :: fault, key
 
       dry%loads%has_history = dry%values%word_value('load', 'loading') == 'history'
       dry%loads%hardness = dry%values%real_value('bodies', 'hardness', no_hardness)
       if (dry%values%is_given('load', 'separation')) then
-         call fill_separations(dry)
+         given = dry%values%slot('load', 'separation')
+         dry%loads%separation = given%reals
+         fault = ''
+         associate (highest => maxval(given%reals), lowest => minval(given%reals), &
+            top => maxval(dry%height) - sum(dry%height)/size(dry%height))
+            if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
+               fault = 'found a separation with periodic = .false., expected a load: the '// &
+                  'deflection of an open line has no datum'
+            else if (.not. dry%is_periodic .and. lowest <= 0.0_wp) then
+               fault = 'found ' // to_text(lowest) // ' m, expected > 0: in an open area the '// &
+                  'approach of the bodies since first touch'
+            else if (dry%is_periodic .and. highest >= top) then
+               fault = 'found ' // to_text(highest) // ' m, at which nothing touches, '// &
+                  'expected < ' // to_text(top) // ' m'
+            else if (lowest <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
+               fault = 'found ' // to_text(lowest) // ' m, expected > 0: an elastic surface is '// &
+                  'flat there'
+            end if
+         end associate
+         if (fault /= '') call dry%values%refuse('load', 'separation', fault)
          return
       end if
       area = dry%lengths(1)
       if (dry%grid%ny > 1) area = area*dry%lengths(2)
       if (dry%values%is_given('load', 'mean_pressure')) then
          key = 'mean_pressure'
-         pressures = dry%values%slot('load', key)
-         dry%loads%mean_pressure = pressures%reals
+         given = dry%values%slot('load', key)
+         dry%loads%mean_pressure = given%reals
       else
          call find_load(dry%values, dry%radius, dry%reduced_modulus, key, load)
          dry%loads%mean_pressure = [load/area]
@@ -114,37 +134,6 @@ contains
          key, 'found a mean pressure of ' // to_text(maxval(dry%loads%mean_pressure)) &
          // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
-
-   !> Separations. Findings: an open line; nothing touches; an elastic surface pressed beyond flat.
-   subroutine fill_separations(dry)
-      type(dry_case_t), intent(inout) :: dry
-      type(value_t) :: given
-      real(wp) :: top
-      character(:), allocatable :: fault
-
-      given = dry%values%slot('load', 'separation')
-      dry%loads%separation = given%reals
-      fault = ''
-      associate (highest => maxval(given%reals), lowest => minval(given%reals))
-         if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
-            fault = 'found a separation with periodic = .false., expected a load: the '// &
-               'deflection of an open line has no datum'
-         else if (.not. dry%is_periodic) then
-            if (lowest <= 0.0_wp) fault = 'found ' // to_text(lowest) // ' m, expected > 0: in '// &
-               'an open area the approach of the bodies since first touch'
-         else
-            top = maxval(dry%height) - sum(dry%height)/size(dry%height)
-            if (highest >= top) then
-               fault = 'found ' // to_text(highest) // ' m, at which nothing touches, '// &
-                  'expected < ' // to_text(top) // ' m'
-            else if (lowest <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
-               fault = 'found ' // to_text(lowest) // ' m, expected > 0: an elastic surface is '// &
-                  'flat there'
-            end if
-         end if
-      end associate
-      if (fault /= '') call dry%values%refuse('load', 'separation', fault)
-   end subroutine fill_separations
 
    !> Findings: two parabolas; an open domain shorter than the contact of Hertz (what yields is
    !> wider still). Note: what periodic images do.

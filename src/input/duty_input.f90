@@ -19,8 +19,8 @@ module duty_input
       'load_per_length [N/m]', 'reduced_radius [m]', 'speed_1 [m/s]', 'speed_2 [m/s]'], &
       load_of_points = 'load [N]'
    character(len=15), parameter :: groups(*) = [character(len=15) :: '', '', 'load', 'bodies', &
-      'bodies', 'bodies'], keys(*) = [character(len=15) :: '', '', 'load_per_length', &
-      'reduced_radius', 'speed_1', 'speed_2']
+      'bodies', 'bodies'], keys_of_lines(*) = [character(len=15) :: '', '', &
+      'load_per_length', 'reduced_radius', 'speed_1', 'speed_2'], key_of_points = 'load'
    real(wp), parameter :: least(*) = [-1.0e9_wp, -1.0e12_wp, 1.0e-6_wp, 1.0e-9_wp, -1.0e4_wp, &
       -1.0e4_wp], largest(*) = [1.0e9_wp, 1.0e12_wp, 1.0e12_wp, 1.0e9_wp, 1.0e4_wp, 1.0e4_wp]
    real(wp), parameter :: usual(*) = [0.0_wp, 0.0_wp, 1.0e5_wp, 0.01_wp, 1.0_wp, 1.0_wp]
@@ -40,8 +40,11 @@ contains
       type(column_table_t) :: table
       type(error_t), allocatable :: error
       character(:), allocatable :: file
+      character(len=15) :: keys(size(keys_of_lines))
       integer :: i, widest
 
+      keys = keys_of_lines
+      keys(of_load) = merge(key_of_points, keys(of_load), values%problem == point)
       if (.not. values%has_value('history', 'file')) return
       allocate (rows)
       file = trim(values%text_value('history', 'file'))
@@ -63,8 +66,8 @@ contains
          call values%refuse('history', 'file', error%message)
          deallocate (rows)
          do i = of_load, of_speeds(2)   ! what the table may have had is not missing
-            if (.not. values%is_given(groups(i), key_of(values, i)) .and. other_way(values, i) &
-               == '') call values%give(groups(i), key_of(values, i), usual(i))
+            if (.not. values%is_given(groups(i), keys(i)) .and. other_way(values, i) &
+               == '') call values%give(groups(i), keys(i), usual(i))
          end do
          return
       end if
@@ -74,7 +77,7 @@ contains
          widest = maxloc(merge(of(:, of_load), 1.0_wp, has(of_load)) &
             *merge(of(:, of_radius), 1.0_wp, has(of_radius)), 1)
          do i = of_load, of_radius
-            if (has(i)) call values%give(groups(i), key_of(values, i), of(widest, i))
+            if (has(i)) call values%give(groups(i), keys(i), of(widest, i))
          end do
          do i = 1, 2
             if (.not. has(of_speeds(i))) of(:, of_speeds(i)) = values%real_value('bodies', &
@@ -87,16 +90,6 @@ contains
       end associate
       call check_motion(values, rows, file)
    end subroutine read_duty
-
-   !> The key in the namelist of a `column`.
-   pure function key_of(values, column) result(key)
-      type(input_values_t), intent(in) :: values
-      integer, intent(in) :: column
-      character(:), allocatable :: key
-
-      key = trim(keys(column))
-      if (column == of_load .and. values%problem == point) key = 'load'
-   end function key_of
 
    !> The key that gives in another way what a column has; empty: there is none.
    function other_way(values, column) result(key)

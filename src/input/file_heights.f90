@@ -247,20 +247,19 @@ contains
       type(error_t), allocatable :: error
       real(wp), allocatable :: whole(:)
       real(wp) :: cutoff(2), least, most
-      logical :: repeats
+      logical :: is_given(2), repeats
       integer :: before, grid(2), i
 
       before = values%findings%count
       least = least_nodes*maxval(heights%spacing, mask=heights%sums%grid > 1)
       most = minval(heights%spacing*heights%sums%grid, mask=heights%sums%grid > 1)
-      cutoff = [values%real_value(group, cutoffs(1)), values%real_value(group, cutoffs(2), &
-         huge(1.0_wp))]
+      is_given = values%is_given(group, cutoffs)
+      cutoff = values%real_value(group, cutoffs, [0.0_wp, huge(1.0_wp)])
       do i = 1, 2
-         if (.not. values%is_given(group, cutoffs(i))) cycle
-         if (cutoff(i) < least .or. cutoff(i) > most) call values%refuse(group, cutoffs(i), &
-            'found '//to_text(cutoff(i))//' m, expected '//to_text(least, 3)//' to '// &
-            to_text(most, 3)//' m, '//to_text(nint(least_nodes))//' spacings to the length of '// &
-            'the file')
+         if (is_given(i) .and. (cutoff(i) < least .or. cutoff(i) > most)) call values%refuse( &
+            group, cutoffs(i), 'found '//to_text(cutoff(i))//' m, expected '//to_text(least, 3) &
+            //' to '//to_text(most, 3)//' m, '//to_text(nint(least_nodes))// &
+            ' spacings to the length of the file')
       end do
       if (values%findings%count == before .and. cutoff(1) >= cutoff(2)) call values%refuse(group, &
          cutoffs(1), 'found '//to_text(cutoff(1))//' m, expected less than cutoff_long, ' &
@@ -270,7 +269,7 @@ contains
       if (repeats) repeats = closes(heights%sums)
       grid = int(heights%sums%grid)
       do i = 1, 2
-         if (.not. values%is_given(group, cutoffs(i))) cycle
+         if (.not. is_given(i)) cycle
          whole = heights%z
          call smooth_heights(grid, cutoff(i)/max(heights%spacing, tiny(1.0_wp)*cutoff(i)), &
             repeats, heights%z, error)

@@ -14,11 +14,10 @@ module input_keys
 
    type(group_row_t), parameter, public :: group_rows(*) = [ &
       group_row_t('case', 'what is computed and where the result goes', every, is_needed=.true.), &
-      group_row_t('bodies', &
-         'geometry, elasticity and speeds of the two bodies (not with &moes)', every, &
-         is_needed=.true., yields_to_moes=.true.), &
-      group_row_t('load', 'the load (not with &moes)', every, &
-         is_needed=.true., yields_to_moes=.true.), &
+      group_row_t('bodies', 'geometry, elasticity and speeds of the two bodies (not with &moes)', &
+         every, is_needed=.true., yields_to_moes=.true.), &
+      group_row_t('load', 'the load (not with &moes)', every, is_needed=.true., &
+         yields_to_moes=.true.), &
       group_row_t('moes', &
          'dimensionless smooth Newtonian studies: replaces bodies, load and viscosity', film), &
       group_row_t('lubricant', 'the oil', film, is_needed=.true.), &
@@ -569,12 +568,8 @@ contains
    !> Row of a group in `group_rows`; 0: not there.
    pure integer function find_group(group) result(row)
       character(*), intent(in) :: group
-      character(len=len(group_rows%group)) :: padded
 
-      padded = group   ! as in `find_key`
-      do row = size(group_rows), 1, -1
-         if (group_rows(row)%group == padded) return
-      end do
+      row = findloc(group_rows%group, group, dim=1)
    end function find_group
 
 end module input_keys

@@ -207,12 +207,8 @@ contains
       character(len=len(rule)), allocatable :: parts(:)
       integer :: i
 
-      if (rule /= '' .and. index(rule, ',') == 0) parts = [rule]   ! as most
-      if (.not. allocated(parts)) parts = split_words(rule, ',')
-      allocate (conditions(size(parts)))
-      do i = 1, size(parts)
-         conditions(i) = new_condition(trim(parts(i)), group)
-      end do
+      parts = split_words(rule, ',')
+      conditions = [(new_condition(trim(parts(i)), group), i=1, size(parts))]
    end function conditions_of
 
    !> The condition that `text` means in a row of `group`.

@@ -10,7 +10,7 @@ module line_case
    use contact_moment, only: least_speed
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
-   use input_values, only: input_values_t
+   use input_values, only: input_values_t, surfaces
    use key_row, only: point
    use kinds, only: wp
    use line_contact, only: finest_wave, leaves_scheme, line_contact_t, max_intervals_of, &
@@ -124,6 +124,7 @@ contains
       type(input_values_t), intent(inout) :: values
       class(rough_contact_t), intent(inout) :: contact
       type(case_t), intent(inout) :: case
+      integer :: features(2), i
 
       if (.not. allocated(case%duty)) return
       contact%duty = scaled_duty(case%duty, case%scaling)
@@ -133,8 +134,11 @@ contains
          values%is_given('time', 'duration'), &
          case%time%statistics_from < 0.0_wp, finest_wave(contact) >= huge(1.0_wp), &
          size(case%output_settings%film_thresholds) == 0])
-      call check_places(values, 'surface_1', contact%surface_1)
-      call check_places(values, 'surface_2', contact%surface_2)
+      features = [size(contact%surface_1%features), size(contact%surface_2%features)]
+      do i = 1, size(surfaces)   ! where the speed changes, none is the usual one
+         if (features(i) > 0 .and. .not. values%has_value(surfaces(i), 'position')) call &
+            values%refuse_missing(surfaces(i), 'position', 'with &history')
+      end do
       if (case%time%scheme == 'quasi_steady' .and. .not. contact%duty%always_moves(0.0_wp)) call &
          values%refuse('time', 'scheme', "found 'quasi_steady' with a history that stops or "// &
          "reverses, expected 'bdf2': at rest there is no steady film")
@@ -169,17 +173,6 @@ contains
       call check_wave(values, 'surface_1', contact%surface_1, contact, case)
       call check_wave(values, 'surface_2', contact%surface_2, contact, case)
    end subroutine plan_times
-
-   !> Finds ridges without a position on a surface whose speed changes: none is the usual one.
-   subroutine check_places(values, group, surface)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group
-      type(rough_surface_t), intent(in) :: surface
-
-      if (allocated(surface%course) .and. size(surface%features) > 0 .and. .not. &
-         values%has_value(group, 'position')) call values%refuse_missing(group, 'position', &
-         'with &history')
-   end subroutine check_places
 
    !> Finding, without a line: the grid that the program chooses is too fine for the method, or for
    !> the memory, with the time step of `given`. Determines for how many intervals there is memory.

@@ -20,7 +20,10 @@ contains
       type(entry_t), intent(out) :: entry
       character(*), intent(in) :: word
       type(error_t), allocatable, intent(out) :: error
+      type(namelist_text_t) :: pieces
+      type(findings_t) :: findings
       integer :: point, sign
+      logical :: is_good
 
       sign = index(word, '=')
       point = index(word(:max(sign - 1, 0)), '.')
@@ -31,9 +34,12 @@ contains
       entry%group = to_lower(trim(adjustl(word(:point - 1))))
       entry%key = to_lower(trim(adjustl(word(point + 1:sign - 1))))
       entry%values = with_quotes(entry, trim(adjustl(word(sign + 1:))))
-      if (.not. is_one_value(entry%values)) call fail(error, input_error, 'found --set '//word &
-         //', expected numbers, words or a text: one line, closed quotes, outside them none '// &
-         'of ! / & =')
+      ! a value with nothing that would end it is found again as the one entry of a group
+      call split_namelist('&group key = '//entry%values//' /', pieces, findings)
+      is_good = findings%count == 0 .and. pieces%count == 2
+      if (is_good) is_good = pieces%entries(2)%values == entry%values
+      if (.not. is_good) call fail(error, input_error, 'found --set '//word//', expected '// &
+         'numbers, words or a text: one line, closed quotes, outside them none of ! / & =')
    end subroutine new_set_entry
 
    !> `value` with the quotes that its key needs.
@@ -62,18 +68,6 @@ contains
       end do
       quoted = quoted//"'"
    end function with_quotes
-
-   !> Whether a value has nothing that would end it, a comment or a group in it: as the one entry of
-   !> a group it is found again.
-   logical function is_one_value(value)
-      character(*), intent(in) :: value
-      type(namelist_text_t) :: pieces
-      type(findings_t) :: findings
-
-      call split_namelist('&group key = '//value//' /', pieces, findings)
-      is_one_value = findings%count == 0 .and. pieces%count == 2
-      if (is_one_value) is_one_value = pieces%entries(2)%values == value
-   end function is_one_value
 
    !> `content` with `entries` (n): in the place of the same key, else behind the name of their
    !> group, else in a group at the end. No line gets another number; lines end with LF.
