@@ -104,12 +104,33 @@ contains
       end do
    end function split_words
 
-   !> True if `word`, blanks behind it or not, is one of the blank-separated `words`.
+   !> True if `word`, blanks behind it or not, is one of the blank-separated `words`: asked 4000
+   !> times a case, so no copies.
    pure elemental logical function has_word(words, word)
       character(*), intent(in) :: words, word
+      integer :: first, length
 
-      has_word = word /= '' .and. index(trim(word), ' ') == 0 .and. index(' '//words//' ', ' '// &
-         trim(word)//' ') > 0
+      has_word = .false.
+      length = len_trim(word)
+      if (length == 0) return
+      do first = 1, len(words) - length + 1
+         if (words(first:first) /= word(1:1)) cycle   ! it is faster than `index`
+         if (words(first:first + length - 1) /= word(:length)) cycle
+         has_word = is_blank(first - 1) .and. is_blank(first + length)
+         if (has_word) exit
+      end do
+      if (has_word) has_word = index(word(:length), ' ') == 0
+
+   contains
+
+      !> Whether there is no letter of `words` at a place.
+      pure logical function is_blank(place)
+         integer, intent(in) :: place
+
+         is_blank = place < 1 .or. place > len(words)
+         if (.not. is_blank) is_blank = words(place:place) == ' '
+      end function is_blank
+
    end function has_word
 
    !> True if `value` fulfils every comparison of the comma-separated `range`, which may be empty.
