@@ -3,8 +3,9 @@ module command_line
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use key_row, only: every, has_word
+   use namelist_text, only: entry_t
    use number_text, only: read_integer
-   use set_entries, only: new_set_entry, set_entry_t
+   use set_entries, only: new_set_entry
    use value_hints, only: nearest_known
    implicit none (type, external)
    private
@@ -30,7 +31,7 @@ module command_line
       !> Options without a value, as they are given.
       character(len=16), allocatable :: flags(:)
       !> Entries that replace or complete those of every namelist.
-      type(set_entry_t), allocatable :: entries(:)
+      type(entry_t), allocatable :: entries(:)
    contains
       procedure :: has
    end type command_t
@@ -140,7 +141,7 @@ contains
       character(*), intent(in) :: option, value
       type(error_t), allocatable, intent(out) :: error
       integer(int64) :: threads
-      type(set_entry_t) :: entry
+      type(entry_t) :: entry
       logical :: good
 
       if (len_trim(value) == 0) then

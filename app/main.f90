@@ -8,7 +8,7 @@ program asperity
    use command_line, only: command_t, help_text, read_command_line
    use disk_file, only: make_folder
    use errors, only: error_t, output_error
-   use input_manual, only: keys_markdown, keys_text, template_text
+   use input_manual, only: keys_text, template_text
    use progress_log, only: is_terminal, new_progress_log, print_text, progress_log_t, &
       settle_standard_streams
    use read_cases, only: read_all_cases, refused_t, status_bad_input, report_good, report_refused
@@ -56,9 +56,9 @@ contains
       case ('template')
          call print_text(template_text(command%problem), error)
       case ('keys')
-         call print_text(keys_text(), error)
+         call print_text(keys_text(is_page=.false.), error)
       case ('keys-markdown')
-         call print_text(keys_markdown(), error)
+         call print_text(keys_text(is_page=.true.), error)
       case ('table')
          call print_results(command%files, command%form, status, error)
       case default

@@ -13,14 +13,12 @@ module read_cases
       kind_missing, kind_other, kind_regular, place_fault, xdmf_mark
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
-   use input_values, only: input_values_t
    use progress_log, only: new_progress_log, print_text, progress_log_t, write_text
    use result_name, only: working_endings
    use set_entries, only: put_entries
    use signals, only: begin_activity, begin_subject
    use summary_head, only: plan_rows
    use text_file, only: read_text_file
-   use value_reader, only: read_defaults
    use xdmf_file, only: xdmf_path
    implicit none (type, external)
    private
@@ -59,20 +57,15 @@ contains
       type(refused_t), allocatable, intent(out) :: refused(:)
       type(error_t), allocatable, intent(out) :: error
       type(case_t), allocatable :: good(:)
-      type(input_values_t), allocatable :: defaults   ! not of one file: it does not need a copy
       character(:), allocatable :: problems
       type(refused_t) :: files(size(command%files))
       logical :: is_good(size(files))
       integer :: i
 
       allocate (cases(size(files)))
-      if (size(cases) > 1) then
-         allocate (defaults)
-         call read_defaults(defaults)
-      end if
       do i = 1, size(cases)
          files(i)%file = trim(command%files(i))
-         call read_one(files(i)%file, command, cases(i), files(i)%findings, defaults)
+         call read_one(files(i)%file, command, cases(i), files(i)%findings)
          is_good(i) = len(files(i)%findings) == 0
       end do
       refused = files(pack([(i, i=1, size(files))], .not. is_good))
@@ -97,13 +90,12 @@ contains
       if (len(problems) > 0) call fail(error, input_error, problems)
    end subroutine read_all_cases
 
-   !> Reads one file; `found` is what is wrong with it, or nothing. `defaults`: of `read_case`.
-   subroutine read_one(file, command, case, found, defaults)
+   !> Reads one file; `found` is what is wrong with it, or nothing.
+   subroutine read_one(file, command, case, found)
       character(*), intent(in) :: file
       type(command_t), intent(in) :: command
       type(case_t), intent(out) :: case
       character(:), allocatable, intent(out) :: found
-      type(input_values_t), intent(in), optional :: defaults
       character(:), allocatable :: content
       type(findings_t) :: findings
       type(error_t), allocatable :: error
@@ -119,7 +111,7 @@ contains
          return
       end if
       call put_entries(content, command%entries)
-      call read_case(content, file, case, findings, command%entries, defaults)
+      call read_case(content, file, case, findings, command%entries)
       if (findings%count > 0) found = findings%report(file)
       if (command%summary == '') return
       allocate (case%table)

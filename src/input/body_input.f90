@@ -5,14 +5,14 @@ module body_input
       reduced_radius
    use input_keys, only: find_key, key_rows
    use input_values, only: has_shape, input_values_t, surfaces
-   use key_row, only: film, has_word, lubricated, point
+   use key_row, only: lubricated, point
    use kinds, only: pi, wp
    use text, only: joined, to_text
    implicit none (type, external)
    private
 
-   public :: check_bodies, check_curvature, check_load, derive_speeds, fill_bodies, find_load, &
-      modulus_of, radius_of
+   public :: check_bodies, check_curvature, check_dry_bodies, check_load, derive_speeds, &
+      fill_bodies, find_load, modulus_of, radius_of
 
    !> Curvature of the gap, 1/R [1/m]: the reverse of the range of reduced_radius.
    real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
@@ -37,25 +37,35 @@ contains
          'slide_to_roll']))) return
       mean = values%real_value('bodies', way)
       slide = values%real_value('bodies', 'slide_to_roll')
-      call values%give('bodies', speeds(1), way, mean*(1 - 0.5_wp*slide))
-      call values%give('bodies', speeds(2), way, mean*(1 + 0.5_wp*slide))
+      call values%give('bodies', speeds(1), mean*(1 - 0.5_wp*slide), way)
+      call values%give('bodies', speeds(2), mean*(1 + 0.5_wp*slide), way)
    end subroutine derive_speeds
 
-   !> All checks of &bodies over more than one key.
+   !> All checks of &bodies of a lubricated contact over more than one key. Findings: what
+   !> `check_ways` and `check_radii` find; a speed that is missing; speeds that draw no oil in.
    subroutine check_bodies(values)
       type(input_values_t), intent(inout) :: values
+      real(wp) :: speed_sum
+      integer :: i
 
-      if (.not. has_word(film, values%problem)) then
-         call check_moduli(values)
-         call check_radius(values)
-      else if (values%has_group('bodies')) then
-         if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-            'reduced_radius'//trim(axis_of(values)), radius_keys(values))
-         call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
-            'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
-         call check_speeds(values)
-         call check_radii(values)
+      if (.not. values%has_group('bodies')) return
+      if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
+         'reduced_radius'//trim(axis_of(values)), radius_keys(values))
+      call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
+         'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
+      if (.not. values%is_given('bodies', 'entrainment_speed')) then
+         do i = 1, size(speeds)
+            if (.not. values%is_given('bodies', speeds(i))) call values%refuse_missing('bodies', &
+               speeds(i), '(or entrainment_speed for both)')
+         end do
       end if
+      if (all(values%has_value('bodies', speeds))) then
+         speed_sum = sum(values%real_value('bodies', speeds))
+         if (speed_sum <= 0.0_wp) call values%refuse('bodies', 'speed_1', &
+            'found speed_1 + speed_2 = ' // to_text(speed_sum) // ', expected a sum > 0 [m/s]: '// &
+            'no oil is drawn in')
+      end if
+      call check_radii(values)
    end subroutine check_bodies
 
    !> A reduced value of &bodies, or all of the values it follows from. Findings: both, none, some.
@@ -74,7 +84,8 @@ contains
             // ' or ' // list)
       else if (.not. any(given)) then
          call values%refuse('bodies', parts(1), 'missing, expected ' // list // ', or ' // &
-            reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
+            reduced // ' [' // trim(key_rows(find_key('bodies', reduced, &
+            values%problem))%unit) // ']')
       else
          do i = 1, size(parts)
             if (.not. given(i)) call values%refuse_missing('bodies', parts(i))
@@ -82,30 +93,13 @@ contains
       end if
    end subroutine check_ways
 
-   !> Findings: a speed that is missing; speeds that draw no oil into the contact.
-   subroutine check_speeds(values)
-      type(input_values_t), intent(inout) :: values
-      real(wp) :: speed_sum
-      integer :: i
-
-      if (.not. values%is_given('bodies', 'entrainment_speed')) then
-         do i = 1, size(speeds)
-            if (.not. values%is_given('bodies', speeds(i))) call values%refuse_missing('bodies', &
-               speeds(i), '(or entrainment_speed for both)')
-         end do
-      end if
-      if (.not. all(values%has_value('bodies', speeds))) return
-      speed_sum = sum(values%real_value('bodies', speeds))
-      if (speed_sum <= 0.0_wp) call values%refuse('bodies', 'speed_1', &
-         'found speed_1 + speed_2 = ' // to_text(speed_sum) // ', expected a sum > 0 [m/s]: no '// &
-         'oil is drawn in')
-   end subroutine check_speeds
-
-   !> Findings: elasticity given twice or in part.
-   subroutine check_moduli(values)
+   !> Findings about a dry contact: elasticity given twice or in part; no radius of a parabola; a
+   !> radius without one.
+   subroutine check_dry_bodies(values)
       type(input_values_t), intent(inout) :: values
       character(len=16), parameter :: parts(*) = [character(len=16) :: 'youngs_modulus_1', &
-         'poisson_ratio_1', 'youngs_modulus_2', 'poisson_ratio_2']
+         'poisson_ratio_1', 'youngs_modulus_2', 'poisson_ratio_2'], radii(*) = &
+         [character(len=16) :: 'reduced_radius', 'radius_1', 'radius_2', 'plane']
       logical :: given(size(parts))
       integer :: i
 
@@ -114,36 +108,26 @@ contains
          do i = 1, size(parts)
             call values%refuse_unused('bodies', parts(i), 'with reduced_modulus')
          end do
-         return
+      else
+         do i = 1, 2
+            if (.not. given(i)) call values%refuse_missing('bodies', parts(i), &
+               '(or reduced_modulus)')
+         end do
+         if (given(3) .neqv. given(4)) call values%refuse_missing('bodies', &
+            parts(merge(4, 3, given(3))))
       end if
-      do i = 1, 2
-         if (.not. given(i)) call values%refuse_missing('bodies', parts(i), '(or reduced_modulus)')
-      end do
-      if (given(3) .neqv. given(4)) call values%refuse_missing('bodies', &
-         parts(merge(4, 3, given(3))))
-   end subroutine check_moduli
-
-   !> Findings: no radius of a parabola; a radius without one.
-   subroutine check_radius(values)
-      type(input_values_t), intent(inout) :: values
-      character(len=14), parameter :: radii(*) = [character(len=14) :: 'reduced_radius', &
-         'radius_1', 'radius_2']
-      logical :: given(size(radii))
-      integer :: i
-
       given = values%is_given('bodies', radii)
       if (.not. any(has_shape(values, surfaces, 'parabola'))) then
          do i = 1, size(radii)
             call values%refuse_unused('bodies', radii(i), "without shape = 'parabola'")
          end do
-         call values%refuse_unused('bodies', 'plane', "without shape = 'parabola'")
-      else if (.not. (given(1) .or. all(given(2:)) .or. has_plane(values))) then
+      else if (.not. (given(1) .or. all(given(2:3)) .or. has_plane(values))) then
          call values%refuse_missing('bodies', 'reduced_radius', &
             "(or radius_1 and radius_2) for shape = 'parabola'")
       else if (.not. given(1)) then
          call check_radii(values)
       end if
-   end subroutine check_radius
+   end subroutine check_dry_bodies
 
    !> What the names of radii have behind them: those of a point contact are of x and of y.
    pure function axis_of(values) result(axis)

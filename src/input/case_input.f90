@@ -1,6 +1,6 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
-   use body_input, only: derive_speeds, fill_bodies, find_load
+   use body_input, only: derive_speeds, fill_bodies
    use case_record, only: case_t, list_dry, list_effective, path_from_namelist, set_effective
    use case_validation, only: check_regime, conserver, even_reason, validate
    use dry_input, only: fill_dry_case
@@ -8,16 +8,13 @@ module case_input
    use file_heights, only: check_files
    use findings, only: findings_t
    use input_values, only: input_values_t, value_t
-   use key_row, only: film, has_word, lubricated, point
+   use key_row, only: dry, film, has_word, point
    use key_rules, only: find_unusual, unusual_t
-   use line_case, only: plan_line_case
+   use line_case, only: fill_scaling, plan_line_case
    use lubricant_input, only: complete_alpha, derive_viscosity, fill_lubricant
-   use kinds, only: wp
-   use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
-   use namelist_text, only: namelist_text_t, split_namelist
+   use namelist_text, only: entry_t, namelist_text_t, split_namelist
    use point_input, only: fill_point_case
-   use scaling, only: new_moes_scaling, new_scaling
-   use set_entries, only: set_entry_t, mark_entries
+   use set_entries, only: mark_entries
    use text, only: to_text
    use value_reader, only: read_values
    implicit none (type, external)
@@ -31,13 +28,11 @@ contains
    !>
    !> `entries` of the command line are in it already; findings about them name --set. Findings: all
    !> that is wrong, see namelist_text, value_reader and case_validation; else `case` is filled.
-   !> `defaults`: those of `read_defaults`, for many files.
-   subroutine read_case(content, file, case, findings, entries, defaults)
+   subroutine read_case(content, file, case, findings, entries)
       character(*), intent(in) :: content, file
       type(case_t), intent(out) :: case
       type(findings_t), intent(out) :: findings
-      type(set_entry_t), intent(in), optional :: entries(:)
-      type(input_values_t), intent(in), optional :: defaults
+      type(entry_t), intent(in), optional :: entries(:)
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
       character(:), allocatable :: oil
@@ -47,9 +42,9 @@ contains
       case%namelist = content
       case%note = ''
       call split_namelist(content, pieces, values%findings)
-      if (pieces%group_count > 0) then
+      if (pieces%count > 0) then
          if (present(entries)) call mark_entries(entries, pieces, values%findings)
-         call read_values(pieces, values, defaults)
+         call read_values(pieces, values)
          is_alone = .false.
          oil = ''
          if (has_word(film, values%problem)) then
@@ -80,57 +75,38 @@ contains
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
 
+      character(:), allocatable :: key
+
       case%title = values%text_value('case', 'title')
       case%output = trim(values%text_value('case', 'output'))
       case%has_xdmf = values%logical_value('output', 'xdmf')
       case%problem = values%word_value('case', 'problem')
       case%model = values%word_value('case', 'model')
-      if (case%problem == lubricated) then
-         call fill_line_case(values, case)
-      else if (case%problem == point) then
-         call fill_common(values, case)
-         call fill_point_case(values, case)
-      else
+      if (has_word(dry, case%problem)) then
          case%dry%values = values
          call fill_dry_case(path_from_namelist(case, ''), case%dry)
          values = case%dry%values
          if (values%findings%count > 0) return
          call list_effective(values, case)
          call list_dry(case)
+         return
       end if
-   end subroutine fill_case
-
-   !> The rest of a lubricated line contact.
-   subroutine fill_line_case(values, case)
-      type(input_values_t), intent(inout) :: values
-      type(case_t), intent(inout) :: case
-      character(:), allocatable :: key
-      real(wp) :: moes_m, moes_l
-
-      call fill_bodies(values, case%bodies)
-      call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
-         case%load_per_length)
       call fill_lubricant(values, case%lubricant, case%materials)
       call fill_common(values, case)
-      call fill_numerics(values, case)
-      if (values%has_group('moes')) then
-         moes_m = values%real_value('moes', 'moes_m')
-         moes_l = values%real_value('moes', 'moes_l')
-         if (values%word_value('moes', 'velocity') == 'sum') then
-            moes_m = moes_m_mean_from_sum(moes_m)
-            moes_l = moes_l_mean_from_sum(moes_l)
-         end if
-         call new_moes_scaling(case%scaling, moes_m, moes_l, case%lubricant)
-      else
-         call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
+      if (case%problem == point) then
+         call fill_point_case(values, case)
+         return
       end if
+      call fill_bodies(values, case%bodies)
+      call fill_numerics(values, case)
+      call fill_scaling(values, case, key)
       call check_regime(values, key, case)
       if (values%findings%count > 0) return
       call list_effective(values, case)
       if (allocated(case%duty)) call set_effective(case, 'history', 'table_checksum', &
          text=case%duty%digits)
       call plan_line_case(values, case)
-   end subroutine fill_line_case
+   end subroutine fill_case
 
    !> &time, &output, &accuracy, tolerance and film floor of lines and points; 0 where the program
    !> chooses.

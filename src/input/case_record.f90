@@ -8,8 +8,7 @@ module case_record
    use hertz, only: bodies_t
    use input_keys, only: key_rows
    use input_values, only: has_shape, input_values_t, read_synthesis, surfaces
-   use key_row, only: has_word, integer_kind, is_chosen, lubricated, real_kind, reals_kind, &
-      text_kind
+   use key_row, only: has_word, lubricated
    use key_rules, only: is_used, unusual_t
    use kinds, only: wp
    use line_contact, only: domain_t, line_contact_t, rough_contact_t, solver_settings_t, &
@@ -64,8 +63,6 @@ module case_record
       type(lubricant_t) :: lubricant
       !> What only the limits of the model need.
       type(materials_t) :: materials
-      !> w [N/m].
-      real(wp) :: load_per_length
       !> What changes in time; bodies, load and scales are then those of the reference state.
       type(duty_rows_t), allocatable :: duty
       !> The scales that follow from these.
@@ -196,81 +193,63 @@ contains
       if (.not. allocated(case%effective)) allocate (case%effective(0))
       new%group = group   ! of equal lengths they are compared without a call
       new%key = key
+      if (present(reals)) new%reals = reals
+      if (present(integer)) new%integer = integer
+      if (present(text)) new%text = text
       do place = 1, size(case%effective)
          if (case%effective(place)%key == new%key .and. case%effective(place)%group &
             == new%group) exit
       end do
-      if (place > size(case%effective)) call make_room(case%effective)
-      case%effective(place) = new
-      associate (entry => case%effective(place))
-         if (present(reals)) entry%reals = reals
-         if (present(integer)) entry%integer = integer
-         if (present(text)) entry%text = text
-      end associate
+      if (place > size(case%effective)) then
+         case%effective = [case%effective, new]
+      else
+         case%effective(place) = new
+      end if
    end subroutine set_effective
-
-   !> One more entry; the values of the others are moved, not copied.
-   pure subroutine make_room(entries)
-      type(effective_t), allocatable, intent(inout) :: entries(:)
-      type(effective_t), allocatable :: more(:)
-      integer :: i
-
-      allocate (more(size(entries) + 1))
-      do i = 1, size(entries)
-         more(i)%group = entries(i)%group
-         more(i)%key = entries(i)%key
-         if (allocated(entries(i)%reals)) call move_alloc(entries(i)%reals, more(i)%reals)
-         if (allocated(entries(i)%integer)) call move_alloc(entries(i)%integer, more(i)%integer)
-         if (allocated(entries(i)%text)) call move_alloc(entries(i)%text, more(i)%text)
-      end do
-      call move_alloc(more, entries)
-   end subroutine make_room
 
    !> Fills `case%effective` in the order of the key table; what the program chooses later says so.
    subroutine list_effective(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
-      logical :: is_of_use
-      integer :: asked, i
+      type(effective_t) :: entries(size(key_rows))
+      integer :: i, n
 
-      asked = 1
-      is_of_use = is_used(values, key_rows(asked))
+      n = 0
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
             if (.not. slot%has_value) then
-               if (row%default /= is_chosen .or. row%key == 'output') cycle
+               if (row%default /= 'chosen' .or. row%key == 'output') cycle
             end if
             if (.not. has_word(row%problems, values%problem)) cycle
-            ! a rule takes long, and rows of one group often have the same
-            if (row%used /= key_rows(asked)%used .or. row%group /= key_rows(asked)%group) then
-               asked = i
-               is_of_use = is_used(values, row)
-            end if
-            if (.not. is_of_use) cycle
+            if (.not. is_used(values, row)) cycle
+            n = n + 1
+            entries(n)%group = row%group
+            entries(n)%key = row%key
             if (.not. slot%has_value) then
-               call set_effective(case, row%group, row%key, text='chosen by the program')
-            else if (any(row%kind == [real_kind, reals_kind])) then
-               call set_effective(case, row%group, row%key, slot%reals)
-            else if (row%kind == integer_kind) then
-               call set_effective(case, row%group, row%key, integer=slot%integer)
-            else if (row%kind == text_kind) then
-               call set_effective(case, row%group, row%key, text=slot%text)
+               entries(n)%text = 'chosen by the program'
+            else if (row%kind == 'integer') then
+               entries(n)%integer = nint(slot%reals(1))
+            else if (row%unit /= '') then
+               entries(n)%reals = slot%reals
+            else if (row%kind == 'text') then
+               entries(n)%text = slot%text
             else   ! words and logicals
-               call set_effective(case, row%group, row%key, text=joined(slot%words, ', '))
+               entries(n)%text = joined(slot%words, ', ')
             end if
          end associate
       end do
+      case%effective = entries(:n)
       if (values%problem == lubricated) call list_derived(case)
    end subroutine list_effective
 
-   !> What follows from the given values: reduced bodies, load, parameters of Roelands' law.
+   !> What follows from the given values of a line: bodies, load, parameters of Roelands' law.
    subroutine list_derived(case)
       type(case_t), intent(inout) :: case
 
       if (case%scaling%is_dimensional) then
          call set_effective(case, 'bodies', 'reduced_radius', [case%bodies%reduced_radius])
          call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
-         call set_effective(case, 'load', 'load_per_length', [case%load_per_length])
+         call set_effective(case, 'load', 'load_per_length', [case%scaling%load_per_length])
       end if
       associate (oil => case%lubricant)
          if (oil%viscosity_law == viscosity_constant) call set_effective(case, 'lubricant', &

@@ -2,11 +2,11 @@
 !>
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
-   use body_input, only: check_bodies, check_load, speeds
+   use body_input, only: check_bodies, check_dry_bodies, check_load, speeds
    use case_record, only: case_t
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: check_surface, input_values_t, value_t
-   use key_row, only: dry, expected_value, film, has_word, is_in_range, lubricated, word_kind
+   use key_row, only: dry, expected_value, film, has_word, is_in_range, lubricated
    use key_rules, only: check_rules, find_unusual, unusual_t
    use kinds, only: wp
    use lubricant_input, only: check_moes_laws, check_roelands
@@ -38,8 +38,12 @@ contains
       call check_case(values)
       call check_accuracy(values)
       call check_fields(values)
-      if (has_word(dry, values%problem) .and. .not. is_read) return
-      call check_bodies(values)
+      if (has_word(dry, values%problem)) then
+         if (.not. is_read) return
+         call check_dry_bodies(values)
+      else
+         call check_bodies(values)
+      end if
       if (values%has_group('load') .or. values%is_given('history', 'file')) call check_load(values)
       call check_moes_laws(values)
       call check_roelands(values)
@@ -113,17 +117,18 @@ contains
       end if
    end subroutine check_case
 
-   !> Finds more levels than the grid has; and what `check_fineness` and `check_kappa_scheme` find.
+   !> Finds more intervals than the method is given, or than there is memory for, more levels than
+   !> the grid has, equations and methods that do not go together.
    subroutine check_solver(values)
       type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: reason
+      character(:), allocatable :: fault, method, reason
       integer :: intervals, levels
 
       if (values%has_value('history', 'file') .and. values%integer_value('output', &
          'velocity_layers') > 0) call values%refuse('output', 'velocity_layers', &
          'found with &history, expected 0')
-      if (conserver(values) /= '') call check_cavitation(values)
-      if (values%has_group('thermal')) call check_heat(values)
+      call check_cavitation(values)
+      call check_heat(values)
       if (values%word_value('case', 'equations') == 'stokes') then
          call check_equations(values)
          call check_kappa_scheme(values, "equations = 'stokes'")
@@ -141,8 +146,15 @@ contains
       if (values%word_value('domain', 'grid') == 'graded' .and. reason /= '') call values%refuse( &
          'domain', 'grid', "found 'graded' with "//reason//", expected 'even' or 'auto'")
       if (.not. values%has_value('domain', 'intervals')) return
-      call check_fineness(values)
+      method = trim(values%word_value('solver', 'method'))
       intervals = values%integer_value('domain', 'intervals')
+      fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
+         method == 'newton_dense', merge(values%integer_value('film', 'layers'), 0, &
+         values%word_value('case', 'equations') == 'stokes')), of_blas)
+      if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
+         // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
+         // method // "'"
+      if (fault /= '') call values%refuse('domain', 'intervals', fault)
       levels = values%integer_value('solver', 'levels')
       if (.not. values%has_value('solver', 'levels')) return
       if (shiftr(intervals, levels - 1) < min_intervals) call values%refuse('solver', 'levels', &
@@ -163,7 +175,7 @@ contains
             if (row%group /= 'solver' .or. index(row%key, 'film') > 0 .or. .not. &
                has_word(row%problems, lubricated)) cycle
             if (.not. values%is_given('solver', row%key)) cycle
-            if (row%kind == word_kind) then
+            if (row%kind == 'word') then
                if (row%default == "'"//trim(values%word_value('solver', row%key))//"'") cycle
             end if
             reason = '&solver '//trim(row%key)
@@ -194,6 +206,7 @@ contains
       type(input_values_t), intent(inout) :: values
       character(:), allocatable :: because, method
 
+      if (conserver(values) == '') return
       method = trim(values%word_value('solver', 'method'))
       because = ' with '//conserver(values)//', expected '
       if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
@@ -213,6 +226,7 @@ contains
       type(input_values_t), intent(inout) :: values
       real(wp) :: inlet
 
+      if (.not. values%has_group('thermal')) return
       if (values%logical_value('time', 'transient') .and. (.not. values%has_group('history') .or. &
          values%is_given('surface_1', 'shape') .or. values%is_given('surface_2', 'shape'))) call &
          values%refuse('time', 'transient', 'found .true. with &thermal, expected .false., or '// &
@@ -230,23 +244,6 @@ contains
          'thermal', 'temperature', 'found another one than &lubricant temperature, '// &
          to_text(inlet)//' [degC], expected the same')
    end subroutine check_heat
-
-   !> Finding: more intervals than the method is given, or than there is memory for.
-   subroutine check_fineness(values)
-      type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: fault, method
-      integer :: intervals
-
-      method = trim(values%word_value('solver', 'method'))
-      intervals = values%integer_value('domain', 'intervals')
-      fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
-         method == 'newton_dense', merge(values%integer_value('film', 'layers'), 0, &
-         values%word_value('case', 'equations') == 'stokes')), of_blas)
-      if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
-         // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
-         // method // "'"
-      if (fault /= '') call values%refuse('domain', 'intervals', fault)
-   end subroutine check_fineness
 
    !> Finds what the full momentum equations of the film do not go with.
    subroutine check_equations(values)
@@ -289,17 +286,15 @@ contains
 
       fields = values%slot('output', 'fields')
       if (.not. fields%has_value) return
-      do i = 2, size(fields%words)
+      do i = 1, size(fields%words)
          if (any(fields%words(:i - 1) == fields%words(i)) .and. fields%words(i) /= '?') call &
             values%refuse('output', 'fields', "found '" // trim(fields%words(i)) &
             // "' twice, expected " // expected_value(key_rows(find_key('output', 'fields', &
             values%problem))) // ', each once')
-      end do
-      if (.not. values%has_group('moes')) return
-      do i = 1, size(fields%words)
-         if (index(fields%words(i), 'shear_stress') == 1) call values%refuse('output', 'fields', &
-            "found '" // trim(fields%words(i)) // "' with &moes, expected 'pressure' or "// &
-            "'film_thickness': the speeds of the surfaces are not known")
+         if (values%has_group('moes') .and. index(fields%words(i), 'shear_stress') == 1) call &
+            values%refuse('output', 'fields', "found '" // trim(fields%words(i)) &
+            // "' with &moes, expected 'pressure' or 'film_thickness': the speeds of the "// &
+            'surfaces are not known')
       end do
    end subroutine check_fields
 
@@ -329,14 +324,14 @@ contains
       type(unusual_t), allocatable :: unusual(:)
 
       if (.not. case%scaling%is_dimensional) return
-      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
-         l => key_rows(find_key('moes', 'moes_l')))
+      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m', lubricated)), &
+         l => key_rows(find_key('moes', 'moes_l', lubricated)))
          if (scales%half_width >= case%bodies%reduced_radius) then
             call values%refuse('load', key, 'found a contact of half-width ' &
                // to_text(scales%half_width, 3) // ' m, expected less than the reduced radius, ' &
                // to_text(case%bodies%reduced_radius, 3) // ' m')
-         else if (.not. (is_in_range(scales%moes_m, m%range) .and. is_in_range(scales%moes_l, &
-            l%range))) then
+         else if (.not. (is_in_range(scales%moes_m, m%allowed) .and. is_in_range(scales%moes_l, &
+            l%allowed))) then
             unusual = find_unusual(values)
             if (size(unusual) > 0) then
                call values%refuse('load', key, 'found no contact that can be computed: '// &
@@ -345,7 +340,8 @@ contains
             end if
             call values%refuse('load', key, 'found a contact with Moes numbers M = ' &
                // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) &
-               // ' (mean velocity), expected M ' // trim(m%range) // ' and L ' // trim(l%range))
+               // ' (mean velocity), expected M ' // trim(m%allowed) // ' and L ' &
+                  // trim(l%allowed))
          end if
       end associate
    end subroutine check_regime

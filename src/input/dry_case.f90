@@ -89,17 +89,11 @@ contains
       bytes = dry_memory(nodes, self%is_periodic, refined)
    end function memory_on
 
-   !> Fills the heights on the grid of `dry`. Findings: no memory; what the surfaces find.
+   !> Fills the heights on the grid of `dry`. Findings: what the surfaces find.
    subroutine make_heights(dry)
       type(dry_case_t), intent(inout) :: dry
-      integer :: i, status
+      integer :: i
 
-      allocate (dry%height(dry%grid%nx*dry%grid%ny), stat=status)
-      if (status /= 0) then
-         call dry%values%refuse('domain', '', 'not enough memory for the heights of the grid')
-         return
-      end if
-      deallocate (dry%height)   ! there is room
       do i = 1, size(surfaces)
          call add_surface(dry, i)
       end do
@@ -153,18 +147,29 @@ contains
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
       type(error_t), allocatable :: error
-      real(wp), allocatable :: z(:)
+      type(synthesis_t) :: wanted
+      real(wp), allocatable :: x(:), y(:), z(:)
 
+      x = node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic)
+      y = node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic)   ! of a line 0 alone
       select case (dry%values%word_value(surfaces(i), 'shape'))
       case ('file')
          call add_file(dry, i, z)
       case ('synthetic')
-         call add_synthetic(dry, surfaces(i), z)
+         call read_synthesis(dry%values, surfaces(i), maxval(dry%lengths), &
+            2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)
+         if (dry%values%findings%count > 0) return
+         call begin_activity('making the surface')
+         call synthetic_heights(wanted, dry%first_nodes, dry%lengths(1), max(dry%lengths(2), &
+            tiny(1.0_wp)), z, error)
+         if (.not. allocated(error) .and. any([dry%grid%nx, dry%grid%ny] /= dry%first_nodes)) call &
+            resample_heights(dry%first_nodes, [dry%grid%nx, dry%grid%ny], z, error, &
+            at_centres=.not. dry%is_periodic)
+         if (allocated(error)) call dry%values%refuse(surfaces(i), 'shape', error%message)
       case ('parabola')
-         z = parabola_heights(dry%radius, positions(dry, 1), positions(dry, 2), dry%lengths, &
-            dry%is_periodic)
+         z = parabola_heights(dry%radius, x, y, dry%lengths, dry%is_periodic)
       case ('feature', 'sinusoid')
-         z = feature_heights(features_of(dry%values, surfaces(i)), positions(dry, 1), dry%grid%ny, &
+         z = feature_heights(features_of(dry%values, surfaces(i)), x, dry%grid%ny, &
             dry%lengths(1), dry%is_periodic)
       case default   ! smooth, or refused
          return
@@ -186,16 +191,6 @@ contains
          call move_alloc(z, dry%height)
       end if
    end subroutine add_surface
-
-   !> Positions of the nodes in x (1) or y (2); a line has y = 0 alone.
-   pure function positions(dry, direction) result(x)
-      type(dry_case_t), intent(in) :: dry
-      integer, intent(in) :: direction
-      real(wp), allocatable :: x(:)
-
-      x = node_positions(merge(dry%grid%nx, dry%grid%ny, direction == 1), dry%lengths(direction), &
-         dry%is_periodic)
-   end function positions
 
    !> Heights of a file, resampled if periodic. Findings: another length; other nodes if open.
    subroutine add_file(dry, i, z)
@@ -229,26 +224,5 @@ contains
       end associate
       if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
    end subroutine add_file
-
-   !> Synthetic heights, those of the first grid resampled. Findings: those of the synthesis.
-   subroutine add_synthetic(dry, group, z)
-      type(dry_case_t), intent(inout) :: dry
-      character(*), intent(in) :: group
-      real(wp), allocatable, intent(out) :: z(:)
-      type(synthesis_t) :: wanted
-      type(error_t), allocatable :: error
-
-      associate (first => dry%first_nodes, nodes => [dry%grid%nx, dry%grid%ny])
-         call read_synthesis(dry%values, group, maxval(dry%lengths), &
-            2.0_wp*dry%lengths(1)/first(1), wanted)
-         if (dry%values%findings%count > 0) return
-         call begin_activity('making the surface')
-         call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), &
-            z, error)
-         if (.not. allocated(error) .and. any(nodes /= first)) call resample_heights(first, nodes, &
-            z, error, at_centres=.not. dry%is_periodic)
-      end associate
-      if (allocated(error)) call dry%values%refuse(group, 'shape', error%message)
-   end subroutine add_synthetic
 
 end module dry_case

@@ -34,7 +34,7 @@ module dry_input
 
 contains
 
-   !> Fills `dry` from its values; `folder` of the namelist. Findings: grids, surfaces, loads.
+   !> Fills `dry` from its values; `folder` of the namelist. Findings: grid, surface, load, kernel.
    subroutine fill_dry_case(folder, dry)
       character(*), intent(in) :: folder
       type(dry_case_t), intent(inout) :: dry
@@ -69,31 +69,63 @@ contains
       call make_heights(dry)
       if (dry%values%findings%count > 0) return
       call fill_loads(dry)
-      call fill_solver(dry)
+      associate (values => dry%values)
+         dry%grid%kernel = merge(kernel_element, kernel_band_limited, values%word_value('domain', &
+            'kernel') == 'element')
+         if (.not. dry%is_periodic) dry%grid%kernel = kernel_open
+         if (.not. dry%is_periodic .and. values%is_given('domain', 'kernel') .and. &
+            values%word_value('domain', 'kernel') == 'band_limited') call values%refuse('domain', &
+            'kernel', "found 'band_limited' with periodic = .false., expected 'element'")
+         dry%settings%method = merge(method_steepest_descent, method_conjugate_gradient, &
+            values%word_value('solver', 'method') == 'steepest_descent')
+         dry%settings%keeps_pressures = dry%is_compared()
+         dry%settings%tolerance = values%real_value('solver', 'tolerance')
+         dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
+      end associate
       ! Only the way to a target makes the heights again.
       if (.not. dry%target > 0.0_wp) dry%files = heights_t()
       if (dry%values%findings%count == 0) call check_parabola(dry)
    end subroutine fill_dry_case
 
-   !> Mean pressures and hardness. Finding: a load above hardness times area.
+   !> Mean pressures, or separations, and hardness. Findings: a load above hardness times area; a
+   !> separation of an open line, without contact, or of an elastic surface pressed beyond flat.
    subroutine fill_loads(dry)
       type(dry_case_t), intent(inout) :: dry
-      type(value_t) :: pressures
+      type(value_t) :: given
       real(wp) :: area, load
-      character(:), allocatable :: key
+      character(:), allocatable :: fault, key
 
       dry%loads%has_history = dry%values%word_value('load', 'loading') == 'history'
       dry%loads%hardness = dry%values%real_value('bodies', 'hardness', no_hardness)
       if (dry%values%is_given('load', 'separation')) then
-         call fill_separations(dry)
+         given = dry%values%slot('load', 'separation')
+         dry%loads%separation = given%reals
+         fault = ''
+         associate (highest => maxval(given%reals), lowest => minval(given%reals), &
+            top => maxval(dry%height) - sum(dry%height)/size(dry%height))
+            if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
+               fault = 'found a separation with periodic = .false., expected a load: the '// &
+                  'deflection of an open line has no datum'
+            else if (.not. dry%is_periodic .and. lowest <= 0.0_wp) then
+               fault = 'found ' // to_text(lowest) // ' m, expected > 0: in an open area the '// &
+                  'approach of the bodies since first touch'
+            else if (dry%is_periodic .and. highest >= top) then
+               fault = 'found ' // to_text(highest) // ' m, at which nothing touches, '// &
+                  'expected < ' // to_text(top) // ' m'
+            else if (lowest <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
+               fault = 'found ' // to_text(lowest) // ' m, expected > 0: an elastic surface is '// &
+                  'flat there'
+            end if
+         end associate
+         if (fault /= '') call dry%values%refuse('load', 'separation', fault)
          return
       end if
       area = dry%lengths(1)
       if (dry%grid%ny > 1) area = area*dry%lengths(2)
       if (dry%values%is_given('load', 'mean_pressure')) then
          key = 'mean_pressure'
-         pressures = dry%values%slot('load', key)
-         dry%loads%mean_pressure = pressures%reals
+         given = dry%values%slot('load', key)
+         dry%loads%mean_pressure = given%reals
       else
          call find_load(dry%values, dry%radius, dry%reduced_modulus, key, load)
          dry%loads%mean_pressure = [load/area]
@@ -103,63 +135,13 @@ contains
          // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
-   !> Separations. Findings: an open line; nothing touches; an elastic surface pressed beyond flat.
-   subroutine fill_separations(dry)
-      type(dry_case_t), intent(inout) :: dry
-      type(value_t) :: given
-      real(wp) :: top
-      character(:), allocatable :: fault
-
-      given = dry%values%slot('load', 'separation')
-      dry%loads%separation = given%reals
-      fault = ''
-      associate (highest => maxval(given%reals), lowest => minval(given%reals))
-         if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
-            fault = 'found a separation with periodic = .false., expected a load: the '// &
-               'deflection of an open line has no datum'
-         else if (.not. dry%is_periodic) then
-            if (lowest <= 0.0_wp) fault = 'found ' // to_text(lowest) // ' m, expected > 0: in '// &
-               'an open area the approach of the bodies since first touch'
-         else
-            top = maxval(dry%height) - sum(dry%height)/size(dry%height)
-            if (highest >= top) then
-               fault = 'found ' // to_text(highest) // ' m, at which nothing touches, '// &
-                  'expected < ' // to_text(top) // ' m'
-            else if (lowest <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
-               fault = 'found ' // to_text(lowest) // ' m, expected > 0: an elastic surface is '// &
-                  'flat there'
-            end if
-         end if
-      end associate
-      if (fault /= '') call dry%values%refuse('load', 'separation', fault)
-   end subroutine fill_separations
-
-   !> Kernel, method, tolerance. Finding: band_limited on an open domain.
-   subroutine fill_solver(dry)
-      type(dry_case_t), intent(inout) :: dry
-
-      associate (values => dry%values)
-         if (dry%is_periodic) then
-            dry%grid%kernel = merge(kernel_element, kernel_band_limited, &
-               values%word_value('domain', 'kernel') == 'element')
-         else
-            dry%grid%kernel = kernel_open
-            if (values%is_given('domain', 'kernel') .and. values%word_value('domain', &
-               'kernel') == 'band_limited') call values%refuse('domain', 'kernel', &
-               "found 'band_limited' with periodic = .false., expected 'element'")
-         end if
-         dry%settings%method = merge(method_steepest_descent, method_conjugate_gradient, &
-            values%word_value('solver', 'method') == 'steepest_descent')
-         dry%settings%keeps_pressures = dry%is_compared()
-         dry%settings%tolerance = values%real_value('solver', 'tolerance')
-         dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
-      end associate
-   end subroutine fill_solver
-
-   !> Findings: two parabolas; an open domain inside the contact. Note: what periodic images do.
+   !> Findings: two parabolas; an open domain shorter than the contact of Hertz (what yields is
+   !> wider still). Note: what periodic images do.
    subroutine check_parabola(dry)
       type(dry_case_t), intent(inout) :: dry
-      logical :: is_one(2)
+      real(wp) :: growth, length, load, needed, width
+      character(:), allocatable :: key
+      logical :: is_line, is_one(2)
 
       is_one = has_shape(dry%values, surfaces, 'parabola')
       if (all(is_one)) then
@@ -167,18 +149,9 @@ contains
             'the reduced radius is that of both bodies')
       else if (any(is_one) .and. dry%is_periodic) then
          call add_sentence(dry%note, note_on_images(dry))
-      else if (any(is_one) .and. any(has_shape(dry%values, surfaces, 'smooth'))) then
-         call check_room(dry)
       end if
-   end subroutine check_parabola
-
-   !> Finds an open domain shorter than the contact of Hertz (what yields is wider still).
-   subroutine check_room(dry)
-      type(dry_case_t), intent(inout) :: dry
-      real(wp) :: growth, length, load, needed, width
-      character(:), allocatable :: key
-      logical :: is_line
-
+      if (dry%is_periodic .or. .not. (count(is_one) == 1 .and. any(has_shape(dry%values, surfaces, &
+         'smooth')))) return
       is_line = dry%grid%ny == 1
       length = merge(dry%lengths(1), minval(dry%lengths), is_line)
       growth = 0.0_wp
@@ -202,7 +175,7 @@ contains
       call dry%values%refuse('domain', key, 'found ' // to_text(length) &
          // ' m, which ends inside the contact of ' // to_text(width, 3) &
          // ' m (Hertz), expected about ' // to_text(needed, 2) // ' m')
-   end subroutine check_room
+   end subroutine check_parabola
 
    !> By how much the images of a periodic parabola raise its largest pressure. Near the contact
    !> they bend the surface like a larger curvature 1/R + (P/(pi E')) sum 1/d^3, d the distances of

@@ -1,6 +1,7 @@
 !> &history: the table of loads, radii and speeds over time, from its file to the values of a
 !> reference state and to rows in SI.
 module duty_input
+   use body_input, only: speeds
    use column_table, only: column_table_t, read_columns
    use duty, only: duty_rows_t, of_angle, of_load, of_radius, of_speeds, of_time
    use errors, only: error_t, fail, input_error
@@ -18,8 +19,8 @@ module duty_input
       'load_per_length [N/m]', 'reduced_radius [m]', 'speed_1 [m/s]', 'speed_2 [m/s]'], &
       load_of_points = 'load [N]'
    character(len=15), parameter :: groups(*) = [character(len=15) :: '', '', 'load', 'bodies', &
-      'bodies', 'bodies'], keys(*) = [character(len=15) :: '', '', 'load_per_length', &
-      'reduced_radius', 'speed_1', 'speed_2']
+      'bodies', 'bodies'], keys_of_lines(*) = [character(len=15) :: '', '', &
+      'load_per_length', 'reduced_radius', 'speed_1', 'speed_2'], key_of_points = 'load'
    real(wp), parameter :: least(*) = [-1.0e9_wp, -1.0e12_wp, 1.0e-6_wp, 1.0e-9_wp, -1.0e4_wp, &
       -1.0e4_wp], largest(*) = [1.0e9_wp, 1.0e12_wp, 1.0e12_wp, 1.0e9_wp, 1.0e4_wp, 1.0e4_wp]
    real(wp), parameter :: usual(*) = [0.0_wp, 0.0_wp, 1.0e5_wp, 0.01_wp, 1.0_wp, 1.0_wp]
@@ -39,8 +40,11 @@ contains
       type(column_table_t) :: table
       type(error_t), allocatable :: error
       character(:), allocatable :: file
+      character(len=15) :: keys(size(keys_of_lines))
       integer :: i, widest
 
+      keys = keys_of_lines
+      keys(of_load) = merge(key_of_points, keys(of_load), values%problem == point)
       if (.not. values%has_value('history', 'file')) return
       allocate (rows)
       file = trim(values%text_value('history', 'file'))
@@ -56,13 +60,15 @@ contains
          rows%has = table%has
          call move_alloc(table%values, rows%values)
          rows%digits = table%digits
+         call check_columns(values, rows, file, error)
       end if
-      if (.not. allocated(error)) call check_clock(values, rows, file, error)
-      if (.not. allocated(error)) call check_other_ways(values, rows, file, error)
       if (allocated(error)) then
          call values%refuse('history', 'file', error%message)
          deallocate (rows)
-         call give_usual(values)
+         do i = of_load, of_speeds(2)   ! what the table may have had is not missing
+            if (.not. values%is_given(groups(i), keys(i)) .and. other_way(values, i) &
+               == '') call values%give(groups(i), keys(i), usual(i))
+         end do
          return
       end if
       rows%is_linear = values%word_value('history', 'interpolation') == 'linear'
@@ -71,49 +77,19 @@ contains
          widest = maxloc(merge(of(:, of_load), 1.0_wp, has(of_load)) &
             *merge(of(:, of_radius), 1.0_wp, has(of_radius)), 1)
          do i = of_load, of_radius
-            if (has(i)) call give(values, i, of(widest, i))
+            if (has(i)) call values%give(groups(i), keys(i), of(widest, i))
          end do
          do i = 1, 2
             if (.not. has(of_speeds(i))) of(:, of_speeds(i)) = values%real_value('bodies', &
-               key_of(values, of_speeds(i)))
+               speeds(i))
          end do
          widest = maxloc(of(:, of_speeds(1)) + of(:, of_speeds(2)), 1)
          do i = 1, 2
-            if (has(of_speeds(i))) call give(values, of_speeds(i), of(widest, of_speeds(i)))
+            if (has(of_speeds(i))) call values%give('bodies', speeds(i), of(widest, of_speeds(i)))
          end do
       end associate
       call check_motion(values, rows, file)
    end subroutine read_duty
-
-   !> Gives what a table that is refused may have had its usual value: it is not missing.
-   subroutine give_usual(values)
-      type(input_values_t), intent(inout) :: values
-      integer :: i
-
-      do i = of_load, of_speeds(2)
-         if (.not. values%is_given(groups(i), key_of(values, i)) .and. other_way(values, i) &
-            == '') call give(values, i, usual(i))
-      end do
-   end subroutine give_usual
-
-   !> The key in the namelist of a `column`.
-   pure function key_of(values, column) result(key)
-      type(input_values_t), intent(in) :: values
-      integer, intent(in) :: column
-      character(:), allocatable :: key
-
-      key = trim(keys(column))
-      if (column == of_load .and. values%problem == point) key = 'load'
-   end function key_of
-
-   !> Gives the key of a `column` a value.
-   subroutine give(values, column, value)
-      type(input_values_t), intent(inout) :: values
-      integer, intent(in) :: column
-      real(wp), intent(in) :: value
-
-      call values%give(groups(column), key_of(values, column), key_of(values, column), value)
-   end subroutine give
 
    !> The key that gives in another way what a column has; empty: there is none.
    function other_way(values, column) result(key)
@@ -132,26 +108,6 @@ contains
       end do
    end function other_way
 
-   !> Finds a column beside another way to give the same, and radii of a point that change.
-   subroutine check_other_ways(values, rows, file, error)
-      type(input_values_t), intent(in) :: values
-      type(duty_rows_t), intent(in) :: rows
-      character(*), intent(in) :: file
-      type(error_t), allocatable, intent(out) :: error
-      integer :: i
-
-      if (values%problem == point .and. rows%has(of_radius)) call fail(error, input_error, &
-         file//': found '//trim(columns(of_radius))//', expected load, speed_1, speed_2: the '// &
-         'radii of a point contact stay')
-      if (allocated(error)) return
-      do i = of_load, of_radius
-         if (.not. rows%has(i) .or. other_way(values, i) == '') cycle
-         call fail(error, input_error, file//': found '//trim(columns(i))//' together with &'// &
-            trim(groups(i))//' '//other_way(values, i)//', expected one of the two')
-         return
-      end do
-   end subroutine check_other_ways
-
    !> Finds a contact that never moves forwards, or whose start at rest is not forgotten.
    subroutine check_motion(values, rows, file)
       type(input_values_t), intent(inout) :: values
@@ -160,7 +116,7 @@ contains
       logical :: never
       integer :: i
 
-      if (.not. all(values%has_value('bodies', keys(of_speeds)))) return
+      if (.not. all(values%has_value('bodies', speeds))) return
       associate (sum => rows%values(:, of_speeds(1)) + rows%values(:, of_speeds(2)))
          never = any(rows%has(of_speeds)) .and. .not. maxval(sum) > 0.0_wp
          if (never) then
@@ -174,34 +130,43 @@ contains
          end if
       end associate
       do i = 1, merge(2, 0, never)   ! one finding is enough
-         call give(values, of_speeds(i), usual(of_speeds(i)))
+         call values%give('bodies', speeds(i), usual(of_speeds(i)))
       end do
    end subroutine check_motion
 
    !> Finds an angle without a speed of rotation, a speed without an angle; turns angles into times
-   !> from the first row on.
-   subroutine check_clock(values, rows, file, error)
+   !> from the first row on. Finds a column beside another way to give the same, and radii of a
+   !> point that change.
+   subroutine check_columns(values, rows, file, error)
       type(input_values_t), intent(in) :: values
       type(duty_rows_t), intent(inout) :: rows
       character(*), intent(in) :: file
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: fault
+      integer :: i
 
+      fault = ''
+      do i = of_radius, of_load, -1
+         if (rows%has(i) .and. other_way(values, i) /= '') fault = 'found '//trim(columns(i))// &
+            ' together with &'//trim(groups(i))//' '//other_way(values, i)// &
+            ', expected one of the two'
+      end do
+      if (values%problem == point .and. rows%has(of_radius)) fault = 'found '// &
+         trim(columns(of_radius))//', expected load, speed_1, speed_2: the radii of a point '// &
+         'contact stay'
       associate (has_speed => values%has_value('history', 'speed_rpm'), of => rows%values)
-         if (rows%has(of_angle) .and. .not. has_speed) then
-            call fail(error, input_error, file//': found angles, expected &history '// &
-               'speed_rpm with them')
-         else if (has_speed .and. .not. rows%has(of_angle)) then
-            call fail(error, input_error, file//': found times with &history '// &
-               'speed_rpm, expected the column '//trim(columns(of_angle)))
-         else if (rows%has(of_angle)) then
-            of(:, of_time) = of(:, of_angle)*seconds_of_a_minute/(degrees_of_a_turn &
-               *values%real_value('history', 'speed_rpm'))
-         end if
+         if (rows%has(of_angle)) of(:, of_time) = of(:, of_angle)*seconds_of_a_minute &
+            /(degrees_of_a_turn*values%real_value('history', 'speed_rpm', 1.0_wp))
          of(:, of_time) = of(:, of_time) - of(1, of_time)
-         if (.not. allocated(error) .and. of(size(of, 1), of_time) < shortest) call fail(error, &
-            input_error, file//': found a table over '//to_text(of(size(of, 1), of_time), 3)// &
-            ' s, expected at least '//to_text(shortest, 1)//' s')
+         if (of(size(of, 1), of_time) < shortest) fault = 'found a table over '// &
+            to_text(of(size(of, 1), of_time), 3)//' s, expected at least '//to_text(shortest, 1) &
+            //' s'
+         if (has_speed .and. .not. rows%has(of_angle)) fault = 'found times with &history '// &
+            'speed_rpm, expected the column '//trim(columns(of_angle))
+         if (rows%has(of_angle) .and. .not. has_speed) fault = 'found angles, '// &
+            'expected &history speed_rpm with them'
       end associate
-   end subroutine check_clock
+      if (fault /= '') call fail(error, input_error, file//': '//fault)
+   end subroutine check_columns
 
 end module duty_input

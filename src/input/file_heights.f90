@@ -209,25 +209,28 @@ contains
       character(*), intent(in) :: group
       type(trend_t), intent(in) :: trend
       real(wp), intent(in) :: rms
-      character(:), allocatable :: words
+      character(:), allocatable :: bends, tilts, words
+      character(len=5) :: axes(2)
       real(wp) :: curvature(2), extent(2), tilt(2)
+      integer :: i
 
-      words = ''
       extent = extent_of(trend)
-      tilt = tilt_of(trend)
+      tilt = abs(tilt_of(trend))
       curvature = curvature_of(trend)
-      if (any(abs(tilt)*extent > noted*rms)) then
-         words = 'tilt '//to_text(abs(tilt(1)), 3)//', '//to_text(abs(tilt(1))*extent(1), 3) &
-            //' m over '//to_text(extent(1), 3)//' m'
-         if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(abs(tilt(2)), 3)//', ' &
-            //to_text(abs(tilt(2))*extent(2), 3)//' m over '//to_text(extent(2), 3)//' m in y'
-      end if
+      axes = merge([' in x', ' in y'], '     ', extent(2) > 0.0_wp)
+      tilts = ''
+      bends = ''
+      do i = 1, merge(2, 1, extent(2) > 0.0_wp)
+         tilts = tilts//', '//to_text(tilt(i), 3)//', '//to_text(tilt(i)*extent(i), 3) &
+            //' m over '//to_text(extent(i), 3)//' m'//trim(axes(i))
+         bends = bends//', '//to_text(curvature(i), 3)//' 1/m, ' &
+            //to_text(abs(curvature(i))*extent(i)**2/8.0_wp, 3)//' m high'//trim(axes(i))
+      end do
+      words = ''
+      if (any(tilt*extent > noted*rms)) words = 'tilt '//tilts(3:)
       if (any(abs(curvature)*extent**2/8.0_wp > noted*rms)) then
          if (words /= '') words = words//' and '
-         words = words//'curvature '//to_text(curvature(1), 3)//' 1/m, ' &
-            //to_text(abs(curvature(1))*extent(1)**2/8.0_wp, 3)//' m high'
-         if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(curvature(2), 3)//' 1/m, ' &
-            //to_text(abs(curvature(2))*extent(2)**2/8.0_wp, 3)//' m high in y'
+         words = words//'curvature '//bends(3:)
       end if
       if (words /= '') words = words//' subtracted from the heights of '//group//" (detrend = '" &
          //trim(trend%word)//"')"
@@ -244,20 +247,19 @@ contains
       type(error_t), allocatable :: error
       real(wp), allocatable :: whole(:)
       real(wp) :: cutoff(2), least, most
-      logical :: repeats
+      logical :: is_given(2), repeats
       integer :: before, grid(2), i
 
       before = values%findings%count
       least = least_nodes*maxval(heights%spacing, mask=heights%sums%grid > 1)
       most = minval(heights%spacing*heights%sums%grid, mask=heights%sums%grid > 1)
-      cutoff = [values%real_value(group, cutoffs(1)), values%real_value(group, cutoffs(2), &
-         huge(1.0_wp))]
+      is_given = values%is_given(group, cutoffs)
+      cutoff = values%real_value(group, cutoffs, [0.0_wp, huge(1.0_wp)])
       do i = 1, 2
-         if (.not. values%is_given(group, cutoffs(i))) cycle
-         if (cutoff(i) < least .or. cutoff(i) > most) call values%refuse(group, cutoffs(i), &
-            'found '//to_text(cutoff(i))//' m, expected '//to_text(least, 3)//' to '// &
-            to_text(most, 3)//' m, '//to_text(nint(least_nodes))//' spacings to the length of '// &
-            'the file')
+         if (is_given(i) .and. (cutoff(i) < least .or. cutoff(i) > most)) call values%refuse( &
+            group, cutoffs(i), 'found '//to_text(cutoff(i))//' m, expected '//to_text(least, 3) &
+            //' to '//to_text(most, 3)//' m, '//to_text(nint(least_nodes))// &
+            ' spacings to the length of the file')
       end do
       if (values%findings%count == before .and. cutoff(1) >= cutoff(2)) call values%refuse(group, &
          cutoffs(1), 'found '//to_text(cutoff(1))//' m, expected less than cutoff_long, ' &
@@ -267,7 +269,7 @@ contains
       if (repeats) repeats = closes(heights%sums)
       grid = int(heights%sums%grid)
       do i = 1, 2
-         if (.not. values%is_given(group, cutoffs(i))) cycle
+         if (.not. is_given(i)) cycle
          whole = heights%z
          call smooth_heights(grid, cutoff(i)/max(heights%spacing, tiny(1.0_wp)*cutoff(i)), &
             repeats, heights%z, error)

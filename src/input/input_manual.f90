@@ -4,14 +4,12 @@
 module input_manual
    use input_keys, only: group_rows, key_rows
    use key_rules, only: rules_text
-   use key_row, only: dry, every, has_word, &
-      is_chosen, is_optional, is_required, key_row_t, kind_names, &
-      point, split_words, word_list, words_kind
+   use key_row, only: dry, every, has_word, key_t, point, split_words, word_list
    use text, only: wrapped
    implicit none (type, external)
    private
 
-   public :: keys_markdown, keys_text, template_text
+   public :: keys_text, template_text
 
    character(*), parameter :: nl = new_line('a')
    !> Width of the terminal page.
@@ -48,9 +46,11 @@ module input_manual
 
 contains
 
-   !> Every group and key: type, unit, default, range or words, meaning; at most 100 columns.
-   pure function keys_text() result(text)
-      character(:), allocatable :: head, text
+   !> Every group and key: type, unit, default, range or words, meaning; for a terminal at most 100
+   !> columns, or the page docs/input.md.
+   pure function keys_text(is_page) result(text)
+      logical, intent(in) :: is_page
+      character(:), allocatable :: head, lead, meaning, text
       integer, allocatable :: rows(:)
       integer :: group, i, kind
 
@@ -58,33 +58,66 @@ contains
          'words, meaning,' // nl &
          // 'and the problems that use it if not all do. "chosen" = chosen by the program; '// &
             '"-" = no default.' // nl
+      if (is_page) text = '# Input: the namelist' // nl // nl &
+         // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
+         // 'change src/input/input_keys.f90. -->' // nl // nl // introduction
       do group = 1, size(group_rows)
-         text = text // nl
-         text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' &
-            // trim(group_rows(group)%meaning), page_width, 0) // nl
-         if (group_rows(group)%group == 'surface_2') text = text // &
-            '  The keys are those of &surface_1.' // nl
-         do kind = 1, 2
+         head = '&' // trim(group_rows(group)%group)
+         meaning = trim(group_rows(group)%meaning)
+         if (is_page) then
+            meaning(1:1) = achar(iachar(meaning(1:1)) - 32)   ! a capital letter
+            text = text // nl // '## ' // head // nl // nl // meaning // '.'
+            if (head == '&surface_2') text = text // ' The keys are those of &surface_1.'
+            text = text // nl
+            lead = nl
+         else
+            lead = '  '
+            text = text // nl // wrapped(head // '  ' // meaning, page_width, 0) // nl
+            if (head == '&surface_2') text = text // '  The keys are those of &surface_1.' // nl
+         end if
+         kinds: do kind = 1, 2
             rows = rows_of(group, kind == 2)
-            if (kind == 2 .and. size(rows) > 0) text = text // '  ' // for_experts // ':' // nl
+            if (size(rows) == 0) cycle kinds
+            if (kind == 2) text = text // lead // for_experts // ':' // nl
+            if (is_page) text = text // nl // '| key | type | unit | default | range or '// &
+               'words | meaning |' // nl // '|---|---|---|---|---|---|' // nl
             do i = 1, size(rows)
-               associate (row => key_rows(rows(i)))
-                  head = '  ' // row%key // ' ' // trim(kind_names(row%kind))
-                  if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) &
-                     // ']'
-                  head = head // ', default ' // trim(row%default)
-                  if (row%range /= '') head = head // ', ' // trim(row%range)
-                  if (row%typical /= '') head = head // ', typical ' // trim(row%typical)
-                  text = text // wrapped(head, page_width, 8) // nl
-                  if (row%words /= '') text = text // wrapped(repeat(' ', indent) &
-                     // word_list(row%words), page_width, 8) // nl
-                  text = text // wrapped(repeat(' ', indent) // trim(row%meaning) &
-                     // conditions_text(row), page_width, 8) // nl
-               end associate
+               text = text // row_text(key_rows(rows(i)), is_page)
             end do
-         end do
+         end do kinds
       end do
    end function keys_text
+
+   !> One key, with its rules and the problems that use it if not all do: a row of a table of the
+   !> page, or two paragraphs.
+   pure function row_text(row, is_page) result(text)
+      type(key_t), intent(in) :: row
+      logical, intent(in) :: is_page
+      character(:), allocatable :: text, allowed, kind, meaning
+
+      kind = trim(row%kind)
+      if (kind == 'words') kind = 'word'
+      meaning = trim(row%meaning)
+      if (row%moes_default /= '') meaning = meaning//'; with &moes default '//trim(row%moes_default)
+      meaning = meaning // rules_text(row)
+      if (row%problems /= every) meaning = meaning // ' (' // trim(row%problems) // ')'
+      allowed = trim(row%allowed)
+      if (row%typical /= '') allowed = allowed // ', typical ' // trim(row%typical)
+      if (row%unit == '' .and. allowed /= '') allowed = word_list(allowed)
+      if (is_page) then
+         text = '| `' // trim(row%key) // '` | ' // kind // ' | ' // trim(row%unit) // ' | ' &
+            // trim(row%default) // ' | ' // allowed // ' | ' // meaning // ' |' // nl
+      else
+         text = '  ' // row%key // ' ' // kind
+         if (all(row%unit /= ['-', ' '])) text = text // ' [' // trim(row%unit) // ']'
+         text = text // ', default ' // trim(row%default)
+         if (row%unit /= '') text = text // ', ' // allowed
+         text = wrapped(text, page_width, 8) // nl
+         if (row%unit == '' .and. allowed /= '') text = text // wrapped(repeat(' ', indent) &
+            // allowed, page_width, 8) // nl
+         text = text // wrapped(repeat(' ', indent) // meaning, page_width, 8) // nl
+      end if
+   end function row_text
 
    !> Rows of the keys of `group`: those of methods if `is_expert`, else the others; none of
    !> &surface_2, which refers to &surface_1.
@@ -97,51 +130,6 @@ contains
       rows = pack([(i, i=1, size(key_rows))], key_rows%group == group_rows(group)%group &
          .and. (key_rows%is_expert .eqv. is_expert) .and. key_rows%group /= 'surface_2')
    end function rows_of
-
-   !> The rules of a key, and the problems that use it if not all of them do.
-   pure function conditions_text(row) result(text)
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = rules_text(row)
-      if (row%moes_default /= '') text = '; with &moes default '//trim(row%moes_default)//text
-      if (row%problems /= every) text = text // ' (' // trim(row%problems) // ')'
-   end function conditions_text
-
-   !> The page docs/input.md.
-   pure function keys_markdown() result(text)
-      character(:), allocatable :: text, heading, range
-      integer, allocatable :: rows(:)
-      integer :: group, i, kind
-
-      text = '# Input: the namelist' // nl // nl &
-         // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
-         // 'change src/input/input_keys.f90. -->' // nl // nl // introduction
-      do group = 1, size(group_rows)
-         heading = trim(group_rows(group)%meaning)
-         heading(1:1) = achar(iachar(heading(1:1)) - 32)   ! a capital letter
-         text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl // heading // '.'
-         if (group_rows(group)%group == 'surface_2') text = text // &
-            ' The keys are those of &surface_1.'
-         text = text // nl
-         do kind = 1, 2
-            rows = rows_of(group, kind == 2)
-            if (kind == 2 .and. size(rows) > 0) text = text // nl // for_experts // ':' // nl
-            if (size(rows) > 0) text = text // nl // '| key | type | unit | default | range or '// &
-               'words | meaning |' // nl // '|---|---|---|---|---|---|' // nl
-            do i = 1, size(rows)
-               associate (row => key_rows(rows(i)))
-                  range = trim(row%range)
-                  if (row%typical /= '') range = range // ', typical ' // trim(row%typical)
-                  if (row%words /= '') range = word_list(row%words)
-                  text = text // '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) &
-                     // ' | ' // trim(row%unit) // ' | ' // trim(row%default) // ' | ' // range &
-                     // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
-               end associate
-            end do
-         end do
-      end do
-   end function keys_markdown
 
    !> The template of a `problem`.
    pure function template_text(problem) result(template)
@@ -161,11 +149,12 @@ contains
       end do
    end function template_text
 
-   !> One group; commented out altogether if no key of it is active.
+   !> One group; commented out altogether if no key of it is active, as those of methods are.
    pure function group_text(problem, group) result(text)
       character(*), intent(in) :: problem
       integer, intent(in) :: group
       character(:), allocatable :: text, example, lines, mark
+      character(:), allocatable :: examples(:)
       integer, allocatable :: rows(:)
       integer :: i, kind
 
@@ -176,9 +165,16 @@ contains
          rows = pack(rows, [(has_word(key_rows(rows(i))%problems, problem), i=1, size(rows))])
          if (kind == 2 .and. size(rows) > 0) lines = lines // '   ! ' // for_experts // ':' // nl
          do i = 1, size(rows)
-            example = example_of(key_rows(rows(i)), problem)
-            if (example(1:1) /= '!') mark = ''
-            lines = lines // key_text(key_rows(rows(i)), example)
+            associate (row => key_rows(rows(i)))
+               examples = split_words(row%example//'|', '|')
+               example = trim(examples(merge(size(examples), 1, has_word(dry, problem))))
+               if (row%key == 'problem') example = "'"//problem//"'"
+               if (example == '') example = trim(row%default)
+               if (example == '!') example = '! '//trim(row%default)
+               if (row%is_expert .and. example(1:1) /= '!') example = '! '//example
+               if (example(1:1) /= '!') mark = ''
+               lines = lines // key_text(row, example)
+            end associate
          end do
       end do
       if (lines == '') lines = '!  the keys of &surface_1' // nl
@@ -186,39 +182,27 @@ contains
          // trim(group_rows(group)%group) // nl // lines // mark // '/' // nl
    end function group_text
 
-   !> The value of a key, behind '! ' if it is a comment; those of methods are.
-   pure function example_of(row, problem) result(example)
-      type(key_row_t), intent(in) :: row
-      character(*), intent(in) :: problem
-      character(:), allocatable :: example
-      character(len=len(row%example) + 1), allocatable :: examples(:)
-
-      examples = split_words(row%example//'|', '|')
-      example = trim(examples(merge(size(examples), 1, has_word(dry, problem))))
-      if (row%key == 'problem') example = "'"//problem//"'"
-      if (example == '') example = trim(row%default)
-      if (example == '!') example = '! '//trim(row%default)
-      if (row%is_expert .and. example(1:1) /= '!') example = '! '//example
-   end function example_of
-
-   !> Two lines: the meaning; key, value, unit, default, words. Of methods the second alone.
+   !> Of a key, whose `example` begins with '! ' if it is a comment, two lines: the meaning; key,
+   !> value, unit, default, words. Of methods the second alone.
    pure function key_text(row, example) result(text)
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       character(*), intent(in) :: example
       character(:), allocatable :: text, line, note
+      logical :: has_words
 
       line = '   ' // trim(row%key) // ' = ' // example
       if (example(1:1) == '!') line = '!  ' // trim(row%key) // ' = ' // example(3:)
       note = ''
+      has_words = row%unit == '' .and. index(trim(row%allowed), ' ') > 0
       if (row%unit /= '') note = ' [' // trim(row%unit) // ']'
-      if (row%default == is_chosen) then
+      if (row%default == 'chosen') then
          note = note // ' default: chosen by the program'
-      else if (row%default /= is_required .and. row%default /= is_optional) then
+      else if (all(row%default /= ['required', '-       '])) then
          note = note // ' default ' // trim(row%default)
-         if (index(trim(row%words), ' ') > 0) note = note // ','
+         if (has_words) note = note // ','
       end if
-      if (index(trim(row%words), ' ') > 0) note = note // merge(' any of ', ' one of ', row%kind &
-         == words_kind) // word_list(row%words)
+      if (has_words) note = note // merge(' any of ', ' one of ', row%kind == 'words') &
+         // word_list(row%allowed)
       if (note /= '') line = line // repeat(' ', max(0, unit_column - len(line))) // ' !' // note
       text = line // nl
       if (.not. row%is_expert) text = '   ! ' // trim(row%meaning) // rules_text(row) // nl // text

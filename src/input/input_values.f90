@@ -23,9 +23,8 @@ module input_values
       logical :: has_value = .false.
       !> Line of the key in the file; 0: not given.
       integer :: line = 0
+      !> Numbers, integers too.
       real(wp), allocatable :: reals(:)
-      integer :: integer = 0
-      logical :: logical = .false.
       !> Words; of a logical '.true.' or '.false.'.
       character(len=word_length), allocatable :: words(:)
       character(:), allocatable :: text
@@ -89,15 +88,15 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      value = self%slots(find_key(group, key, self%problem))%integer
+      value = nint(self%real_value(group, key))
    end function integer_value
 
-   !> Whether a key is true; false if it has no value.
+   !> Whether a key is true, or has a word beside it; false if it has no value.
    pure logical function logical_value(self, group, key) result(value)
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group, key
 
-      value = self%slots(find_key(group, key, self%problem))%logical
+      value = all(self%word_value(group, key) /= ['.false.', '?      '])
    end function logical_value
 
    !> The first word of a key; '?' if there is none.
@@ -156,14 +155,16 @@ contains
       if (line == 0) line = self%last_line
    end function line_of
 
-   !> Gives a key a number, as if it were given at the line of the key `source` of its group.
-   subroutine give(self, group, key, source, value)
+   !> Gives a key a number, as if it were given at its line, or at that of the key `source`.
+   subroutine give(self, group, key, value, source)
       class(input_values_t), intent(inout) :: self
-      character(*), intent(in) :: group, key, source
+      character(*), intent(in) :: group, key
       real(wp), intent(in) :: value
+      character(*), intent(in), optional :: source
       integer :: line
 
-      line = self%line_of(group, source)
+      line = self%line_of(group, key)
+      if (present(source)) line = self%line_of(group, source)
       if (find_key(group, key, self%problem) == 0) return
       associate (slot => self%slots(find_key(group, key, self%problem)))
          slot%is_given = .true.

@@ -7,19 +7,13 @@ module key_row
    implicit none (type, external)
    private
 
-   public :: expected_value, has_word, is_in_range, is_typical, split_words, unit_question, &
-      word_list
+   public :: expected_value, has_word, is_in_range, split_words, unit_question, word_list
 
-   !> Kinds of values, their names in the manual and what is expected (of words: the words).
-   integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, &
-      word_kind = 4, text_kind = 5, reals_kind = 6, words_kind = 7
-   character(len=7), parameter, public :: kind_names(*) = [character(len=7) :: 'real', 'integer', &
-      'logical', 'word', 'text', 'reals', 'word']
+   !> Kinds of values, and what is expected of them (of words: the words).
+   character(len=7), parameter :: kinds(*) = [character(len=7) :: 'real', 'integer', 'logical', &
+      'word', 'text', 'reals', 'words']
    character(len=18), parameter :: expectations(*) = [character(len=18) :: 'a real number', &
       'an integer', '.true. or .false.', '', 'a quoted text', 'real numbers', 'a list of']
-   !> Defaults that are no value: required; chosen by the program; only with certain other keys.
-   character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', &
-      is_optional = '-'
 
    !> The problems: lubricated line and point; dry profiles and areas; several of them.
    character(*), parameter, public :: lubricated = 'ehl_line', point = 'ehl_point', &
@@ -40,49 +34,50 @@ module key_row
    end type group_row_t
 
    !> One key.
-   type, public :: key_row_t
+   type, public :: key_t
       character(len=12) :: group
       character(len=24) :: key
+      !> Problems that use the key, separated by blanks; each may have a row of its own.
+      character(len=40) :: problems
       !> One of the kinds above.
-      integer :: kind
+      character(len=7) :: kind
       !> SI unit; '-' for a pure number, 'half-widths' for X; empty for words and texts.
       character(len=12) :: unit
-      !> Default as namelist text, or one of the three words above.
+      !> Default as namelist text, or 'required', 'chosen' (by the program), '-': with others only.
       character(len=32) :: default
+      !> Of a number its range as a comma-separated list of comparisons, each of which must hold
+      !> (`holds`); words that are built, separated by blanks; of a logical those beside it.
+      character(len=96) :: allowed
       character(len=120) :: meaning
-      !> Range as a comma-separated list of comparisons, each of which must hold (`holds`).
-      character(len=96) :: range = ''
-      !> Words that are built, separated by blanks; of a logical those that it may have beside it.
-      character(len=96) :: words = ''
+      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
+      !> reported, as most often slips of a unit; empty: all of the range.
+      character(len=20) :: typical = ''
       !> With what the key is used and needed: rules of module key_rules; empty: always, never.
       character(len=96) :: used = '', needed = ''
       !> Value with &moes where none is given.
       character(len=8) :: moes_default = ''
-      !> Problems that use the key, separated by blanks; each may have a row of its own.
-      character(len=40) :: problems = lubricated
-      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
-      !> reported, as most often slips of a unit; empty: all of the range.
-      character(len=20) :: typical = ''
       !> Value in the template, behind '! ' as a comment, and behind ' | ' that of dry problems if
       !> it differs; empty: the default; '!': the default as a comment.
       character(len=80) :: example = ''
       !> Key of a method, whose default is right for nearly everyone: shown apart.
       logical :: is_expert = .false.
-   end type key_row_t
+   end type key_t
 
 contains
 
    !> What a key expects, for messages and tables: "a real number > 0 [m]".
    pure function expected_value(row) result(expected)
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       character(:), allocatable :: expected
 
-      expected = trim(expectations(row%kind))
-      if (row%kind == logical_kind .and. row%words /= '') expected = expected // ' or'
-      if (row%words /= '') expected = trim(adjustl(expected // ' ' // word_list(row%words)))
-      if (index(row%range, 'one of') == 1) expected = expected // ','
-      if (row%range /= '') expected = expected // ' ' // trim(row%range)
-      if (row%unit /= '') expected = expected // ' [' // trim(row%unit) // ']'
+      expected = trim(expectations(findloc(kinds == row%kind, .true., dim=1)))
+      if (row%unit /= '') then
+         if (index(row%allowed, 'one of') == 1) expected = expected // ','
+         expected = expected // ' ' // trim(row%allowed) // ' [' // trim(row%unit) // ']'
+      else if (row%allowed /= '') then
+         if (row%kind == 'logical') expected = expected // ' or'
+         expected = trim(adjustl(expected // ' ' // word_list(row%allowed)))
+      end if
    end function expected_value
 
    !> Blank-separated words as 'a', 'b' or 'c'.
@@ -139,7 +134,7 @@ contains
    end function has_word
 
    !> True if `value` fulfils every comparison of the comma-separated `range`, which may be empty.
-   pure logical function is_in_range(value, range) result(inside)
+   pure elemental logical function is_in_range(value, range) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: range
       integer :: start, length
@@ -154,64 +149,50 @@ contains
       end do
    end function is_in_range
 
-   !> True if `value` is 0, or its magnitude within the `typical` range "LOWEST to LARGEST".
-   pure elemental logical function is_typical(value, typical) result(inside)
-      real(wp), intent(in) :: value
-      character(*), intent(in) :: typical
-      real(wp) :: lowest, largest
-      integer :: middle
-      logical :: good(2)
-
-      middle = index(typical, ' to ')
-      call read_real(typical(:middle - 1), lowest, good(1))
-      call read_real(trim(typical(middle + 4:)), largest, good(2))
-      inside = all(good) .and. abs(value) >= lowest .and. abs(value) <= largest
-      inside = inside .or. .not. abs(value) > 0.0_wp
-   end function is_typical
-
-   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0", "a power of two (times 3 or 5 or 7)", or
-   !> "one of 2 3 5".
+   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0", "a power of two (times 3 or 5 or 7)",
+   !> "one of 2 3 5", or "1e-4 to 5", the magnitude of what is not 0.
    pure logical function holds(value, comparison)
       real(wp), intent(in) :: value
       character(*), intent(in) :: comparison
-      real(wp) :: bound
-      integer :: blank, number
-      logical :: good
+      real(wp) :: bounds(2)
+      integer :: middle
+      logical :: good(2)
 
-      blank = index(comparison, ' ')
       holds = .false.
+      middle = index(comparison, ' to ')
       if (index(comparison, 'one of') == 1) then
          if (abs(value) < 1.0e9_wp) holds = has_word(comparison, to_text(nint(value)))
-         return
-      end if
-      if (comparison == 'a power of two (times 3 or 5 or 7)') then
+      else if (comparison == 'a power of two (times 3 or 5 or 7)') then
          if (value < 1.0_wp .or. value >= 1.0e9_wp) return
-         number = nint(value)
-         holds = any(shiftr(number, trailz(number)) == [1, 3, 5, 7])
-         return
+         holds = any(shiftr(nint(value), trailz(nint(value))) == [1, 3, 5, 7])
+      else if (middle > 0) then
+         call read_real(comparison(:middle - 1), bounds(1), good(1))
+         call read_real(comparison(middle + 4:), bounds(2), good(2))
+         holds = all([good, abs(value) >= bounds(1), abs(value) <= bounds(2)]) &
+            .or. .not. abs(value) > 0.0_wp
+      else
+         call read_real(comparison(index(comparison, ' ') + 1:), bounds(1), good(1))
+         select case (merge(comparison(:2), '  ', good(1)))
+         case ('>')
+            holds = value > bounds(1)
+         case ('>=')
+            holds = value >= bounds(1)
+         case ('<')
+            holds = value < bounds(1)
+         case ('<=')
+            holds = value <= bounds(1)
+         case ('/=')
+            holds = value < bounds(1) .or. value > bounds(1)
+         case default
+            return
+         end select
       end if
-      call read_real(trim(comparison(blank + 1:)), bound, good)
-      if (.not. good) return
-      select case (comparison(:blank - 1))
-      case ('>')
-         holds = value > bound
-      case ('>=')
-         holds = value >= bound
-      case ('<')
-         holds = value < bound
-      case ('<=')
-         holds = value <= bound
-      case ('/=')
-         holds = value < bound .or. value > bound
-      case default
-         return
-      end select
    end function holds
 
    !> A question about the unit of a `value` that no usual contact has: the prefix with which it
    !> would be typical; empty: there is none.
    pure function unit_question(row, value) result(question)
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       real(wp), intent(in) :: value
       character(:), allocatable :: question
       character(len=1), parameter :: prefixes(4) = ['G', 'M', 'm', 'u']
@@ -220,10 +201,10 @@ contains
 
       question = ''
       if (row%typical == '' .or. value <= 0.0_wp) return
-      if (row%unit == '1/Pa' .and. is_typical(1.0e-9_wp*value, row%typical)) question = &
+      if (row%unit == '1/Pa' .and. is_in_range(1.0e-9_wp*value, row%typical)) question = &
          '; is it in 1/GPa?'
       if (all(row%unit /= ['Pa  ', 'm   ', 'Pa s'])) return
-      i = findloc(is_typical(factors*value, row%typical), .true., dim=1)
+      i = findloc(is_in_range(factors*value, row%typical), .true., dim=1)
       if (i > 0) question = '; is it in '//prefixes(i)//trim(row%unit)//'?'
    end function unit_question
 

@@ -14,8 +14,7 @@
 module key_rules
    use input_keys, only: find_group, find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: has_word, is_required, is_typical, key_row_t, split_words, &
-      unit_question, word_list
+   use key_row, only: has_word, is_in_range, key_t, split_words, unit_question, word_list
    use kinds, only: wp
    use number_text, only: read_real
    use text, only: number_text
@@ -48,8 +47,8 @@ module key_rules
       character(len=80) :: values = ''
       !> What follows the colon.
       character(len=80) :: reason = ''
-      !> True: the rule is that of a key of another group.
-      logical :: is_elsewhere
+      !> What the condition is about: "film_floor", "&accuracy target" or "&moes".
+      character(len=80) :: name
    end type condition_t
 
 contains
@@ -75,7 +74,7 @@ contains
                   call values%refuse_unused(row%group, row%key, reason)
                end do of_conditions
             else if (values%has_group(row%group)) then
-               if (row%default /= is_required .and. row%needed == '') cycle of_keys
+               if (row%default /= 'required' .and. row%needed == '') cycle of_keys
                conditions = conditions_of(trim(row%needed), row%group)
                is_needed = all([(truth(values, conditions(k)) == yes, k=1, size(conditions))])
                if (.not. is_needed) cycle of_keys
@@ -90,7 +89,7 @@ contains
    !> Whether a case has any use for a key.
    logical function is_used(values, row)
       type(input_values_t), intent(in) :: values
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       type(condition_t), allocatable :: conditions(:)
       integer :: i
 
@@ -158,23 +157,22 @@ contains
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
       character(:), allocatable :: text
-      type(value_t) :: slot
+      type(condition_t) :: other
 
+      other = condition
       select case (condition%relation)
       case ('with')
-         text = 'without '//name_of(condition)
+         other%relation = 'without'
       case ('without')
-         text = 'with '//name_of(condition)
+         other%relation = 'with'
       case ('/=')
-         text = 'with '//trim(condition%key)//' = '//trim(condition%values)
+         other%relation = '='
       case default
-         if (condition%group == 'surface') then
-            text = 'without '//trim(condition%key)//' = '//shown(condition%values)
-         else
-            slot = values%slot(condition%group, condition%key)
-            text = 'with '//trim(condition%key)//' = '//shown(slot%words(1))
-         end if
+         if (condition%group /= 'surface') other%values = values%word_value(condition%group, &
+            condition%key)
       end select
+      text = joined([other])
+      if (other%group == 'surface') text = 'without'//text(5:)
    end function opposite
 
    !> Given keys outside the typical range of their row, each with the first value that is.
@@ -190,7 +188,7 @@ contains
             if (row%typical == '' .or. .not. slot%has_value) cycle
             if (.not. has_word(row%problems, values%problem)) cycle
             if (.not. any(slot%is_set)) cycle
-            place = findloc(is_typical(slot%reals, row%typical), .false., dim=1)
+            place = findloc(is_in_range(slot%reals, row%typical), .false., dim=1)
             if (place == 0) cycle
             question = slot%hint
             if (question == '') question = unit_question(row, slot%reals(place))
@@ -209,12 +207,8 @@ contains
       character(len=len(rule)), allocatable :: parts(:)
       integer :: i
 
-      if (rule /= '' .and. index(rule, ',') == 0) parts = [rule]   ! as most
-      if (.not. allocated(parts)) parts = split_words(rule, ',')
-      allocate (conditions(size(parts)))
-      do i = 1, size(parts)
-         conditions(i) = new_condition(trim(parts(i)), group)
-      end do
+      parts = split_words(rule, ',')
+      conditions = [(new_condition(trim(parts(i)), group), i=1, size(parts))]
    end function conditions_of
 
    !> The condition that `text` means in a row of `group`.
@@ -238,19 +232,21 @@ contains
          condition%values = adjustl(condition%values(index(condition%values, ' '):))
       end if
       percent = index(name(:len_trim(name)), '%')
-      condition%is_elsewhere = percent > 0
       condition%group = group
-      if (percent > 0) condition%group = name(:percent - 1)
       condition%key = name(percent + 1:)
-      if (name(1:1) == '&') then
+      if (percent > 0) then
+         condition%group = name(:percent - 1)
+         name = '&'//trim(condition%group)//' '//condition%key
+      else if (name(1:1) == '&') then
          condition%group = name(2:)
          condition%key = ''
       end if
+      condition%name = name
    end function new_condition
 
    !> The rules of a key for the manual: "; required with shape = 'file'"; empty: there are none.
    pure function rules_text(row) result(text)
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       character(:), allocatable :: text, used
 
       text = joined(conditions_of(trim(row%needed), row%group))
@@ -271,35 +267,18 @@ contains
       do i = 1, size(conditions)
          if (i > 1) text = text//' and '
          associate (condition => conditions(i))
-            select case (condition%relation)
-            case ('with', 'without')
-               text = text//trim(condition%relation)//' '//name_of(condition)
-            case ('=')
-               text = text//'with '//trim(condition%key)//' = '//shown(condition%values)
-            case default
-               text = text//'with '//trim(condition%key)//' /= '//trim(condition%values)
-            end select
+            if (any(condition%relation == ['with   ', 'without'])) then
+               text = text//trim(condition%relation)//' '//trim(condition%name)
+            else
+               text = text//'with '//trim(condition%key)//' '//trim(condition%relation)//' '
+               if (scan(condition%values(:1), '.0123456789') == 1) then
+                  text = text//trim(condition%values)
+               else
+                  text = text//word_list(condition%values)
+               end if
+            end if
          end associate
       end do
    end function joined
-
-   !> What a condition is about: "film_floor", "&accuracy target" or "&moes".
-   pure function name_of(condition) result(name)
-      type(condition_t), intent(in) :: condition
-      character(:), allocatable :: name
-
-      name = trim(condition%key)
-      if (name == '') name = '&'//trim(condition%group)
-      if (condition%is_elsewhere) name = '&'//trim(condition%group)//' '//name
-   end function name_of
-
-   !> Words as in a namelist.
-   pure function shown(words) result(text)
-      character(*), intent(in) :: words
-      character(:), allocatable :: text
-
-      text = trim(words)
-      if (text(1:1) /= '.') text = word_list(text)
-   end function shown
 
 end module key_rules

@@ -4,21 +4,23 @@
 !> they get a note only.)
 module line_case
    use asperities, only: scaled
+   use body_input, only: find_load
    use case_record, only: case_t, path_from_namelist
    use case_validation, only: check_times
    use contact_moment, only: least_speed
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
-   use input_values, only: input_values_t
+   use input_values, only: input_values_t, surfaces
    use key_row, only: point
    use kinds, only: wp
    use line_contact, only: finest_wave, leaves_scheme, line_contact_t, max_intervals_of, &
       max_refined_intervals, rough_contact_t, time_settings_t
    use line_profiles, only: make_surface, place_surface
    use lubricant_input, only: read_asperities
-   use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
+   use moes, only: moes_l_mean_from_sum, moes_l_sum_from_mean, moes_m_mean_from_sum, &
+      moes_m_sum_from_mean
    use passage_times, only: place_features, sufficient_end
-   use scaling, only: new_heating, scaled_fluid
+   use scaling, only: new_heating, new_moes_scaling, new_scaling, scaled_fluid, sum_per_mean
    use surface_scaling, only: scaled_duty
    use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
@@ -26,7 +28,7 @@ module line_case
    implicit none (type, external)
    private
 
-   public :: plan_duty, plan_line_case, plan_times
+   public :: fill_scaling, plan_duty, plan_line_case, plan_times
 
    !> No end time that is chosen is later [T].
    real(wp), parameter :: latest_end = 1000.0_wp
@@ -34,6 +36,35 @@ module line_case
    real(wp), parameter :: houpert_excess = 273.15_wp - 138.0_wp
 
 contains
+
+   !> The scales of a contact, of a point with D = Rx/Ry = `ratio`: from Moes' numbers, or from its
+   !> load, which is given by `key` of &load.
+   subroutine fill_scaling(values, case, key, ratio)
+      type(input_values_t), intent(in) :: values
+      type(case_t), intent(inout) :: case
+      character(:), allocatable, intent(out) :: key
+      real(wp), intent(in), optional :: ratio
+      real(wp) :: load, m, l
+      logical :: is_sum
+
+      call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, load, &
+         ratio)
+      if (values%has_group('moes')) then
+         m = values%real_value('moes', 'moes_m')
+         l = values%real_value('moes', 'moes_l')
+         is_sum = values%word_value('moes', 'velocity') == 'sum'
+         if (is_sum .and. present(ratio)) then
+            m = m*sum_per_mean**0.75_wp
+            l = l*sum_per_mean**(-0.25_wp)
+         else if (is_sum) then
+            m = moes_m_mean_from_sum(m)
+            l = moes_l_mean_from_sum(l)
+         end if
+         call new_moes_scaling(case%scaling, m, l, case%lubricant, ratio)
+      else
+         call new_scaling(case%scaling, case%bodies, case%lubricant, load, ratio)
+      end if
+   end subroutine fill_scaling
 
    !> Plans a `case`: its contact, time step and settings of the solver. Adds findings: grid or time
    !> step, given or chosen, are too coarse for the surfaces, or the grid is too fine. Determines
@@ -55,7 +86,23 @@ contains
          case%contact%heating%excess = values%real_value('thermal', 'temperature') + houpert_excess
          case%contact%heating%has_flow = values%logical_value('thermal', 'inlet_heating')
       end if
-      call build_contact(values, case)
+      associate (contact => case%contact)
+         contact%lambda = case%scaling%lambda
+         contact%moes_m_sum = moes_m_sum_from_mean(case%scaling%moes_m)
+         contact%moes_l_sum = moes_l_sum_from_mean(case%scaling%moes_l)
+         contact%slide_to_roll = case%scaling%slide_to_roll
+         contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
+         contact%domain = case%domain
+         if (case%time%is_transient) contact%domain%grid = 'even'
+         if (case%scaling%is_dimensional) then
+            contact%slope = case%scaling%slope
+            if (contact%supply < huge(1.0_wp)) contact%supply = contact%supply/case%scaling%film
+            if (allocated(contact%asperities)) contact%asperities = scaled(contact%asperities, &
+               case%scaling%film, case%scaling%hertz_pressure)
+         end if
+         call plan_duty(values, contact, case)
+         call choose_domain(contact, case%solver%target)
+      end associate
       if (allocated(case%duty) .and. allocated(case%contact%heating)) then
          if (.not. case%contact%duty%rolls()) call values%refuse('history', 'file', &
             'found with &thermal a surface that rests or moves against the other, expected '// &
@@ -77,6 +124,7 @@ contains
       type(input_values_t), intent(inout) :: values
       class(rough_contact_t), intent(inout) :: contact
       type(case_t), intent(inout) :: case
+      integer :: features(2), i
 
       if (.not. allocated(case%duty)) return
       contact%duty = scaled_duty(case%duty, case%scaling)
@@ -86,8 +134,11 @@ contains
          values%is_given('time', 'duration'), &
          case%time%statistics_from < 0.0_wp, finest_wave(contact) >= huge(1.0_wp), &
          size(case%output_settings%film_thresholds) == 0])
-      call check_places(values, 'surface_1', contact%surface_1)
-      call check_places(values, 'surface_2', contact%surface_2)
+      features = [size(contact%surface_1%features), size(contact%surface_2%features)]
+      do i = 1, size(surfaces)   ! where the speed changes, none is the usual one
+         if (features(i) > 0 .and. .not. values%has_value(surfaces(i), 'position')) call &
+            values%refuse_missing(surfaces(i), 'position', 'with &history')
+      end do
       if (case%time%scheme == 'quasi_steady' .and. .not. contact%duty%always_moves(0.0_wp)) call &
          values%refuse('time', 'scheme', "found 'quasi_steady' with a history that stops or "// &
          "reverses, expected 'bdf2': at rest there is no steady film")
@@ -122,41 +173,6 @@ contains
       call check_wave(values, 'surface_1', contact%surface_1, contact, case)
       call check_wave(values, 'surface_2', contact%surface_2, contact, case)
    end subroutine plan_times
-
-   !> Finds ridges without a position on a surface whose speed changes: none is the usual one.
-   subroutine check_places(values, group, surface)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group
-      type(rough_surface_t), intent(in) :: surface
-
-      if (allocated(surface%course) .and. size(surface%features) > 0 .and. .not. &
-         values%has_value(group, 'position')) call values%refuse_missing(group, 'position', &
-         'with &history')
-   end subroutine check_places
-
-   !> The contact of a case, with the domain that is given or chosen.
-   subroutine build_contact(values, case)
-      type(input_values_t), intent(inout) :: values
-      type(case_t), intent(inout) :: case
-
-      associate (contact => case%contact)
-         contact%lambda = case%scaling%lambda
-         contact%moes_m_sum = moes_m_sum_from_mean(case%scaling%moes_m)
-         contact%moes_l_sum = moes_l_sum_from_mean(case%scaling%moes_l)
-         contact%slide_to_roll = case%scaling%slide_to_roll
-         contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
-         contact%domain = case%domain
-         if (case%time%is_transient) contact%domain%grid = 'even'
-         if (case%scaling%is_dimensional) then
-            contact%slope = case%scaling%slope
-            if (contact%supply < huge(1.0_wp)) contact%supply = contact%supply/case%scaling%film
-            if (allocated(contact%asperities)) contact%asperities = scaled(contact%asperities, &
-               case%scaling%film, case%scaling%hertz_pressure)
-         end if
-         call plan_duty(values, contact, case)
-         call choose_domain(contact, case%solver%target)
-      end associate
-   end subroutine build_contact
 
    !> Finding, without a line: the grid that the program chooses is too fine for the method, or for
    !> the memory, with the time step of `given`. Determines for how many intervals there is memory.

@@ -79,13 +79,17 @@ contains
       end if
    end subroutine make_surface
 
-   !> Heights of the file, read as they are needed; with harmonics periodic and held in memory.
+   !> Heights of the file, read as they are needed; with harmonics the truncated Fourier series of
+   !> the periodic profile, held in memory. Findings: too many nodes, harmonics.
    subroutine fill_from_file(values, group, case, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
       type(heights_t) :: heights
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fault
+      integer :: harmonics
 
       call read_surface(values, group, path_from_namelist(case, ''), heights, profile%source)
       if (.not. allocated(profile%source)) return
@@ -93,8 +97,17 @@ contains
       call take_heights(values, group, case, heights, profile)
       call set_effective(case, group, 'heights_spacing', [profile%spacing])
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
-      if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
-         truncate_profile(values, group, profile)
+      if (.not. values%is_given(group, 'harmonics') .or. values%findings%count > 0) return
+      harmonics = values%integer_value(group, 'harmonics')
+      call hold_heights(profile%source, profile%form, profile%heights, ': a series', fault)
+      if (fault == '') then
+         call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
+         if (allocated(error)) fault = error%message
+      end if
+      if (fault /= '') call values%refuse(group, 'harmonics', fault)
+      profile%is_periodic = .true.
+      if (allocated(profile%heights)) profile%finest_wave = size(profile%heights) &
+         *profile%spacing/harmonics
    end subroutine fill_from_file
 
    !> Heights of an area: of the file, or with a wanted spectrum as long and wide as the usual
@@ -191,27 +204,6 @@ contains
          call add_sentence(case%note, 'the rms height of '//group//' is '//words//units_hint)
       end if
    end subroutine take_heights
-
-   !> The truncated Fourier series of a profile, then held. Findings: too many nodes, harmonics.
-   subroutine truncate_profile(values, group, profile)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group
-      type(profile_t), intent(inout) :: profile
-      type(error_t), allocatable :: error
-      character(:), allocatable :: fault
-      integer :: harmonics
-
-      harmonics = values%integer_value(group, 'harmonics')
-      call hold_heights(profile%source, profile%form, profile%heights, ': a series', fault)
-      if (fault == '') then
-         call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
-         if (allocated(error)) fault = error%message
-      end if
-      if (fault /= '') call values%refuse(group, 'harmonics', fault)
-      profile%is_periodic = .true.
-      if (allocated(profile%heights)) profile%finest_wave = size(profile%heights) &
-         *profile%spacing/harmonics
-   end subroutine truncate_profile
 
    !> Heights with a wanted spectrum, as long as the passage at `speed` [m/s]; then they repeat.
    !> They are made at once, or from pieces if that needs more than `max_nodes`. Findings: those of

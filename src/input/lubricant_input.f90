@@ -7,6 +7,7 @@ module lubricant_input
    use hdf5_input, only: hdf5_input_t, is_hdf5, open_hdf5_input
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
+   use key_row, only: lubricated
    use kinds, only: wp
    use lubricant, only: density_constant, density_laws, lubricant_t, &
       viscosity_constant, viscosity_laws, viscosity_roelands
@@ -61,7 +62,7 @@ contains
       else if (.not. given(1)) then
          call read_sheet(values, key, words)
       end if
-      associate (slot => values%slots(find_key('lubricant', ways(1))))
+      associate (slot => values%slots(find_key('lubricant', ways(1), values%problem)))
          if (.not. slot%is_given) slot%line = values%line_of('lubricant', key)
          slot%is_given = .true.
       end associate
@@ -77,6 +78,7 @@ contains
       type(value_t) :: sheet
       character(:), allocatable :: fault, oil
       real(wp) :: index, nu(2), viscosity
+      integer :: class
 
       sheet = values%slot('lubricant', key)
       if (.not. (sheet%has_value .and. values%has_value('lubricant', 'density') &
@@ -84,11 +86,12 @@ contains
       fault = ''
       if (key == 'viscosity_grade') then
          index = values%real_value('lubricant', 'viscosity_index')
-         nu(1) = viscosity_of_class(sheet%integer)
+         class = nint(sheet%reals(1))
+         nu(1) = viscosity_of_class(class)
          nu(2) = viscosity_at_100(nu(1), index)
-         oil = 'oil ISO VG '//to_text(sheet%integer)//', viscosity index '//number_text(index, 3)
+         oil = 'oil ISO VG '//to_text(class)//', viscosity index '//number_text(index, 3)
          if (.not. values%is_given('lubricant', 'viscosity_index')) oil = 'mineral '//oil
-         if (nu(2) < least_viscosity) fault = 'found '//to_text(sheet%integer)//', expected an '// &
+         if (nu(2) < least_viscosity) fault = 'found '//to_text(class)//', expected an '// &
             'oil of at least 2 mm2/s at 100 degC, where the viscosity index begins, or '// &
             'kinematic_viscosity'
       else
@@ -111,7 +114,7 @@ contains
          if (nu(1) > nu(2)) call follow_line(values, key, new_walther(nu, at), viscosity, oil)
          if (viscosity <= 0.0_wp) return
          viscosity = mm2*viscosity*values%real_value('lubricant', 'density')
-         call values%give('lubricant', 'viscosity', key, viscosity)
+         call values%give('lubricant', 'viscosity', viscosity, key)
          words = oil//', '//to_text(viscosity, 3)//' Pa s'
       end if
    end subroutine read_sheet
@@ -139,7 +142,7 @@ contains
          call values%refuse('lubricant', 'temperature', 'found '//found//', expected a '// &
             'temperature [degC] with 2 to 2e7 mm2/s, the range of ASTM D341')
       else if (.not. values%is_given('lubricant', 'thermal_viscosity')) then
-         call values%give('lubricant', 'thermal_viscosity', key, line%thermal_slope(t))
+         call values%give('lubricant', 'thermal_viscosity', line%thermal_slope(t), key)
       end if
    end subroutine follow_line
 
@@ -152,8 +155,8 @@ contains
          values%has_group('moes') .and. values%has_value('lubricant', 'pressure_viscosity') .and. &
          .not. (values%is_given('lubricant', 'roelands_p0') .or. values%is_given('lubricant', &
          'roelands_z'))
-      if (is_alone) call values%give('lubricant', 'roelands_p0', 'pressure_viscosity', &
-         usual('roelands_p0'))
+      if (is_alone) call values%give('lubricant', 'roelands_p0', usual('roelands_p0'), &
+         'pressure_viscosity')
    end subroutine complete_alpha
 
    !> Finds too few of alpha (alone with the usual P0), P0, z, or three that contradict (2.27).
@@ -267,7 +270,8 @@ contains
       character(*), intent(in) :: key
       logical :: good
 
-      call read_real(trim(key_rows(find_key('lubricant', key))%moes_default), value, good)
+      call read_real(trim(key_rows(find_key('lubricant', key, lubricated))%moes_default), value, &
+         good)
    end function usual
 
    !> Reads &asperities, if any, with the table `file`; `modulus` [Pa]. Findings: the table.

@@ -8,7 +8,7 @@ module namelist_source
    implicit none (type, external)
    private
 
-   public :: key_start, name_end, new_source, piece_t, read_logical, source_t, split_values, &
+   public :: key_start, logical_word, name_end, new_source, piece_t, source_t, split_values, &
       without_returns
 
    !> The characters of the file as the parser sees them.
@@ -133,8 +133,9 @@ contains
       character(:), allocatable, intent(out) :: problem
       type(piece_t), allocatable :: list(:)
       type(piece_t) :: piece
-      integer :: position, blanks, count, repeats
-      logical :: comma_before
+      integer(int64) :: number
+      integer :: position, blanks, count, digits, repeats
+      logical :: comma_before, good
 
       allocate (list(merge(max_values, len(values)/2 + 1, index(values, '*') > 0)))
       count = 0
@@ -155,7 +156,14 @@ contains
             cycle
          end if
          comma_before = .false.
-         call read_repeats(values, position, repeats)
+         repeats = 1
+         digits = verify(values(position:), '0123456789') - 1
+         if (digits > 0 .and. index(values(position + max(digits, 0):), '*') == 1) then
+            call read_integer(values(position:position + digits - 1), number, good)
+            repeats = -1
+            if (good .and. number <= max_values) repeats = int(number)
+            position = position + digits + 1
+         end if
          call read_piece(values, position, piece, problem)
          if (allocated(problem)) return
          if (scan(values(position:min(position, len(values))), ' ,') == 0 &
@@ -174,26 +182,8 @@ contains
       pieces = list(:count)
    end subroutine split_values
 
-   !> Reads the `n*` of a repeated value at `position`; repeats = 1 without, -1 if n is too large.
-   subroutine read_repeats(values, position, repeats)
-      character(*), intent(in) :: values
-      integer, intent(inout) :: position
-      integer, intent(out) :: repeats
-      integer :: digits
-      integer(int64) :: count
-      logical :: good
-
-      repeats = 1
-      digits = verify(values(position:), '0123456789') - 1
-      if (digits < 1) return
-      if (values(position + digits:position + digits) /= '*') return
-      repeats = -1
-      call read_integer(values(position:position + digits - 1), count, good)
-      if (good .and. count <= max_values) repeats = int(count)
-      position = position + digits + 1
-   end subroutine read_repeats
-
-   !> Reads the string or the bare value at `position`. Problem: nothing there (after `n*`).
+   !> Reads the string, in which a doubled quote stands for one, or the bare value at `position`.
+   !> Problem: nothing there (after `n*`).
    subroutine read_piece(values, position, piece, problem)
       character(*), intent(in) :: values
       integer, intent(inout) :: position
@@ -204,30 +194,16 @@ contains
 
       mark = ' '
       if (position <= len(values)) mark = values(position:position)
+      piece%text = ''
+      piece%is_string = mark == "'" .or. mark == '"'
       if (mark == ' ' .or. mark == ',') then
          problem = 'a repeat count without a value (a null of the Fortran standard, not taken here)'
-      else if (mark == "'" .or. mark == '"') then
-         call read_string(values, position, piece)
-      else
-         length = scan(values(position:), ' ,''"') - 1
-         if (length < 0) length = len(values) - position + 1
+      else if (.not. piece%is_string) then
+         length = scan(values(position:)//' ', ' ,''"') - 1
          piece%text = values(position:position + length - 1)
          position = position + length
       end if
-   end subroutine read_piece
-
-   !> Reads the string at `position`; a doubled quote inside stands for one.
-   subroutine read_string(values, position, piece)
-      character(*), intent(in) :: values
-      integer, intent(inout) :: position
-      type(piece_t), intent(out) :: piece
-      character(len=1) :: mark
-      integer :: length
-
-      mark = values(position:position)
-      piece%is_string = .true.
-      piece%text = ''
-      do
+      do while (piece%is_string)
          length = index(values(position + 1:)//mark, mark) - 1
          piece%text = piece%text//values(position + 1:position + length)
          position = position + length + 2
@@ -235,24 +211,24 @@ contains
          if (values(position:position) /= mark) exit
          piece%text = piece%text//mark
       end do
-   end subroutine read_string
+   end subroutine read_piece
 
-   !> Reads a logical in any case: true, false, t, f, with a point before it or on both sides.
-   subroutine read_logical(piece, value, good)
+   !> '.true.' or '.false.', given in any case: true, false, t, f, with a point before it or on both
+   !> sides; empty: the value is another one.
+   pure function logical_word(piece) result(word)
       type(piece_t), intent(in) :: piece
-      logical, intent(out) :: value, good
+      character(:), allocatable :: word
 
-      value = .false.
-      good = .not. piece%is_string
-      if (.not. good) return
+      word = ''
+      if (piece%is_string) return
       select case (to_lower(piece%text))
       case ('.true.', 'true', '.true', '.t.', '.t', 't')
-         value = .true.
+         word = '.true.'
       case ('.false.', 'false', '.false', '.f.', '.f', 'f')
-         value = .false.
+         word = '.false.'
       case default
-         good = .false.
+         return
       end select
-   end subroutine read_logical
+   end function logical_word
 
 end module namelist_source

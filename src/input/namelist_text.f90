@@ -14,15 +14,15 @@ module namelist_text
    implicit none (type, external)
    private
 
-   public :: entry_t, group_t, namelist_text_t, split_namelist
+   public :: entry_t, namelist_text_t, split_namelist
 
-   !> One `key = values` of a group.
+   !> One `key = values` of a group, or its head, without a key.
    type :: entry_t
       !> Lower-case names; `key` without its subscript.
       character(:), allocatable :: group, key
       !> The values as written, comments taken out, line ends turned into blanks.
       character(:), allocatable :: values
-      !> Line of the key.
+      !> Line of the key, or of the head.
       integer :: line = 0
       !> Element at which the values start: 1, or the n of `key(n) = ...`, and the m of
       !> `key(n:m) = ...` at which they end; 0: it is not written.
@@ -31,23 +31,15 @@ module namelist_text
       logical :: has_subscript = .false.
       !> True if the subscript cannot be read (and is reported).
       logical :: is_broken = .false.
-      !> First and last character of the entry in the text.
+      !> First and last character of the entry in the text, of a head those of the name.
       integer :: span(2) = 0
    end type entry_t
 
-   !> One group.
-   type :: group_t
-      character(:), allocatable :: name
-      integer :: line = 0
-      !> Last character of its name in the text.
-      integer :: name_end = 0
-   end type group_t
-
    !> A namelist file in pieces.
    type :: namelist_text_t
-      type(group_t), allocatable :: groups(:)
+      !> Entries, those of a group behind its head; their number, and that of the heads.
       type(entry_t), allocatable :: entries(:)
-      integer :: group_count = 0, entry_count = 0
+      integer :: count = 0, group_count = 0
       !> Number of lines of the file.
       integer :: lines = 0
    end type namelist_text_t
@@ -68,7 +60,7 @@ contains
       character(:), allocatable :: fault
       integer :: bad, position
 
-      allocate (pieces%groups(max_groups), pieces%entries(min(count_of('=', content), max_entries)))
+      allocate (pieces%entries(max_groups + min(count_of('=', content), max_entries)))
       if (index(content, char(137)//'HDF') == 1) then
          call findings%add(1, '', '', 'found an HDF5 file, expected a namelist (results are '// &
             'shown by asperity table)')
@@ -86,7 +78,8 @@ contains
       do while (position <= len(source%text))
          call read_outside(source, position, findings)
          if (position <= len(source%text)) call read_group(source, position, pieces, findings)
-         if (pieces%group_count < max_groups .and. pieces%entry_count < max_entries) cycle
+         if (pieces%group_count < max_groups .and. pieces%count - pieces%group_count &
+            < max_entries) cycle
          call findings%add(source%line(min(position, len(source%text))), '', '', &
             'found more than ' // to_text(max_groups) // ' groups or ' // to_text(max_entries) // &
             ' entries, expected a namelist of a few dozen')
@@ -94,12 +87,14 @@ contains
       end do
    end subroutine split_namelist
 
-   !> Moves `position` to the next `&`. Finding, once a line: text that is in no group.
+   !> Moves `position` to the next `&`. Finding, once a line: text that is in no group; with a hint,
+   !> if it is a comment of other languages or follows a group's /.
    subroutine read_outside(source, position, findings)
       type(source_t), intent(in) :: source
       integer, intent(inout) :: position
       type(findings_t), intent(inout) :: findings
-      integer :: first, last
+      character(:), allocatable :: hint
+      integer :: before, first, last
 
       first = position
       position = first - 1 + index(source%code(first:), '&')
@@ -108,26 +103,16 @@ contains
          on_line: do last = first, position - 2
             if (source%line(last + 1) > source%line(first)) exit on_line
          end do on_line
+         hint = ''
+         if (source%text(first:first) == '#') hint = ' (a comment begins with !)'
+         before = max(1, len_trim(source%text(:first - 1)))
+         if (all([source%line(before) == source%line(first), source%text(before:before) == '/', &
+            before < first])) hint = ' (a / that is not in quotes ends the group)'
          call findings%add(source%line(first), '', '', 'found '//quoted(source%text(first:last)) &
-            //' outside a group, expected &group ... /'//place_hint(source, first))
+            //' outside a group, expected &group ... /'//hint)
          first = last + 1
       end do
    end subroutine read_outside
-
-   !> A hint, if the text at `position` is a comment of other languages or follows a group's /.
-   pure function place_hint(source, position) result(hint)
-      type(source_t), intent(in) :: source
-      integer, intent(in) :: position
-      character(:), allocatable :: hint
-      integer :: before
-
-      hint = ''
-      if (source%text(position:position) == '#') hint = ' (a comment begins with !)'
-      before = len_trim(source%text(:position - 1))
-      if (before < 1) return
-      if (source%line(before) == source%line(position) .and. source%text(before:before) &
-         == '/') hint = ' (a / that is not in quotes ends the group)'
-   end function place_hint
 
    !> Reads one group, from its `&` to behind its `/`. Findings: no name, repeated, not closed.
    subroutine read_group(source, position, pieces, findings)
@@ -136,7 +121,7 @@ contains
       type(namelist_text_t), intent(inout) :: pieces
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: name
-      logical :: is_closed
+      logical :: has_end, has_slash, is_closed
       integer :: line, first, last, earlier, i
 
       line = source%line(position)
@@ -152,30 +137,32 @@ contains
       end if
       ! before the `/`, `&end`, next `&` or end of the file
       last = position - 2 + scan(source%code(position:), '/&')
-      is_closed = source%code(last + 1:last + 1) == '/' .or. (name_end(source%text, last + 2) &
-         == last + 4 .and. to_lower(source%text(last + 1:min(last + 4, len(source%text)))) &
-         == '&end')
+      has_slash = source%code(last + 1:last + 1) == '/'
+      has_end = to_lower(source%text(last + 1:min(last + 4, len(source%text)))) == '&end'
+      is_closed = has_slash .or. (has_end .and. name_end(source%text, last + 2) == last + 4)
       if (.not. is_closed .and. name /= '') call findings%add(line, name, '', 'not closed, '// &
          'expected a closing /')
       earlier = 0
-      do i = 1, pieces%group_count
-         if (pieces%groups(i)%name == name) earlier = pieces%groups(i)%line
+      do i = pieces%count, 1, -1
+         if (pieces%entries(i)%group == name) earlier = pieces%entries(i)%line
       end do
       if (earlier > 0) then
          call findings%add(line, name, '', 'found the group a second time, expected it once '// &
             '(line ' // to_text(earlier) // ')')
       else if (name /= '') then
          pieces%group_count = pieces%group_count + 1
-         pieces%groups(pieces%group_count) = group_t(name, line, position - 1)
+         pieces%count = pieces%count + 1
+         associate (head => pieces%entries(pieces%count))
+            head%group = name
+            head%key = ''
+            head%line = line
+            head%span = [first, position - 1]
+         end associate
          call split_group(source, position, last, name, pieces, findings)
       end if
       position = last + 1
-      if (position > len(source%text)) return
-      if (source%text(position:position) == '/') then
-         position = position + 1
-      else if (to_lower(source%text(position:min(position + 3, len(source%text)))) == '&end') then
-         position = position + 4
-      end if
+      if (has_slash) position = position + 1
+      if (has_end) position = position + 4
    end subroutine read_group
 
    !> Cuts source(first:last), the inside of a group, at its `=` signs into entries.
@@ -194,7 +181,7 @@ contains
       if (verify(source%text(first:key_at - 1), ' ,') > 0) call findings%add( &
          source%line(first - 1 + verify(source%text(first:key_at - 1), ' ,')), group, '', 'found ' &
          // quoted(trim(adjustl(source%text(first:key_at - 1)))) // ', expected key = value')
-      do while (sign <= last .and. pieces%entry_count < max_entries)
+      do while (sign <= last .and. pieces%count - pieces%group_count < max_entries)
          next_sign = sign + index(source%code(sign + 1:last), '=')
          if (next_sign == sign) next_sign = last + 1
          next_key = last + 1
@@ -214,8 +201,10 @@ contains
       type(namelist_text_t), intent(inout) :: pieces
       type(findings_t), intent(inout) :: findings
       type(entry_t) :: entry
-      integer :: bracket
-      character(:), allocatable :: name, subscript
+      integer(int64) :: ends(2)
+      integer :: bracket, colon, earlier, i
+      logical :: good(2)
+      character(:), allocatable :: limits, name, subscript
 
       entry%group = group
       entry%span = [place(1), place(3) - 1]
@@ -227,59 +216,37 @@ contains
       if (bracket > 0) then
          subscript = name(bracket + 1:len(name) - 1)
          name = trim(name(:bracket - 1))
-         call read_subscript(subscript, entry)
+         limits = subscript
+         if (index(subscript, ':') == 0) limits = subscript//':'//subscript
+         colon = index(limits, ':')
+         call read_integer(trim(adjustl(limits(:colon - 1))), ends(1), good(1))
+         call read_integer(trim(adjustl(limits(colon + 1:))), ends(2), good(2))
+         entry%has_subscript = .true.
+         entry%is_broken = .not. all(good .and. ends >= 1)
+         ends = min(ends, int(shiftr(huge(1), 1), int64))   ! far too many, but the reader can count
+         if (.not. entry%is_broken) entry%first = int(ends(1))
+         if (.not. entry%is_broken .and. limits == subscript) entry%last = int(ends(2))
          if (entry%is_broken) call findings%add(entry%line, group, to_lower(name), &
             'found the subscript ('//quoted(subscript)//'), expected one number or a range, '// &
             'as in '//to_lower(name)//'(2) = ... and '//to_lower(name)//'(2:4) = ...')
       end if
       entry%key = to_lower(name)
+      earlier = 0
+      do i = pieces%count, 1, -1
+         associate (old => pieces%entries(i))
+            if (old%group /= group) exit
+            if (old%key == entry%key .and. old%first == entry%first) earlier = old%line
+         end associate
+      end do
       if (entry%key == '') then
          call findings%add(entry%line, group, '', 'found = without a key, expected key = value')
-      else if (repeated_line(pieces, entry) > 0) then
+      else if (earlier > 0) then
          call findings%add(entry%line, group, entry%key, 'found the key a second time, '// &
-            'expected it once (line '//to_text(repeated_line(pieces, entry))//')')
+            'expected it once (line '//to_text(earlier)//')')
       else
-         pieces%entry_count = pieces%entry_count + 1
-         pieces%entries(pieces%entry_count) = entry
+         pieces%count = pieces%count + 1
+         pieces%entries(pieces%count) = entry
       end if
    end subroutine add_entry
-
-   !> Reads n or n:m, positive numbers, into an entry, which is broken if it cannot.
-   pure subroutine read_subscript(subscript, entry)
-      character(*), intent(in) :: subscript
-      type(entry_t), intent(inout) :: entry
-      integer(int64) :: ends(2)
-      logical :: good(2)
-      integer :: colon
-
-      entry%has_subscript = .true.
-      colon = index(subscript // ':', ':')
-      call read_integer(trim(adjustl(subscript(:colon - 1))), ends(1), good(1))
-      ends(2) = ends(1)
-      good(2) = good(1)
-      if (colon <= len(subscript)) call read_integer(trim(adjustl(subscript(colon + 1:))), &
-         ends(2), good(2))
-      entry%is_broken = .not. all(good .and. ends >= 1)
-      if (entry%is_broken) return
-      ends = min(ends, int(shiftr(huge(1), 1), int64))   ! far too many, but the reader can count on
-      entry%first = int(ends(1))
-      if (colon <= len(subscript)) entry%last = int(ends(2))
-   end subroutine read_subscript
-
-   !> Line of an earlier entry with the same key and start as `entry`; 0: there is none.
-   pure function repeated_line(pieces, entry) result(line)
-      type(namelist_text_t), intent(in) :: pieces
-      type(entry_t), intent(in) :: entry
-      integer :: line, i
-
-      line = 0
-      do i = pieces%entry_count, 1, -1
-         if (pieces%entries(i)%group /= entry%group) exit
-         if (pieces%entries(i)%key == entry%key .and. pieces%entries(i)%first == entry%first) then
-            line = pieces%entries(i)%line
-            return
-         end if
-      end do
-   end function repeated_line
 
 end module namelist_text

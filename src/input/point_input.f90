@@ -1,17 +1,16 @@
 !> From the checked values of a namelist to a lubricated point contact.
 module point_input
-   use body_input, only: check_curvature, fill_bodies, find_load, radius_of
+   use body_input, only: check_curvature, fill_bodies, radius_of
    use case_record, only: case_t, list_effective, set_effective
    use input_values, only: input_values_t
    use kinds, only: pi, wp
-   use line_case, only: plan_duty, plan_times
+   use line_case, only: fill_scaling, plan_duty, plan_times
    use line_contact, only: intervals_for_waves
    use line_profiles, only: make_surface
-   use lubricant_input, only: fill_lubricant
    use point_contact, only: first_intervals, fit_duty, intervals_for, new_point_contact, &
       point_contact_t, rows_for
    use point_cycle, only: fewest
-   use scaling, only: new_moes_scaling, new_scaling, scaled_fluid, sum_per_mean
+   use scaling, only: scaled_fluid, sum_per_mean
    use system_limits, only: memory_fault, of_blas, point_memory
    use text, only: to_text
    implicit none (type, external)
@@ -36,27 +35,28 @@ contains
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
       character(:), allocatable :: key
-      real(wp) :: load, m, l, per_speed, ratio
+      real(wp) :: across, ratio
 
-      call fill_lubricant(values, case%lubricant, case%materials)
       if (values%has_group('moes')) then
          ratio = values%real_value('moes', 'radius_ratio')
-         m = values%real_value('moes', 'moes_m')
-         l = values%real_value('moes', 'moes_l')
-         per_speed = merge(sum_per_mean, 1.0_wp, values%word_value('moes', 'velocity') == 'sum')
-         call new_moes_scaling(case%scaling, m*per_speed**0.75_wp, l*per_speed**(-0.25_wp), &
-            case%lubricant, ratio)
       else
-         call fill_radii(values, case, ratio)
+         call fill_bodies(values, case%bodies)
+         call check_curvature(values, ['radius_y_1', 'radius_y_2'])
          if (values%findings%count > 0) return
-         call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
-            load, ratio)
-         call new_scaling(case%scaling, case%bodies, case%lubricant, load, ratio)
-         if (any(case%scaling%half_width*[1.0_wp, case%scaling%ellipse%ratio*ratio] >= &
-            case%bodies%reduced_radius)) call values%refuse('load', key, 'found a contact as '// &
-            'wide as its radii, '//to_text(case%scaling%half_width, 3)// &
-            ' m, expected a smaller one')
+         across = radius_of(values, '_y')
+         if (.not. abs(across) > 0.0_wp) across = case%bodies%reduced_radius
+         ratio = case%bodies%reduced_radius/across
+         if (ratio < least_ratio .or. ratio > largest_ratio) call values%refuse('bodies', &
+            merge('reduced_radius_x', 'radius_x_1      ', values%is_given('bodies', &
+            'reduced_radius_x')), 'found Rx/Ry = '//to_text(ratio, 3)//', expected ' &
+            //to_text(least_ratio)//' to '//to_text(largest_ratio)//' (a line contact beyond)')
+         if (values%findings%count > 0) return
       end if
+      call fill_scaling(values, case, key, ratio)
+      if (case%scaling%is_dimensional .and. any(case%scaling%half_width*[1.0_wp, &
+         case%scaling%ellipse%ratio*ratio] >= case%bodies%reduced_radius)) call values%refuse( &
+         'load', key, 'found a contact as wide as its radii, '// &
+         to_text(case%scaling%half_width, 3)//' m, expected a smaller one')
       if (values%findings%count > 0) return
       associate (scales => case%scaling)
          case%point = new_point_contact(ratio, scales%moes_m*sum_per_mean**(-0.75_wp), &
@@ -87,39 +87,28 @@ contains
       call plan_times(values, case%point, case)
    end subroutine fill_point_case
 
-   !> The bodies, and D = Rx/Ry. Findings: bodies that do not touch in y; a ratio not solved.
-   subroutine fill_radii(values, case, ratio)
-      type(input_values_t), intent(inout) :: values
-      type(case_t), intent(inout) :: case
-      real(wp), intent(out) :: ratio
-      real(wp) :: across
-
-      call fill_bodies(values, case%bodies)
-      call check_curvature(values, ['radius_y_1', 'radius_y_2'])
-      if (values%findings%count > 0) return
-      across = radius_of(values, '_y')
-      if (.not. abs(across) > 0.0_wp) across = case%bodies%reduced_radius
-      ratio = case%bodies%reduced_radius/across
-      if (ratio < least_ratio .or. ratio > largest_ratio) call values%refuse('bodies', &
-         merge('reduced_radius_x', 'radius_x_1      ', values%is_given('bodies', &
-         'reduced_radius_x')), 'found Rx/Ry = '//to_text(ratio, 3)//', expected ' &
-         //to_text(least_ratio)//' to '//to_text(largest_ratio)//' (a line contact beyond)')
-   end subroutine fill_radii
-
    !> Domain and grid, given or chosen: the finest allowed one for a target, the usual one in time,
-   !> where passages choose it.
+   !> where passages choose it. Findings: a domain that cuts the dry contact; the grid.
    subroutine fill_grid(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
+      character(len=12), parameter :: keys(3) = [character(len=12) :: 'x_inlet', 'x_outlet', &
+         'y_half_width']
       character(:), allocatable :: fault
-      integer :: coarsest(2), usual
+      real(wp) :: ends(3), reach(3)
+      integer :: coarsest(2), i, usual
 
       associate (contact => case%point, domain => case%point%domain)
          contact%has_far_field = values%logical_value('domain', 'far_field')
          domain%x_inlet = values%real_value('domain', 'x_inlet', domain%x_inlet)
          domain%x_outlet = values%real_value('domain', 'x_outlet', domain%x_outlet)
          domain%y_half_width = values%real_value('domain', 'y_half_width', domain%y_half_width)
-         call check_border(values, case)
+         reach = [-contact%half_widths(1), contact%half_widths]
+         ends = [domain%x_inlet, domain%x_outlet, domain%y_half_width]
+         do i = 1, 3
+            if (abs(ends(i)) <= abs(reach(i))) call values%refuse('domain', keys(i), 'found '// &
+               to_text(ends(i))//' inside the contact, which reaches '//to_text(reach(i), 4))
+         end do
          if (values%findings%count > 0) return
          domain%intervals = values%integer_value('domain', 'intervals_x')
          if (domain%intervals == 0) then
@@ -155,24 +144,5 @@ contains
 
       has_area = allocated(contact%surface_1%profile) .or. allocated(contact%surface_2%profile)
    end function has_area
-
-   !> Finding: a domain that cuts the dry contact.
-   subroutine check_border(values, case)
-      type(input_values_t), intent(inout) :: values
-      type(case_t), intent(in) :: case
-      character(len=12), parameter :: keys(3) = [character(len=12) :: 'x_inlet', 'x_outlet', &
-         'y_half_width']
-      real(wp) :: ends(3), least(3)
-      integer :: i
-
-      associate (domain => case%point%domain, b => case%point%half_widths)
-         ends = [domain%x_inlet, domain%x_outlet, domain%y_half_width]
-         least = [-b(1), b(1), b(2)]
-      end associate
-      do i = 1, 3
-         if (abs(ends(i)) <= abs(least(i))) call values%refuse('domain', keys(i), 'found '// &
-            to_text(ends(i))//' inside the contact, which reaches '//to_text(least(i), 4))
-      end do
-   end subroutine check_border
 
 end module point_input

@@ -52,6 +52,7 @@ contains
       rest = trim(adjustl(values(scan(values, ' ') + 1:)))
       number = trim(values)
       if (index(number, ',', back=.true.) == len(number)) number = trim(number(:len(number) - 1))
+      if (scan(number(:1), '+-') > 0) number = number(2:)
       if (index(values, '#') > 0) then
          hint = '; a comment begins with !'
       else if (index(values, '*') > 0) then
@@ -66,8 +67,8 @@ contains
       end if
    end function form_hint
 
-   !> Whether a text is one number but for its one comma: digits in front of it, digits and an
-   !> exponent behind it.
+   !> Whether a text is one number without a sign but for its one comma: digits in front of it,
+   !> digits and an exponent behind it.
    pure logical function has_decimal_comma(text) result(has)
       character(*), intent(in) :: text
       integer :: comma, last
@@ -76,22 +77,21 @@ contains
       comma = index(text, ',')
       if (comma < 2 .or. comma == len(text)) return
       last = comma + verify(text(comma + 1:)//' ', digits) - 1
-      has = verify(without_sign(text(:comma - 1)), digits//'.') == 0 .and. last > comma &
+      has = verify(text(:comma - 1), digits//'.') == 0 .and. last > comma &
          .and. scan(text(comma - 1:comma - 1), digits) > 0 .and. verify(text(last + 1:), &
          digits//'eEdD+-') == 0 .and. scan(text(last + 1:), 'eEdD+-') <= 1
    end function has_decimal_comma
 
-   !> Whether a text is one number but for commas between its digits, three by three: several
-   !> commas, one in front of a decimal point, or one in a whole number.
+   !> Whether a text is one number without a sign but for commas between its digits, three by three:
+   !> several commas, one in front of a decimal point, or one in a whole number.
    pure logical function has_groups(text, is_whole) result(has)
       character(*), intent(in) :: text
       logical, intent(in) :: is_whole
       character(:), allocatable :: decimals, whole
       integer :: commas, i
 
-      whole = without_sign(text)
-      decimals = whole(index(whole//'.', '.'):)
-      whole = whole(:len(whole) - len(decimals))
+      decimals = text(index(text//'.', '.'):)
+      whole = text(:len(text) - len(decimals))
       commas = count([(whole(i:i) == ',', i=1, len(whole))])
       has = commas > 0 .and. (decimals /= '' .or. is_whole .or. commas > 1) &
          .and. verify(decimals, digits//'.') == 0 .and. scan(whole, ',') /= 1
@@ -100,15 +100,6 @@ contains
             modulo(len(whole) - i, 4) == 3)
       end do
    end function has_groups
-
-   !> A number without its sign.
-   pure function without_sign(text) result(rest)
-      character(*), intent(in) :: text
-      character(:), allocatable :: rest
-
-      rest = text
-      if (scan(text(:1), '+-') > 0) rest = text(2:)
-   end function without_sign
 
    !> What to do instead of a key or word that is not there; empty: no idea.
    pure function answer_to(name) result(text)

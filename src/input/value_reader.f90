@@ -5,12 +5,11 @@ module value_reader
    use findings, only: findings_t
    use input_keys, only: find_group, find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_in_range, &
-      is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, &
-      split_words, unit_question, word_kind, words_kind
+   use key_row, only: every, expected_value, has_word, is_in_range, key_t, lubricated, &
+      split_words, unit_question
    use kinds, only: int64, wp
    use namelist_text, only: namelist_text_t, entry_t
-   use namelist_source, only: max_values, piece_t, read_logical, split_values
+   use namelist_source, only: logical_word, max_values, piece_t, split_values
    use number_text, only: read_integer, read_real
    use line_contact, only: word_length
    use text, only: joined, quoted, to_lower, to_text
@@ -18,53 +17,44 @@ module value_reader
    implicit none (type, external)
    private
 
-   public :: read_defaults, read_values
+   public :: read_values
+
+   !> Values of the keys that have a default, read once a process.
+   type(value_t), allocatable :: defaults(:)
 
 contains
 
-   !> Fills `values` with the defaults of the table and the entries of `pieces`. `defaults`: as
-   !> `read_defaults` gives them, of which the problem gets its own.
+   !> Fills `values` with the defaults of the table and the entries of `pieces`.
    !>
    !> Finds unknown or not built groups, keys and words, values of the wrong type or number or out
    !> of range, arrays with elements left out.
-   subroutine read_values(pieces, values, defaults)
+   subroutine read_values(pieces, values)
       type(namelist_text_t), intent(in) :: pieces
       type(input_values_t), intent(inout) :: values
-      type(input_values_t), intent(in), optional :: defaults
       character(:), allocatable :: hint
-      integer :: i, row
+      integer :: group, i, row
 
       values%last_line = pieces%lines
       values%problem = problem_of(pieces)
-      if (present(defaults)) then
-         do i = 1, size(key_rows)
-            if (has_word(key_rows(i)%problems, values%problem)) values%slots(i) = defaults%slots(i)
-         end do
-      else
-         call read_defaults(values)
-      end if
-      do i = 1, pieces%group_count
-         associate (group => pieces%groups(i))
-            row = find_group(group%name)
-            if (row > 0) then
-               values%group_lines(row) = group%line
-               if (.not. has_word(group_rows(row)%problems, values%problem)) call &
-                  values%findings%add(group%line, group%name, '', not_used_by(values%problem))
-               cycle
-            end if
-            hint = nearest_known(group%name, group_rows%group)
-            if (hint /= '') hint = '; did you mean &' // hint // '?'
-            call values%findings%add(group%line, group%name, '', 'found an unknown group, '// &
-               'expected one of those that asperity --keys lists'//hint)
-         end associate
-      end do
-      do i = 1, pieces%entry_count
+      if (.not. allocated(defaults)) call read_defaults(values%findings)
+      values%slots(1:) = defaults
+      do i = 1, pieces%count
          associate (entry => pieces%entries(i))
+            group = find_group(entry%group)
             row = find_key(entry%group, entry%key, values%problem)
             if (row > 0) then
                call read_entry(entry, key_rows(row), values%slots(row), values%findings)
-            else if (find_group(entry%group) > 0) then
+            else if (group > 0 .and. entry%key /= '') then
                call report_unknown_key(entry, values%problem, values%findings)
+            else if (group > 0) then
+               values%group_lines(group) = entry%line
+               if (.not. has_word(group_rows(group)%problems, values%problem)) call &
+                  values%findings%add(entry%line, entry%group, '', not_used_by(values%problem))
+            else if (entry%key == '') then
+               hint = nearest_known(entry%group, group_rows%group)
+               if (hint /= '') hint = '; did you mean &' // hint // '?'
+               call values%findings%add(entry%line, entry%group, '', 'found an unknown group, '// &
+                  'expected one of those that asperity --keys lists'//hint)
             end if
          end associate
       end do
@@ -79,22 +69,21 @@ contains
       end do
    end subroutine read_values
 
-   !> Fills `values` with the defaults of the table, through the reader of the user's entries: of
-   !> many files they are read once.
-   subroutine read_defaults(values)
-      type(input_values_t), intent(inout) :: values
+   !> Reads the defaults of the table, through the reader of the user's entries.
+   subroutine read_defaults(findings)
+      type(findings_t), intent(inout) :: findings
       type(entry_t) :: entry   ! gfortran loses the texts of a constructor that is an argument
       integer :: i
 
+      allocate (defaults(size(key_rows)))
       do i = 1, size(key_rows)
-         associate (row => key_rows(i), slot => values%slots(i))
+         associate (row => key_rows(i), slot => defaults(i))
             call clear(slot)
-            if (any(row%default == [character(len=len(row%default)) :: is_required, is_chosen, &
-               is_optional])) cycle
+            if (any(row%default == [character(len=8) :: 'required', 'chosen', '-'])) cycle
             entry%group = trim(row%group)
             entry%key = trim(row%key)
             entry%values = trim(row%default)
-            call read_entry(entry, row, slot, values%findings)
+            call read_entry(entry, row, slot, findings)
             slot%is_given = .false.
             slot%is_set = [logical ::]
          end associate
@@ -110,7 +99,7 @@ contains
       integer :: i
 
       problem = lubricated
-      do i = 1, pieces%entry_count
+      do i = 1, pieces%count
          associate (entry => pieces%entries(i))
             if (entry%group /= 'case' .or. entry%key /= 'problem' .or. len(entry%values) < 3) cycle
             word = to_lower(entry%values(scan(entry%values, quotes) + 1:))
@@ -178,7 +167,7 @@ contains
    !> values, wrong type, unknown word, out of range.
    subroutine read_entry(entry, row, slot, findings)
       type(entry_t), intent(in) :: entry
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       type(value_t), intent(inout) :: slot
       type(findings_t), intent(inout) :: findings
       type(piece_t), allocatable :: pieces(:)
@@ -194,7 +183,7 @@ contains
       slot%has_value = .false.
       slot%line = entry%line
       if (entry%is_broken) return
-      is_array = any(row%kind == [reals_kind, words_kind])
+      is_array = any(row%kind == ['reals', 'words'])
       hint = ''
       call split_values(entry%values, pieces, problem)
       if (.not. allocated(problem)) then
@@ -202,7 +191,7 @@ contains
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
-            hint = form_hint(entry%values, row%kind == integer_kind)
+            hint = form_hint(entry%values, row%kind == 'integer')
             if (all([hint == '', entry%group == 'load'])) hint = '; '//answer_to('load_steps')
          else if (max(entry%first + size(pieces) - 1, entry%last) > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
@@ -217,7 +206,7 @@ contains
          return
       end if
       slot%has_value = .true.
-      if (row%kind == reals_kind .and. index(entry%values, '*') == 0) slot%hint = &
+      if (row%kind == 'reals' .and. index(entry%values, '*') == 0) slot%hint = &
          form_hint(entry%values, is_whole=.false.)
       missing = entry%first + size(pieces) - 1 - size(slot%is_set)   ! elements without room
       slot%reals = [slot%reals, (0.0_wp, i=1, missing)]
@@ -232,7 +221,7 @@ contains
    !> out of range.
    subroutine store(entry, row, piece, place, slot, findings)
       type(entry_t), intent(in) :: entry
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       type(piece_t), intent(in) :: piece
       integer, intent(in) :: place
       type(value_t), intent(inout) :: slot
@@ -248,39 +237,34 @@ contains
       word = to_lower(trim(piece%text))
       good = .true.
       select case (row%kind)
-      case (real_kind, reals_kind)
+      case ('real', 'reals')
          call read_real(piece%text, slot%reals(place), good)
          good = good .and. .not. piece%is_string
          if (good .and. slot%hint == '') hint = unit_question(row, slot%reals(place))
-         good = good .and. is_in_range(slot%reals(place), row%range)
-      case (integer_kind)
+         good = good .and. is_in_range(slot%reals(place), row%allowed)
+      case ('integer')
          call read_integer(piece%text, number, good)
-         good = all([good, .not. piece%is_string, abs(number) <= huge(slot%integer), &
-            is_in_range(real(number, wp), row%range)])
-         slot%integer = 0
-         if (good) slot%integer = int(number)
-      case (logical_kind)
-         if (has_word(row%words, word)) then
-            slot%logical = .true.
-            slot%words(place) = word
-         else
-            call read_logical(piece, slot%logical, good)
-            slot%words(place) = merge('.true. ', '.false.', slot%logical)
-         end if
-      case (word_kind, words_kind)
-         good = all([piece%is_string, has_word(row%words, word)])
+         good = all([good, .not. piece%is_string, abs(number) <= huge(1), is_in_range(real(number, &
+            wp), row%allowed)])
+         slot%reals(place) = real(number, wp)
+      case ('logical')
+         if (.not. has_word(row%allowed, word)) word = logical_word(piece)
+         good = word /= ''
+         slot%words(place) = word
+      case ('word', 'words')
+         good = all([piece%is_string, has_word(row%allowed, word)])
          slot%words(place) = '?'
          if (good) then
             slot%words(place) = word
          else if (piece%is_string) then
             hint = nearest_word(row, word)
          end if
-      case default   ! text_kind
+      case default   ! text
          good = piece%is_string
          slot%text = piece%text
       end select
       if (good) return
-      slot%has_value = any(row%kind == [word_kind, words_kind])   ! other words still count
+      slot%has_value = any(row%kind == ['word ', 'words'])   ! other words still count
       found = quoted(piece%text)
       if (all([slot%has_value, .not. piece%is_string])) found = found // ' without quotes'
       if (piece%is_string) found = "'" // found // "'"
@@ -292,7 +276,7 @@ contains
    !> What to do instead of a `word`; "; did you mean 'word'?" with the nearest one of the row; or
    !> nothing.
    function nearest_word(row, word) result(hint)
-      type(key_row_t), intent(in) :: row
+      type(key_t), intent(in) :: row
       character(*), intent(in) :: word
       character(:), allocatable :: hint
 
@@ -302,7 +286,7 @@ contains
       if (hint /= '') then
          hint = '; '//hint
       else
-         hint = nearest_known(word, split_words(row%words, ' '))
+         hint = nearest_known(word, split_words(row%allowed, ' '))
          if (hint /= '') hint = "; did you mean '" // hint // "'?"
       end if
    end function nearest_word
