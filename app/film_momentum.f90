@@ -1,6 +1,5 @@
 !> The full momentum equations of the film, after the Reynolds equation of the same case.
 module film_momentum
-   use case_notes, only: add_note
    use case_record, only: case_t
    use errors, only: error_t
    use film_fields, only: compare_passage
@@ -38,18 +37,15 @@ contains
       type(case_t), intent(in) :: case
       type(walls_t) :: walls
 
-      associate (scaling => case%scaling)
-         walls%delta = scaling%slope
-         ! rho_0 u_s^2/p_h: inertia of the oil at ambient pressure over the pressure of the contact
-         if (case%has_inertia) walls%inertia = case%materials%density*scaling%speed_sum**2 &
-            /scaling%hertz_pressure
-      end associate
+      walls%delta = case%scaling%slope
+      ! rho_0 u_s^2/p_h: inertia of the oil at ambient pressure over the pressure of the contact
+      if (case%has_inertia) walls%inertia = case%materials%density*case%scaling%speed_sum**2 &
+         /case%scaling%hertz_pressure
       walls%curvature_share = case%bodies%curvature_share
    end function walls_of
 
    !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
-   !> equation, which becomes that of the momentum equations, or closes their march; what they
-   !> change is noted.
+   !> equation, which becomes that of the momentum equations, or closes their march; notes changes.
    subroutine follow_momentum(case, listener, state, report, error)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
@@ -71,8 +67,7 @@ contains
                      //' steps, at most '//to_text(cost%most_steps)//' of Newton for one'
                   if (cost%longer > 0) words = words//', more than three for '//to_text(cost%longer)
                end associate
-               call add_note(case, listener, words//'); '//difference_sentence(writer%momentum), &
-                  report%note)
+               call listener%add_note(words//'); '//difference_sentence(writer%momentum))
             end select
          else
             writer%reynolds = state
@@ -81,7 +76,7 @@ contains
                writer%momentum, report, error)
             if (allocated(error)) return
             if (report%converged) then
-               call add_note(case, listener, difference_sentence(writer%momentum), report%note)
+               call listener%add_note(difference_sentence(writer%momentum))
             else
                deallocate (writer%momentum, writer%reynolds)
             end if

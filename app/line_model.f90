@@ -11,15 +11,14 @@ module line_model
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: summary_of
-   use measured_adequacy, only: full_cost, measure_adequacy, solved_t
+   use measured_adequacy, only: measure_adequacy, solved_t
    use model_choice, only: choose_model
    use run_observer, only: run_observer_t
-   use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: choose_lean_model, measure_model, print_full_cost
+   public :: choose_lean_model, measure_model
 
 contains
 
@@ -48,17 +47,6 @@ contains
       end associate
       call set_effective(case, 'time', 'transient', text='.false.')
    end subroutine choose_lean_model
-
-   !> Says what a full measurement of a passage costs at most.
-   subroutine print_full_cost(case, listener)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-
-      if (allocated(case%duty)) return
-      if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
-         listener%log%say(case%file//": adequacy = 'full' takes up to " &
-         //to_text(full_cost(case%contact), 2)//' times what the passage takes')
-   end subroutine print_full_cost
 
    !> Measures what the ingredients of the model change, where that is wanted.
    subroutine measure_model(case, listener, state, report, error)

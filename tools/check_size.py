@@ -27,14 +27,11 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface", "src/point")
 # What tells how sure the numbers are: a folder, and files of others.
-SURE = re.compile(
-    r"src/accuracy/|/(contact_edges|grid_comparison"
-    r"|case_notes|(dry_)?adequacy_section|formulas_section)\.f90"
-)
+SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dry_)?adequacy_section)\.f90")
 # name: bound
 BOUNDS = {
-    "sources": 48_344,
-    "how sure": 5_707,
+    "sources": 47_963,
+    "how sure": 5_569,
     "tests": 34_321,
     "bench": 5_658,
     "words of pages": 44_975,
