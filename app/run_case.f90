@@ -4,11 +4,10 @@ module run_case
    use case_record, only: case_t, result_path
    use command_line, only: command_t
    use errors, only: error_t
-   use film_momentum, only: follow_momentum, prepare_momentum
    use iteration_report, only: ending_text, has_converged, report_t
    use key_row, only: film, has_word, point
    use line_contact, only: line_contact_t
-   use line_model, only: choose_lean_model, measure_model
+   use line_model, only: choose_lean_model, follow_momentum, measure_model, prepare_momentum
    use line_solution, only: solve_line_case
    use line_state, only: line_state_t
    use progress_log, only: new_progress_log, progress_log_t

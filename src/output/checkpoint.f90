@@ -280,11 +280,10 @@ contains
       type(report_t), intent(inout) :: report
       real(wp), allocatable :: residuals(:), load_errors(:)
 
-      allocate (residuals, source=report%residual_history())
-      allocate (load_errors, source=report%load_error_history())
+      residuals = report%residual_history()
+      load_errors = report%load_error_history()
       call file%visit_vector('/report/residual_history', residuals, 1)
-      if (file%is_read) load_errors = residuals
-      call file%visit('/report/load_error_history', load_errors)
+      call file%visit_vector('/report/load_error_history', load_errors, 1)
       if (file%is_read) call report%restore(residuals, load_errors)
       report%converged = .true.
       ! of a step that its start solved they are not in the histories

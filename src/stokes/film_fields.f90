@@ -15,7 +15,7 @@ module film_fields
    implicit none (type, external)
    private
 
-   public :: compare_passage, copy_fields, film_fields_t, film_passage_t, stress_rise
+   public :: copy_fields, film_fields_t, film_passage_t, stress_rise
 
    !> A transient by the full equations, at the present time and up to it.
    type :: film_passage_t
@@ -30,7 +30,7 @@ module film_fields
       !> Mean pressure and film (nx).
       real(wp), allocatable :: pressure(:), film(:)
    contains
-      procedure :: add
+      procedure :: add, compare
    end type film_passage_t
 
    !> Fields (layers, nx) in the middle of the layers at the nodes.
@@ -139,17 +139,17 @@ contains
 
    !> Sets the differences of a transient: of films from the smallest over all times, of pressures
    !> and differences from the largest.
-   pure subroutine compare_passage(passage, fields)
-      type(film_passage_t), intent(in) :: passage
+   pure subroutine compare(self, fields)
+      class(film_passage_t), intent(in) :: self
       type(film_fields_t), intent(inout) :: fields
 
-      associate (s => passage%extremes)
+      associate (s => self%extremes)
          fields%h_min = s(1)/s(4) - 1
          fields%h_central = s(2)/s(5) - 1
          fields%p_max = s(3)/s(6) - 1
          fields%pressure_change = s(7)
          fields%pressure_variation = s(9)
       end associate
-   end subroutine compare_passage
+   end subroutine compare
 
 end module film_fields
