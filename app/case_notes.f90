@@ -8,6 +8,7 @@ module case_notes
    use kinds, only: exceeds, wp
    use line_contact, only: rough_contact_t
    use line_summary, only: line_summary_t
+   use passage_times, only: passage_note
    use quantities, only: h_min, quantity_count, quantity_rows
    use run_observer, only: run_observer_t
    use text, only: add_sentence, duration_text, prefixed_text, to_text
@@ -15,8 +16,7 @@ module case_notes
    implicit none (type, external)
    private
 
-   public :: add_note, note_coarse_waves, note_missed_error, note_unusual, time_text, &
-      unusual_text
+   public :: note_case, note_missed_error, note_unusual, time_text, unusual_text
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -25,8 +25,7 @@ module case_notes
    real(wp), parameter :: step_seconds = 1.0e-6_wp, error_bars_share = 0.5_wp
    !> A grid is told as coarse for a duty if a moment needs more than this many times its intervals.
    real(wp), parameter :: coarse_duty = 2.0_wp
-   !> Runs that take longer are announced by --check, and say before they start what would make them
-   !> shorter [s].
+   !> Runs that take longer are announced by --check, and say first what would shorten them [s].
    real(wp), parameter, public :: minute = 60.0_wp, hour = 3600.0_wp
 
 contains
@@ -79,41 +78,43 @@ contains
       end do
    end subroutine note_unusual
 
-   !> Adds to `note` where grid or time step of a `contact` are too coarse for its waves, or for
-   !> the thinnest film of a duty. With a wanted accuracy both are chosen by their effect on h_min.
-   subroutine note_coarse_waves(case, contact, listener, note)
+   !> Notes what is unusual, where grid or time step of a `contact` are too coarse for its waves or
+   !> the thinnest film of a duty (a wanted accuracy chooses both by h_min), and which times count.
+   subroutine note_case(case, contact, listener)
       type(case_t), intent(in) :: case
       class(rough_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
-      character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
       real(wp) :: spacing, wanted, when
 
-      if (case%solver%target > 0.0_wp) return
-      words = coarse_waves(contact, case%time)
-      if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
-         long_steps(contact, case%time)
-      call add_note(case, listener, words, note)
-      if (.not. allocated(case%contact%duty)) return   ! a point: its error bars tell
-      call find_finest_moment(case%contact, when, spacing)
-      associate (domain => case%contact%domain)
-         wanted = (domain%x_outlet - domain%x_inlet)/spacing
-         if (wanted > coarse_duty*domain%intervals) call add_note(case, listener, 'the film at ' &
-            //prefixed_text(when*case%scaling%time, 's')//' needs ' &
-            //to_text(intervals_at_least(wanted))//' intervals for 1 %, the grid has ' &
-            //to_text(domain%intervals), note)
-      end associate
-   end subroutine note_coarse_waves
+      call note_unusual(case, listener%note)
+      call listener%add_note(case%note)
+      if (.not. case%solver%target > 0.0_wp) then
+         words = coarse_waves(contact, case%time)
+         if (words == '' .and. case%solver%wants_coarse_runs) words = long_steps(contact, case%time)
+         call listener%add_note(words)
+         if (allocated(case%contact%duty)) then   ! of a point error bars tell
+            call find_finest_moment(case%contact, when, spacing)
+            associate (domain => case%contact%domain)
+               wanted = (domain%x_outlet - domain%x_inlet)/spacing
+               if (wanted > coarse_duty*domain%intervals) call listener%add_note('the film at ' &
+                  //prefixed_text(when*case%scaling%time, 's')//' needs ' &
+                  //to_text(intervals_at_least(wanted))//' intervals for 1 %, the grid has ' &
+                  //to_text(domain%intervals))
+            end associate
+         end if
+      end if
+      call listener%add_note(passage_note(contact, listener%writer%run%passage%times))
+   end subroutine note_case
 
-   !> Adds to the notes of the `report` an error of `summary` that is above the target: of a steady
-   !> contact that which misses it by most in the closing table, in time that of h_min, if it was
-   !> measured; on a given inlet the target is that of grid and time step alone. Of a point contact
-   !> that of its films.
+   !> Notes an error of `summary` that is above the target: of a steady contact that which misses it
+   !> by most in the closing table, in time that of h_min, if it was measured; on a given inlet the
+   !> target is that of grid and time step alone. Of a point contact that of its films.
    subroutine note_missed_error(case, listener, summary, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       type(line_summary_t), intent(in) :: summary
-      type(report_t), intent(inout) :: report
+      type(report_t), intent(in) :: report
       character(:), allocatable :: found
       real(wp) :: error, worst
       logical :: counts(quantity_count), in_time   ! a line
@@ -143,20 +144,8 @@ contains
          if (exceeds(error, worst)) found = ': a relative error of h_min of '//to_text(error, 2) &
             //' is estimated'
       end if
-      if (found /= '') call add_note(case, listener, 'the target accuracy is not shown'//found &
-         //', '//to_text(case%solver%target, 2)//' is the target', report%note)
+      if (found /= '') call listener%add_note('the target accuracy is not shown'//found//', ' &
+         //to_text(case%solver%target, 2)//' is the target')
    end subroutine note_missed_error
-
-   !> Logs `words`, if there are any, and adds them to `note`.
-   subroutine add_note(case, listener, words, note)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-      character(*), intent(in) :: words
-      character(:), allocatable, intent(inout) :: note
-
-      if (words == '') return
-      call listener%log%say(case%file//': '//words)
-      call add_sentence(note, words)
-   end subroutine add_note
 
 end module case_notes

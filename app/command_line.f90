@@ -46,8 +46,7 @@ module command_line
 
 contains
 
-   !> Reads the arguments of the process. Errors (input_error): unknown or incomplete options, no
-   !> case.
+   !> Reads the arguments of the process. Errors (input_error): bad or incomplete options, no case.
    subroutine read_command_line(command, error)
       type(command_t), intent(out) :: command
       type(error_t), allocatable, intent(out) :: error

@@ -3,7 +3,6 @@
 !> farther outlet where the outlet cuts the film off.
 module grid_comparison
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: add_note
    use case_record, only: case_t
    use domain_choice, only: choose_domain, cut_asperities
    use ehl_line_solver, only: solve_ehl_line
@@ -28,8 +27,7 @@ module grid_comparison
    !> Relative change of the quantities by the outlet above which a note is given.
    real(wp), parameter :: largest_change = 1.0e-3_wp
 
-   !> Listener of the coarse runs: they end when the program is interrupted or when the run itself
-   !> has made them useless.
+   !> Listener of the coarse runs: they end if interrupted, or useless because of the run itself.
    type, extends(listener_t) :: side_relay_t
       logical, pointer :: are_off => null()
    contains
@@ -43,14 +41,14 @@ contains
    subroutine check_ends(case, listener, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
-      type(report_t), intent(inout) :: report
+      type(report_t), intent(in) :: report
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
       real(wp) :: change
       logical :: is_small
 
       if (.not. report%converged) return
-      call add_note(case, listener, cut_asperities(case%contact), report%note)
+      call listener%add_note(cut_asperities(case%contact))
       if (.not. (case%solver%wants_coarse_runs .or. report%fit%outlet_pressure > 0.0_wp)) return
       bars = listener%writer%bars
       if (case%solver%wants_coarse_runs) then
@@ -67,8 +65,7 @@ contains
          change = outlet_error(bars)
          is_small = ieee_is_finite(change)
          if (is_small) is_small = change <= largest_change
-         if (.not. is_small) call add_note(case, listener, outlet_note(case%contact, change), &
-            report%note)
+         if (.not. is_small) call listener%add_note(outlet_note(case%contact, change))
       end if
       listener%writer%bars = bars
    end subroutine check_ends
@@ -97,8 +94,7 @@ contains
       end if
    end function outlet_note
 
-   !> Whether the coarse runs that a transient wants get a second thread: two are allowed, and there
-   !> are processors and memory for them.
+   !> Whether wanted coarse runs of a transient get a second thread: allowed, and memory for it.
    logical function has_second_thread(case, listener)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(in) :: listener

@@ -1,4 +1,5 @@
-!> What a lubricated case could do without: chosen before its run, measured after it.
+!> What a lubricated case could do without: chosen before its run, measured after it; and what it
+!> does beside the Reynolds equation: the full momentum equations of the film.
 module line_model
    use adequacy, only: accuracy_for, apply_model
    use adequacy_section, only: solved_text
@@ -6,20 +7,24 @@ module line_model
    use domain_choice, only: choose_anew
    use errors, only: error_t
    use experiment, only: experiment_t, new_experiment
+   use field_sections, only: difference_sentence
    use graded_contact, only: find_tail
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: summary_of
-   use measured_adequacy, only: full_cost, measure_adequacy, solved_t
+   use measured_adequacy, only: measure_adequacy, solved_t
    use model_choice, only: choose_model
+   use momentum_march, only: momentum_march_t, solve_film_momentum
+   use momentum_solver, only: walls_t
    use run_observer, only: run_observer_t
+   use system_limits, only: peak_memory
    use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: choose_lean_model, measure_model, print_full_cost
+   public :: choose_lean_model, follow_momentum, measure_model, prepare_momentum
 
 contains
 
@@ -50,17 +55,6 @@ contains
       call set_effective(case, 'time', 'transient', text='.false.')
    end subroutine choose_lean_model
 
-   !> Says what a full measurement of a passage costs at most.
-   subroutine print_full_cost(case, listener)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-
-      if (allocated(case%duty)) return
-      if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
-         listener%log%say(case%file//": adequacy = 'full' takes up to " &
-         //to_text(full_cost(case%contact), 2)//' times what the passage takes')
-   end subroutine print_full_cost
-
    !> Measures what the ingredients of the model change, where that is wanted.
    subroutine measure_model(case, listener, state, report, error)
       type(case_t), intent(in) :: case
@@ -86,5 +80,71 @@ contains
       report%converged = .not. listener%is_stopping
       report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
    end subroutine measure_model
+
+   !> Before the Reynolds equation is solved: time steps will be repeated by the full momentum
+   !> equations, where the case asks for both.
+   subroutine prepare_momentum(case, listener)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: listener
+      type(momentum_march_t) :: march
+
+      if (case%layers == 0 .or. .not. case%time%is_transient) return
+      march%walls = walls_of(case)
+      march%layers = case%layers
+      allocate (listener%follower, source=march)
+   end subroutine prepare_momentum
+
+   !> What the equations need to know of the bodies.
+   function walls_of(case) result(walls)
+      type(case_t), intent(in) :: case
+      type(walls_t) :: walls
+
+      walls%delta = case%scaling%slope
+      ! rho_0 u_s^2/p_h: inertia of the oil at ambient pressure over the pressure of the contact
+      if (case%has_inertia) walls%inertia = case%materials%density*case%scaling%speed_sum**2 &
+         /case%scaling%hertz_pressure
+      walls%curvature_share = case%bodies%curvature_share
+   end function walls_of
+
+   !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
+   !> equation, which becomes that of the momentum equations, or closes their march; notes changes.
+   subroutine follow_momentum(case, listener, state, report, error)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: listener
+      type(line_state_t), intent(inout) :: state
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: words
+
+      if (case%layers == 0 .or. .not. report%converged) return
+      call listener%on_stage('full momentum equations of the film')
+      associate (writer => listener%writer)
+         if (allocated(listener%follower)) then
+            select type (march => listener%follower)
+            type is (momentum_march_t)
+               writer%momentum = march%fields()
+               call writer%run%film_passage%compare(writer%momentum)
+               associate (cost => march%history)
+                  words = 'extremes of the passage are compared ('//to_text(cost%solutions) &
+                     //' steps, at most '//to_text(cost%most_steps)//' of Newton for one'
+                  if (cost%longer > 0) words = words//', more than three for '//to_text(cost%longer)
+               end associate
+               call listener%add_note(words//'); '//difference_sentence(writer%momentum))
+            end select
+         else
+            writer%reynolds = state
+            allocate (writer%momentum)
+            call solve_film_momentum(case%contact, walls_of(case), case%layers, state, &
+               writer%momentum, report, error)
+            if (allocated(error)) return
+            if (report%converged) then
+               call listener%add_note(difference_sentence(writer%momentum))
+            else
+               deallocate (writer%momentum, writer%reynolds)
+            end if
+         end if
+      end associate
+      report%cost%peak_memory = peak_memory()
+   end subroutine follow_momentum
 
 end module line_model

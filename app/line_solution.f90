@@ -1,8 +1,7 @@
 !> The solution of a lubricated case, with the coarse runs that measure its errors, and what the
 !> program has chosen in place of the user, for the list of effective values of its result.
 module line_solution
-   use case_notes, only: add_note, hour, note_coarse_waves, note_missed_error, note_unusual, &
-      time_text
+   use case_notes, only: hour, note_case, note_missed_error, time_text
    use case_record, only: case_t, list_passage, set_effective
    use error_bars, only: copy_coarser, error_bars_t, new_error_bars
    use errors, only: error_t
@@ -13,9 +12,10 @@ module line_solution
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
    use adequacy, only: model_choice_t, number_choice_t
-   use passage_times, only: new_passage_times, passage_note, passage_times_t
+   use measured_adequacy, only: full_cost
+   use passage_times, only: new_passage_times, passage_times_t
    use quantities, only: heated_rows
-   use text, only: number_text
+   use text, only: number_text, to_text
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
    use wall_clock, only: wall_seconds
@@ -27,19 +27,22 @@ module line_solution
 
 contains
 
-   !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
-   !> made beside it on another thread.
+   !> The case and its coarse runs, after it unless they choose its grid or are made beside it.
    subroutine solve_line_case(case, listener, state, report, error)
       type(case_t), intent(inout) :: case
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: note
+      character(:), allocatable :: words
       type(error_bars_t) :: bars
       type(side_runs_t), allocatable :: side_runs
       real(wp) :: seconds, start
 
+      if (all([case%time%is_transient, case%output_settings%adequacy == 'full', &
+         .not. allocated(case%duty)])) call listener%log%say(case%file// &
+         ": adequacy = 'full' takes up to "//to_text(full_cost(case%contact), 2)// &
+         ' times what the passage takes')
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
       listener%has_coarse_runs = case%solver%wants_coarse_runs
@@ -66,13 +69,9 @@ contains
       if (allocated(case%contact%heating)) listener%writer%bars%left_out(heated_rows) = max( &
          listener%writer%bars%left_out(heated_rows), friction_doubt(merge(2, 1, &
          case%contact%heating%has_flow)))
-      note = time_text(case, hour)
-      if (note /= '') call listener%log%say(case%file//': '//note)
-      call note_unusual(case, note)
-      call add_note(case, listener, case%note, note)
-      call note_coarse_waves(case, case%contact, listener, note)
-      call add_note(case, listener, passage_note(case%contact, &
-         listener%writer%run%passage%times), note)
+      words = time_text(case, hour)
+      if (words /= '') call listener%log%say(case%file//': '//words)
+      call note_case(case, case%contact, listener)
       listener%writer%run%intervals = case%contact%domain%intervals
       listener%writer%run%time_step = case%time%time_step
       listener%writer%run%space_scheme = case%solver%space_scheme
@@ -80,7 +79,6 @@ contains
       if (allocated(error)) return
       report%fit%nodes_per_wave = nodes_in_wave(case%contact)
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
-      call move_alloc(note, report%note)
       call look_at_solution(listener, state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (listener%has_coarse_runs .and. report%converged) then
@@ -100,7 +98,6 @@ contains
          listener%writer%quantities_at_end(state, report), report)
       call fill_chosen(case, report, listener%writer%run%passage%times)
       call fill_numbers(case, report, listener%writer%choice)
-      call listener%complete(report)
       associate (phases => report%cost%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
       end associate
@@ -161,16 +158,14 @@ contains
       call list_passage(case, case%contact, times)
       call set_effective(case, 'solver', 'space_scheme', text=trim(merge('kappa  ', 'upwind2', &
          case%solver%space_scheme == 'kappa')))
-      associate (numbers => report%numbers)
-         call set_effective(case, 'solver', 'levels', integer=numbers%levels)
-         call set_effective(case, 'solver', 'tolerance', [numbers%tolerance])
-         call set_effective(case, 'solver', 'max_cycles', integer=numbers%max_cycles)
-         call set_effective(case, 'solver', 'pre_sweeps', integer=numbers%pre_sweeps)
-         call set_effective(case, 'solver', 'post_sweeps', integer=numbers%post_sweeps)
-         call set_effective(case, 'solver', 'coarse_sweeps', integer=numbers%coarse_sweeps)
-         call set_effective(case, 'solver', 'relaxation', [numbers%relaxation])
-         call set_effective(case, 'solver', 'load_relaxation', [numbers%load_relaxation])
-      end associate
+      call set_effective(case, 'solver', 'levels', integer=report%numbers%levels)
+      call set_effective(case, 'solver', 'tolerance', [report%numbers%tolerance])
+      call set_effective(case, 'solver', 'max_cycles', integer=report%numbers%max_cycles)
+      call set_effective(case, 'solver', 'pre_sweeps', integer=report%numbers%pre_sweeps)
+      call set_effective(case, 'solver', 'post_sweeps', integer=report%numbers%post_sweeps)
+      call set_effective(case, 'solver', 'coarse_sweeps', integer=report%numbers%coarse_sweeps)
+      call set_effective(case, 'solver', 'relaxation', [report%numbers%relaxation])
+      call set_effective(case, 'solver', 'load_relaxation', [report%numbers%load_relaxation])
    end subroutine fill_chosen
 
    !> Grid, domain, time step and method of a `case` with model = 'auto': its target chooses grid

@@ -3,7 +3,7 @@ program asperity
    use, intrinsic :: iso_c_binding, only: c_int
    use build_info, only: git_commit, program_name, program_version
    use c_library, only: c_exit, standard_error
-   use case_outcome, only: case_outcome_t, count_outcome, status_interrupted, status_not_written
+   use result_end, only: case_outcome_t, count_outcome, status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
    use disk_file, only: make_folder
@@ -11,7 +11,7 @@ program asperity
    use input_manual, only: keys_text, template_text
    use progress_log, only: is_terminal, new_progress_log, print_text, progress_log_t, &
       settle_standard_streams
-   use read_cases, only: read_all_cases, refused_t, status_bad_input, report_good, report_refused
+   use read_cases, only: read_all_cases, report_good, status_bad_input
    use result_table, only: print_results
    use run_case, only: run_one_case
    use signals, only: is_interrupted, listen_to_signals, stop_listening, disarm_exit_message, &
@@ -66,23 +66,19 @@ contains
       end select
    end subroutine obey
 
-   !> Reads all cases and checks or runs them; `status` becomes the largest of theirs. Error: bad
-   !> input; standard output is lost.
+   !> Reads and checks or runs all cases; `status`: the largest. Error: bad input; output is lost.
    subroutine check_or_run(command, status, error)
       type(command_t), intent(in) :: command
       integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
       type(case_t), allocatable :: cases(:)
-      type(refused_t), allocatable :: refused(:)
       type(progress_log_t) :: log
       type(case_outcome_t) :: outcome
       integer :: i
 
       call listen_to_signals()
       if (.not. command%has('--quiet')) call watch_silence(is_terminal(standard_error))
-      call read_all_cases(command, cases, refused, error)
-      if (allocated(error)) return
-      call report_refused(refused, command, status, error)
+      call read_all_cases(command, cases, status, error)
       if (allocated(error)) return
       if (command%action == 'check') then
          call report_good(cases, error)

@@ -6,7 +6,7 @@ module read_cases
    use build_info, only: program_name
    use case_input, only: read_case
    use case_notes, only: minute, time_text, unusual_text
-   use case_outcome, only: case_outcome_t, count_outcome
+   use result_end, only: case_outcome_t, count_outcome
    use case_record, only: case_t, path_from_namelist, result_path
    use command_line, only: command_t
    use disk_file, only: any_mark, file_at, file_fault, file_identity_t, folder_of, hdf5_mark, &
@@ -14,7 +14,7 @@ module read_cases
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use progress_log, only: new_progress_log, print_text, progress_log_t, write_text
-   use result_name, only: working_endings
+   use result_file, only: working_endings
    use set_entries, only: put_entries
    use signals, only: begin_activity, begin_subject
    use summary_head, only: plan_rows
@@ -23,7 +23,7 @@ module read_cases
    implicit none (type, external)
    private
 
-   public :: read_all_cases, refused_t, report_good, report_refused
+   public :: read_all_cases, report_good
 
    !> Exit status of bad input, usage or file.
    integer, parameter, public :: status_bad_input = 1
@@ -48,14 +48,16 @@ module read_cases
 
 contains
 
-   !> Reads the files of `command` into `cases`. `refused` are those with findings, if the others
-   !> are to run without them. Error (input_error): the findings of all files, results that cannot
-   !> have their names, or a table that cannot take their rows.
-   subroutine read_all_cases(command, cases, refused, error)
+   !> Reads the files of `command` into `cases`; those with findings are reported and make `status`
+   !> that of bad input, if the others are to run without them. Errors: else the findings of all
+   !> files, results that cannot have their names, or a table that cannot take their rows
+   !> (input_error); standard output is lost.
+   subroutine read_all_cases(command, cases, status, error)
       type(command_t), intent(in) :: command
       type(case_t), allocatable, intent(out) :: cases(:)
-      type(refused_t), allocatable, intent(out) :: refused(:)
+      integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
+      type(refused_t), allocatable :: refused(:)
       type(case_t), allocatable :: good(:)
       character(:), allocatable :: problems
       type(refused_t) :: files(size(command%files))
@@ -88,6 +90,7 @@ contains
          end if
       end if
       if (len(problems) > 0) call fail(error, input_error, problems)
+      if (.not. allocated(error)) call report_refused(refused, command, status, error)
    end subroutine read_all_cases
 
    !> Reads one file; `found` is what is wrong with it, or nothing.
@@ -140,8 +143,7 @@ contains
       end do
    end subroutine report_refused
 
-   !> Reports good cases, with the time that long ones take and unusual values, for --check. Error:
-   !> standard output is lost.
+   !> For --check: good cases, long times, unusual values. Error: standard output is lost.
    subroutine report_good(cases, error)
       type(case_t), intent(in) :: cases(:)
       type(error_t), allocatable, intent(out) :: error

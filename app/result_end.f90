@@ -1,20 +1,18 @@
-!> The end of a lubricated case: its result is written and its closing table printed, or what an
-!> interrupted run needs to go on is kept.
+!> How a case ends: exit status and reason, for the program's own status and for `--outcomes`; of a
+!> lubricated one its result and closing table, or what an interrupted run needs to go on.
 module result_end
-   use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
-      status_not_written
    use case_record, only: case_t
    use contact_moment, only: at_moment
-   use closing_table, only: close_case, closing_words_t, spike_lines
-   use errors, only: error_t
+   use closing_table, only: breakdown_sentence, close_case
+   use errors, only: error_t, output_error
    use film_shear, only: velocity_profile
-   use formulas_section, only: formula_lines, formulas_of
-   use adequacy_section, only: decision_lines, model_line, model_sentence, solved_text
+   use field_sections, only: has_formulas
    use inlet_errors, only: film_loss
-   use iteration_report, only: is_outside, report_t
+   use iteration_report, only: has_converged, is_outside, phase_output, phase_transient, report_t
    use line_state, only: line_state_t
    use kinds, only: exceeds, not_known, wp
    use point_contact, only: film_by_formulas
+   use progress_log, only: progress_log_t, write_text
    use quantities, only: h_central
    use run_observer, only: run_observer_t
    use signals, only: disarm_exit_message
@@ -24,12 +22,24 @@ module result_end
    implicit none (type, external)
    private
 
-   public :: end_result
+   public :: case_outcome_t, count_outcome, end_result, give_up, outcome_of
+
+   !> Exit status of one case: converged and written; failed inside; not converged, or outside the
+   !> model, but written; not written; interrupted.
+   integer, parameter, public :: status_converged = 0, status_failed = 1, &
+      status_not_converged = 2, status_not_written = 3, &
+      status_interrupted = 4
+
+   !> How a case ended.
+   type :: case_outcome_t
+      integer :: status = status_converged
+      !> Why the status is not 0.
+      character(:), allocatable :: reason
+   end type case_outcome_t
 
 contains
 
-   !> Ends the result of a case, whose contact has all of its roughness: as an interrupted run, or
-   !> with a last `state`.
+   !> Ends a result, whose contact has all of its roughness: interrupted, or with a last `state`.
    subroutine end_result(case, listener, state, report, outcome)
       type(case_t), intent(inout) :: case
       type(run_observer_t), intent(inout) :: listener
@@ -44,11 +54,11 @@ contains
             ! what a run needs to go on is kept
             outcome%status = merge(status_not_written, status_interrupted, &
                allocated(listener%failure))
-            outcome%reason = writer%name%interruption_text()
+            outcome%reason = writer%interruption_text()
             call disarm_exit_message()
             call listener%log%say_error(outcome%reason)
-            if (writer%name%has_checkpoint) then
-               call writer%suspend()
+            if (writer%has_checkpoint) then
+               call writer%release(removes_part=.false.)
             else
                call writer%discard()
             end if
@@ -60,15 +70,24 @@ contains
                case%contact%fluid, case%contact%lambda, case%contact%slide_to_roll, state%x, &
                state%pressure, state%film_thickness, case%output_settings%velocity_layers)
          end if
+         if (allocated(listener%note)) report%note = listener%note
+         if (index(report%reason, 'film breakdown') == 1 .and. case%scaling%is_dimensional) then
+            report%reason = breakdown_sentence(report%breakdown, case%solver%film_floor, &
+               case%scaling)
+         end if
+         associate (seconds => report%cost%phase_seconds)
+            seconds(phase_output) = listener%output_seconds
+            seconds(phase_transient) = max(seconds(phase_transient) - seconds(phase_output), 0.0_wp)
+         end associate
          call writer%finish(case, state, report, error)
          if (allocated(error)) then
-            if (writer%name%has_checkpoint) error%message = error%message &
-               //'; --resume continues after step '//to_text(writer%name%kept_step)
+            if (writer%has_checkpoint) error%message = error%message &
+               //'; --resume continues after step '//to_text(writer%kept_step)
             call give_up(error, listener%log, outcome)
             return
          end if
+         call close_case(listener%log, case, writer, report)
       end associate
-      call print_table(case, listener, report)
       outcome = outcome_of(report)
    end subroutine end_result
 
@@ -118,39 +137,53 @@ contains
             end associate
          else if (.not. case%time%is_transient .and. case%contact%supply &
             >= huge(case%contact%supply)) then
-            writer%formulas = formulas_of(case%contact)
+            writer%has_formulas = has_formulas(case%contact)
          end if
       end associate
    end subroutine judge_limits
 
-   !> Prints the closing table, with the effects of the ingredients that were measured.
-   subroutine print_table(case, listener, report)
-      type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: listener
-      type(report_t), intent(in) :: report
-      type(closing_words_t) :: words
+   !> Prints an error and turns it into an outcome.
+   subroutine give_up(error, log, outcome)
+      type(error_t), intent(in) :: error
+      type(progress_log_t), intent(inout) :: log
+      type(case_outcome_t), intent(out) :: outcome
 
-      associate (writer => listener%writer, adequacy => listener%writer%adequacy)
-         if (listener%log%is_verbose) then
-            words%spike = ". &domain grid = 'graded', without intervals, follows it"
-            if (case%contact%domain%grid == 'graded') words%spike = ''
-            if (case%time%is_transient .or. case%layers > 0) words%spike = &
-               '. More &domain intervals show more of it'
-            words%spike = spike_lines(writer%summary, advice=words%spike)
-            if (allocated(case%point)) words%spike = ''
-            words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
-            words%decision = decision_lines(writer%choice, adequacy)
-         else if (allocated(writer%choice%rows)) then
-            words%decision = 'auto      '//solved_text(writer%choice)
-         end if
-         if (allocated(adequacy%rows)) then
-            words%model = model_sentence(adequacy%rows, adequacy%accuracy)
-            if (listener%log%is_verbose) words%model = model_line(adequacy%rows, &
-               adequacy%accuracy)
-         end if
-         call close_case(listener%log, writer%summary, report, writer%name%path, &
-            writer%run%passage%times, words, writer%limits)
-      end associate
-   end subroutine print_table
+      call log%say_error(error%message)
+      outcome%status = merge(status_not_written, status_failed, error%kind == output_error)
+      outcome%reason = error%message
+   end subroutine give_up
+
+   !> The outcome of a case whose result is written.
+   pure function outcome_of(report) result(outcome)
+      type(report_t), intent(in) :: report
+      type(case_outcome_t) :: outcome
+
+      if (report%outcome() == has_converged) return
+      outcome%status = status_not_converged
+      if (allocated(report%reason)) outcome%reason = trim(report%reason)
+   end function outcome_of
+
+   !> Takes the outcome of `file` into the `status` of the call, the largest of all, and writes its
+   !> line of `--outcomes` if `is_told`: status, `file` and reason, with tabs between. Error:
+   !> standard output is lost.
+   subroutine count_outcome(file, outcome, is_told, status, error)
+      character(*), intent(in) :: file
+      type(case_outcome_t), intent(in) :: outcome
+      logical, intent(in) :: is_told
+      integer, intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: line
+      character(*), parameter :: tab = achar(9)
+      integer :: i
+
+      status = max(status, outcome%status)
+      if (.not. is_told) return
+      line = to_text(outcome%status)//tab//file//tab
+      if (allocated(outcome%reason)) line = line//outcome%reason
+      do i = 1, len(line)
+         if (line(i:i) == new_line('a')) line(i:i) = ' '
+      end do
+      call write_text(line//new_line('a'), error)   ! error: handed up
+   end subroutine count_outcome
 
 end module result_end

@@ -12,13 +12,10 @@ module result_start
    use key_row, only: point
    use kinds, only: not_known, wp
    use point_contact, only: dry_border
-   use result_file, only: field_name_length, open_result, reopen_result
-   use result_name, only: hold_name, result_name_t
+   use result_file, only: hold_name, open_result, reopen_result, result_file_t, stored_fields
    use run_observer, only: run_observer_t
    use scaling, only: new_heating
    use text, only: to_text
-   use transient_store, only: breakdown_name, duty_names, mixed_names, point_duty_names, &
-      sliding_names
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -73,22 +70,6 @@ contains
       listener%writer%scaling = case%scaling
    end subroutine start_result
 
-   !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
-   !> there is a floor, and of what sliding and asperities do, where that is known.
-   function stored_fields(case) result(names)
-      type(case_t), intent(in) :: case
-      character(len=field_name_length), allocatable :: names(:)
-
-      associate (has_duty => allocated(case%duty), is_point => case%problem == point)
-         names = [character(len=field_name_length) :: case%output_settings%fields, &
-            pack([breakdown_name], case%solver%film_floor > 0.0_wp), &
-            pack(sliding_names, ieee_is_finite(case%scaling%slide_to_roll)), &
-            pack(mixed_names, allocated(case%contact%asperities)), &
-            pack(point_duty_names, has_duty .and. is_point), &
-            pack(duty_names, has_duty .and. .not. is_point)]
-      end associate
-   end function stored_fields
-
    !> Goes on at the checkpoint of `path`.
    subroutine go_on(case, path, listener, error)
       type(case_t), intent(inout) :: case
@@ -102,8 +83,8 @@ contains
          associate (stride => listener%writer%profile_stride)   ! 0: chosen with the time step
             if (stride == 0) stride = usual_stride(case%time%end_time, checkpoint%time_step)
          end associate
-         call reopen_result(listener%writer, path, stored_fields(case), &
-            size(checkpoint%march%film), checkpoint%march%step + 1, checkpoint%part_digits, error)
+         call reopen_result(listener%writer, case, path, size(checkpoint%march%film), &
+            checkpoint%march%step + 1, checkpoint%part_digits, error)
       end if
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
@@ -111,8 +92,8 @@ contains
       end if
       listener%earlier_seconds = checkpoint%march%report%cost%wall_seconds
       listener%output_seconds = checkpoint%march%report%cost%phase_seconds(phase_output)
-      call listener%writer%name%expect_interruption(checkpoint%march%step)
-      listener%writer%run = checkpoint%run_record_t
+      call listener%writer%expect_interruption(checkpoint%march%step)
+      listener%writer%run = checkpoint
       if (allocated(checkpoint%momentum)) listener%follower%earlier = checkpoint%momentum
       call listener%log%say(case%file//': continues after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')
@@ -135,7 +116,7 @@ contains
       logical, intent(out) :: is_complete
       character(:), allocatable, intent(out) :: outcome, reason
       type(error_t), allocatable, intent(out) :: error
-      type(result_name_t) :: name
+      type(result_file_t) :: name
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: failure
 
@@ -144,20 +125,19 @@ contains
       if (allocated(error)) return
       if (seal_fault(path) == '') then
          call open_hdf5_input(reader, path, failure)   ! error: the reader keeps it
-         is_complete = reader%text('/', 'version') == program_version
-         if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
-         if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
-         if (is_complete) is_complete = has_same_heights(reader, case)
+         is_complete = all([reader%text('/', 'version') == program_version, &
+            reader%text('/', 'git_commit') == git_commit(), &
+            reader%text('/input/namelist') == case%namelist, has_same_heights(reader, case)])
          outcome = reader%text('/', 'outcome')
          reason = reader%text('/', 'reason')
          call reader%close(failure)
          is_complete = is_complete .and. .not. allocated(failure)
       end if
-      call name%give_back(is_complete)
+      if (is_complete) call name%remove_checkpoint()
+      call name%release(removes_part=is_complete .or. .not. name%had_part)
    end subroutine find_complete_result
 
-   !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names
-   !> their files.
+   !> Whether a result is of the heights of `case`: the namelist only names their files.
    logical function has_same_heights(reader, case) result(is_same)
       type(hdf5_input_t), intent(inout) :: reader
       type(case_t), intent(in) :: case

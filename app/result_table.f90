@@ -191,8 +191,7 @@ contains
    end subroutine read_row
 
    !> Writes columns of equal width: file, quantities with a prefix of their units, their errors in
-   !> per cent, what there is to say.
-   !> Error: standard output is lost.
+   !> per cent, what there is to say. Error: standard output is lost.
    subroutine write_table(rows, error)
       type(result_row_t), intent(in) :: rows(:)
       type(error_t), allocatable, intent(out) :: error

@@ -1,19 +1,18 @@
 !> One case from its record to its result file and its exit status.
 module run_case
    use case_notes, only: unusual_text
-   use case_outcome, only: case_outcome_t, give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use command_line, only: command_t
    use errors, only: error_t
-   use film_momentum, only: follow_momentum, prepare_momentum
    use iteration_report, only: ending_text, has_converged, report_t
    use key_row, only: film, has_word, point
    use line_contact, only: line_contact_t
-   use line_model, only: choose_lean_model, measure_model, print_full_cost
+   use line_model, only: choose_lean_model, follow_momentum, measure_model, prepare_momentum
    use line_solution, only: solve_line_case
    use line_state, only: line_state_t
    use progress_log, only: new_progress_log, progress_log_t
-   use result_end, only: end_result
+   use result_end, only: case_outcome_t, end_result, give_up, status_converged, &
+      status_not_converged
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
    use run_point_case, only: solve_point_case
@@ -27,8 +26,7 @@ module run_case
 
 contains
 
-   !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint,
-   !> whether to print progress.
+   !> Solves `case` as `command` says: folder of results, whether to go on, what to print.
    subroutine run_one_case(case, command, outcome)
       type(case_t), intent(inout) :: case
       type(command_t), intent(in) :: command
@@ -40,6 +38,9 @@ contains
 
       log = new_progress_log(command%has('--quiet'), command%has('--outcomes'))
       log%is_verbose = command%has('--verbose')
+      log%file = case%file
+      log%name = case%file(index(case%file, '/', back=.true.) + 1:)
+      log%scaling = case%scaling
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
@@ -98,7 +99,6 @@ contains
       listener%threads = threads
       rough = case%contact
       listener%log%in_seconds = allocated(case%duty)
-      call listener%log%start_case(case%file, case%scaling)
       call prepare_momentum(case, listener)
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then
@@ -106,7 +106,6 @@ contains
             call solve_point_case(case, listener, state, report, error)
          else
             call choose_lean_model(case, listener, error)
-            if (.not. allocated(error)) call print_full_cost(case, listener)
             if (.not. allocated(error)) call solve_line_case(case, listener, state, report, error)
             if (.not. allocated(error)) call measure_model(case, listener, state, report, error)
             if (.not. allocated(error)) call follow_momentum(case, listener, state, report, error)

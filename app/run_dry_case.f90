@@ -3,7 +3,7 @@
 module run_dry_case
    use adequacy, only: adequacy_t
    use case_notes, only: note_unusual
-   use case_outcome, only: case_outcome_t, outcome_of
+   use result_end, only: case_outcome_t, outcome_of
    use case_record, only: case_t, list_dry
    use dry_adequacy, only: measure_dry_adequacy
    use dry_case, only: dry_case_t, is_refinable, refine_heights
@@ -31,9 +31,8 @@ module run_dry_case
 
 contains
 
-   !> Solves all loads of `case`, writes its result `path`, and prints a line for each load to the
-   !> `log`; areas use `threads` threads. Error: the memory, the result, or a load without a
-   !> solution; there is no result then.
+   !> Solves all loads of `case`, writes its result `path`, and prints a line for each to the `log`;
+   !> areas use `threads`. Error, without a result: the memory, the result, a load without solution.
    subroutine solve_and_write(case, path, log, threads, ending, error)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
@@ -79,8 +78,7 @@ contains
          call write_dry_adequacy(result%file, adequacy)
          call result%publish(report, error)
          if (allocated(error)) return
-         call close_dry_case(log, case%file(index(case%file, '/', back=.true.) + 1:), case%dry, &
-            outcome, adequacy, result%name%path)
+         call close_dry_case(log, case%dry, outcome, adequacy, result%path)
          ending = outcome_of(report)
       end associate
    end subroutine solve_and_write

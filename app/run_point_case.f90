@@ -1,14 +1,14 @@
 !> The solution of a lubricated point contact, its quantities with their errors, and what the
 !> ingredients of its model change.
 module run_point_case
-   use case_notes, only: add_note, note_coarse_waves, note_missed_error, note_unusual
+   use case_notes, only: note_case, note_missed_error
    use case_record, only: case_t, list_passage, set_effective
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use passage_times, only: new_passage_times, passage_note
+   use passage_times, only: new_passage_times
    use point_adequacy, only: measure_point_adequacy
    use point_errors, only: choose_passage, find_quantities
    use point_march, only: solve_point
@@ -34,7 +34,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(point_run_t) :: run
       type(line_summary_t) :: summary
-      character(:), allocatable :: missing, note
+      character(:), allocatable :: missing
 
       run%settings = case%solver
       run%time = case%time   ! with where it goes on
@@ -54,11 +54,8 @@ contains
       end if
       associate (writer => listener%writer, adequacy => listener%writer%adequacy, &
          wish => case%output_settings%adequacy, times => listener%writer%run%passage%times)
-         call note_unusual(case, note)
-         call add_note(case, listener, case%note, note)
          times = new_passage_times(case%point, case%time)
-         call note_coarse_waves(case, case%point, listener, note)
-         call add_note(case, listener, passage_note(case%point, times), note)
+         call note_case(case, case%point, listener)
          missing = 'no solution'
          call solve_point(run, case%point, listener, state, report, error)
          if (allocated(error)) return
@@ -73,12 +70,10 @@ contains
          if (allocated(error)) return
          report%converged = report%converged .and. .not. listener%is_stopping
          report%cost%peak_memory = peak_memory()
-         call listener%complete(report)
          report%cost%wall_seconds = listener%earlier_seconds + wall_seconds() - listener%start
          writer%work = real(run%work, wp)
          writer%summary = summary
          writer%missing = missing
-         call move_alloc(note, report%note)
          if (case%solver%target > 0.0_wp) call note_missed_error(case, listener, summary, report)
          associate (domain => case%point%domain)   ! may be chosen by the program
             call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])

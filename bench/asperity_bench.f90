@@ -7,10 +7,9 @@
 program asperity_bench
    use case_input, only: read_case
    use case_record, only: case_t
-   use coarse_runs, only: side_runs_t
    use ehl_line_solver, only: solve_ehl_line
    use errors, only: error_t
-   use experiment, only: solution_t
+   use experiment, only: side_runs_t, solution_t
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient
    use kinds, only: wp
@@ -62,8 +61,8 @@ contains
       call cpu_time(processor(1))
       start = wall_seconds()
       if (own%solver%target > 0.0_wp .and. own%time%is_transient) then
-         call choose_resolution(own%contact, own%solver, own%time, side_runs, listener, error)
-         if (allocated(error)) error stop error%message
+         call choose_resolution(own%contact, own%solver, own%time, side_runs, listener)
+         if (allocated(listener%error)) error stop listener%error%message
          call move_alloc(side_runs%whole, whole)
       end if
       if (.not. allocated(whole)) then

@@ -19,22 +19,26 @@ module film_statistics
    integer, parameter :: bin_count = 2000
 
    !> Sums over the time steps so far. Dimensionless.
-   type :: film_statistics_t
-      !> Thresholds H (k) in any order; none: nothing is gathered.
-      real(wp), allocatable :: thresholds(:)
+   type :: film_sums_t
       !> The contact is where q1 X^2 + 2 q2 X Y + q3 Y^2 <= 1.
       real(wp) :: border(3) = [1.0_wp, 0.0_wp, 0.0_wp]
       !> Number of time steps.
       real(wp) :: times = 0.0_wp
+      !> Sums over time of the means over the contact: film, Psi_1 + Psi_2, its square.
+      real(wp) :: film_sum = 0.0_wp, height_sum = 0.0_wp, square_sum = 0.0_wp
+      !> H of the smooth contact at X = 0.
+      real(wp) :: smooth_film = 0.0_wp
+   end type film_sums_t
+
+   !> The same, with thresholds and distributions.
+   type, extends(film_sums_t) :: film_statistics_t
+      !> Thresholds H (k) in any order; none: nothing is gathered.
+      real(wp), allocatable :: thresholds(:)
       !> Time steps with a film below each threshold, and sum of the shares of the contact below it
       !> (k).
       real(wp), allocatable :: times_below(:), shares_below(:)
       !> Time steps by smallest film and by largest pressure of a node (bin_count).
       real(wp) :: film_bins(bin_count) = 0.0_wp, pressure_bins(bin_count) = 0.0_wp
-      !> Sums over time of the means over the contact: film, Psi_1 + Psi_2, its square.
-      real(wp) :: film_sum = 0.0_wp, height_sum = 0.0_wp, square_sum = 0.0_wp
-      !> H of the smooth contact at X = 0.
-      real(wp) :: smooth_film = 0.0_wp
    contains
       procedure :: lambda_ratio, rms_height
    end type film_statistics_t

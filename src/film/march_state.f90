@@ -38,15 +38,12 @@ module march_state
    !> A part that is longer than the one before by more than this takes no slope from it.
    real(wp), parameter :: longest_growth = 10.0_wp
 
-   !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the
-   !> finest grid.
-   type :: march_state_t
+   !> Numbers of a march.
+   type :: march_numbers_t
       !> Time steps done; 0 = the start. Steps to do; 0: as planned.
       integer :: step = 0, steps = 0
       !> Solutions kept, up to 3, and of rho H up to 4; 1 is the newest.
       integer :: size = 0
-      !> P of these solutions (0:n, 3).
-      real(wp), allocatable :: pressure(:, :)
       !> H0 of these solutions.
       real(wp) :: rigid_displacement(3) = 0.0_wp
       !> Time from each of these solutions back to the next older one: dT, or a part of it.
@@ -55,16 +52,24 @@ module march_state
       real(wp) :: next_length = 0.0_wp
       !> Direction of the flow in which they are kept (module line_level).
       real(wp) :: direction = 1.0_wp
+      !> Number of the relaxation that found it; the next step begins with it if all are relaxations
+      !> of one method.
+      integer :: way = 1
+      !> Largest relative change of H in the last cycle of a duty.
+      real(wp) :: cycle_change = 0.0_wp
+   end type march_numbers_t
+
+   !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the
+   !> finest grid.
+   type, extends(march_numbers_t) :: march_state_t
+      !> P of these solutions (0:n, 3).
+      real(wp), allocatable :: pressure(:, :)
       !> rho H of the last four times (0:n, 4), for the squeeze term and its error.
       real(wp), allocatable :: mass(:, :)
       !> Temperature rises [K] of the newest solution (0:n, 3); not allocated: it stays cold.
       real(wp), allocatable :: rise(:, :)
-      !> Number of the relaxation that found it; the next step begins with it if all are relaxations
-      !> of one method.
-      integer :: way = 1
-      !> H at the end of the last cycle of a duty (nx), and its largest relative change in that.
+      !> H at the end of the last cycle of a duty (nx).
       real(wp), allocatable :: cycle_film(:)
-      real(wp) :: cycle_change = 0.0_wp
       !> H of the newest solution (0:n), and outcome, history and cost up to here; set in a stored
       !> state.
       real(wp), allocatable :: film(:)
@@ -103,33 +108,34 @@ module march_state
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
    end type newton_cost_t
 
-   !> Cost of a march: time steps, or parts of them, most Newton steps for one, and the number of
-   !> those with more than three.
+   !> Numbers of a march of the momentum equations, and its cost: time steps, or parts of them, most
+   !> Newton steps for one, and the number of those with more than three.
    type, extends(newton_cost_t) :: march_cost_t
       integer :: solutions = 0, most_steps = 0, longer = 0
-   end type march_cost_t
-
-   !> History of the march, the newest first, and its present film.
-   type, extends(march_cost_t) :: momentum_history_t
       integer :: layers = 0
-      !> Film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
-      type(film_state_t) :: reynolds
-      real(wp), allocatable :: heights(:, :)
-      !> Numbers of `past` and of `excess` in use.
+      !> Numbers of old times and of films in use.
       integer :: times = 0, films = 0
-      type(past_t) :: past(2)
-      type(excess_t) :: excess(max_excesses)
       !> Time from each of these films back to the next older one.
       real(wp) :: lengths(max_excesses - 1) = 0.0_wp
       !> Number of films that predict the next one.
       integer :: best_count = 0
       !> Largest T_max so far.
       real(wp) :: stress_rise = 0.0_wp
-      !> Set in a stored state: the present film, its H (0:n), half the weight of the new value in
-      !> d/dT, and the contribution of the old ones to it.
+      !> Set in a stored state: half the weight of the new value in d/dT.
+      real(wp) :: half_rate = 0.0_wp
+   end type march_cost_t
+
+   !> History of the march, the newest first, and its present film.
+   type, extends(march_cost_t) :: momentum_history_t
+      !> Film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
+      type(film_state_t) :: reynolds
+      real(wp), allocatable :: heights(:, :)
+      type(past_t) :: past(2)
+      type(excess_t) :: excess(max_excesses)
+      !> Set in a stored state: the present film, its H (0:n), and the contribution of the old ones
+      !> to d/dT.
       type(excess_t) :: flow
       real(wp), allocatable :: film(:)
-      real(wp) :: half_rate = 0.0_wp
       type(past_t) :: made_of_old
    end type momentum_history_t
 

@@ -247,17 +247,20 @@ contains
       end if
    end function solved_text
 
-   !> The table, of at most `width` columns: each ingredient with the quantity that it changes most,
-   !> measured before the run or else after it (`adequacy`), then the chosen numbers with the
-   !> largest error due to them. Empty: nothing was to be decided.
-   pure function decision_lines(choice, adequacy) result(lines)
+   !> What was solved; with `is_whole` a table, of at most `width` columns: each ingredient with the
+   !> quantity that it changes most, measured before the run or else after it (`adequacy`), then the
+   !> chosen numbers with the largest error due to them. Empty: nothing was to be decided.
+   pure function decision_lines(choice, adequacy, is_whole) result(lines)
       type(model_choice_t), intent(in) :: choice
       type(adequacy_t), intent(in) :: adequacy
+      logical, intent(in) :: is_whole
       character(:), allocatable :: lines, words
       integer :: i
 
       lines = ''
       if (.not. allocated(choice%rows)) return
+      lines = 'auto      '//solved_text(choice)
+      if (.not. is_whole) return
       lines = '  auto'
       do i = 1, size(choice%rows)
          if (i > 1) lines = lines//new_line('a')

@@ -1,20 +1,26 @@
-!> Checkpoint of a transient, NAME.ckpt for NAME.part: where the run stood after a time step, and
-!> the one walk over what it holds that writes or reads it.
+!> Checkpoint of a transient, NAME.ckpt for NAME.part: where the run stood after a time step.
+!>
+!> One walk over all values with names writes or reads them: it calls `visit` for each value, with
+!> its path in the file. While the file is written the value goes there; while it is read the value
+!> comes from there, and must be as large as it was. The first failure is kept, as in `hdf5_file`
+!> and `hdf5_input`, and what follows it does nothing.
 !>
 !> It is written under another name, brought to the disk and renamed: the last complete one is
 !> always there. It ends with a seal (module file_bytes) and holds the checksum of NAME.part: what
 !> is damaged is refused before anything is read.
 module checkpoint
+   use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+   use, intrinsic :: iso_fortran_env, only: int32, int64
    use build_info, only: git_commit, program_name, program_version
-   use checkpoint_file, only: checkpoint_file_t
    use disk_file, only: folder_of, hdf5_mark, place_fault, remove_file, rename_file, sync_file
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: seal_fault, seal_file
-   use film_fields, only: film_passage_t, new_passage
-   use film_statistics, only: film_statistics_t, new_statistics
-   use hdf5_dataset, only: write_attribute
-   use hdf5_file, only: create_hdf5_file
-   use hdf5_input, only: open_hdf5_input
+   use film_fields, only: film_passage_t
+   use film_statistics, only: film_statistics_t
+   use hdf5, only: h5kind_to_type, h5_integer_kind, h5_real_kind, hid_t
+   use hdf5_dataset, only: write_attribute, write_string, write_values
+   use hdf5_file, only: create_hdf5_file, hdf5_file_t
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: report_t
    use kinds, only: wp
    use march_state, only: excess_t, march_state_t, max_excesses, momentum_history_t, past_t
@@ -24,16 +30,23 @@ module checkpoint
    implicit none (type, external)
    private
 
-   public :: checkpoint_t, read_checkpoint, run_record_t, write_checkpoint
+   public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 25
+   integer, parameter :: format_number = 26
+
+   !> Intervals, time step and space scheme, given or chosen.
+   type :: resolution_t
+      integer :: intervals = 0
+      real(wp) :: time_step = 0.0_wp
+      character(len=word_length) :: space_scheme = 'auto'
+   end type resolution_t
 
    !> What a run has gathered and chosen, and goes on with from its checkpoint.
-   type :: run_record_t
+   type, extends(resolution_t) :: checkpoint_t
       !> The values of the case that decide about its result, a line each.
       character(:), allocatable :: case
       !> Extremes over the time steps so far.
@@ -41,21 +54,22 @@ module checkpoint
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
       !> What the full momentum equations have changed so far, where they are solved too.
-      type(film_passage_t), allocatable :: film_passage
-      !> Intervals, time step and space scheme, given or chosen.
-      integer :: intervals = 0
-      real(wp) :: time_step = 0.0_wp
-      character(len=word_length) :: space_scheme = 'auto'
-   end type run_record_t
-
-   !> What a checkpoint holds.
-   type, extends(run_record_t) :: checkpoint_t
+      type(film_passage_t) :: film_passage
+      !> Where it stands at the checkpoint, and where the full momentum equations do.
       type(march_state_t) :: march
-      !> Where the full momentum equations stand, where they are solved too.
       type(momentum_history_t), allocatable :: momentum
       !> The checksum of NAME.part.
       character(:), allocatable :: part_digits
    end type checkpoint_t
+
+   !> The file: one that is written, or one that is read.
+   type :: checkpoint_file_t
+      logical :: is_read = .false.
+      type(hdf5_file_t) :: file
+      type(hdf5_input_t) :: reader
+   contains
+      procedure :: has, visit, visit_text, visit_vector, visit_plain
+   end type checkpoint_file_t
 
 contains
 
@@ -146,14 +160,10 @@ contains
    subroutine visit_checkpoint(file, checkpoint)
       type(checkpoint_file_t), intent(inout) :: file
       type(checkpoint_t), intent(inout) :: checkpoint
-      character(:), allocatable :: scheme
 
-      scheme = trim(checkpoint%space_scheme)
       call file%visit_text('/case', checkpoint%case)
-      call file%visit('/intervals', checkpoint%intervals)
-      call file%visit('/time_step', checkpoint%time_step)
-      call file%visit_text('/space_scheme', scheme)
-      checkpoint%space_scheme = scheme
+      call file%visit_plain('/resolution', checkpoint%resolution_t, &
+         storage_size(checkpoint%resolution_t))
       associate (passage => checkpoint%passage)
          passage%has_counted = file%has('/counted', passage%has_counted)
          if (passage%has_counted) call file%visit_plain('/counted', passage%counted, &
@@ -166,9 +176,9 @@ contains
          visit_statistics(file, checkpoint%statistics)
       call visit_march(file, checkpoint%march)
       if (file%has('/momentum', allocated(checkpoint%momentum))) then
-         if (file%is_read) allocate (checkpoint%momentum, checkpoint%film_passage)
+         if (file%is_read) allocate (checkpoint%momentum)
          call visit_momentum(file, checkpoint%momentum, ubound(checkpoint%march%film, 1))
-         call visit_passage(file, checkpoint%film_passage, size(checkpoint%march%film))
+         call file%visit('/momentum/extremes', checkpoint%film_passage%extremes)
       end if
       call file%visit_text('/part_digits', checkpoint%part_digits)
    end subroutine visit_checkpoint
@@ -177,47 +187,29 @@ contains
    subroutine visit_statistics(file, statistics)
       type(checkpoint_file_t), intent(inout) :: file
       type(film_statistics_t), intent(inout) :: statistics
-      real(wp), allocatable :: thresholds(:)
 
-      if (.not. file%is_read) thresholds = statistics%thresholds
-      call file%visit_vector('/statistics/thresholds', thresholds)
-      if (file%is_read) statistics = new_statistics(thresholds)
-      call file%visit('/statistics/times', statistics%times)
-      call file%visit('/statistics/times_below', statistics%times_below)
-      call file%visit('/statistics/shares_below', statistics%shares_below)
+      call file%visit_vector('/statistics/thresholds', statistics%thresholds, 1)
+      call file%visit_vector('/statistics/times_below', statistics%times_below, 1)
+      call file%visit_vector('/statistics/shares_below', statistics%shares_below, 1)
       call file%visit('/statistics/film_bins', statistics%film_bins)
       call file%visit('/statistics/pressure_bins', statistics%pressure_bins)
-      call file%visit('/statistics/film_sum', statistics%film_sum)
-      call file%visit('/statistics/height_sum', statistics%height_sum)
-      call file%visit('/statistics/square_sum', statistics%square_sum)
-      call file%visit('/statistics/smooth_film', statistics%smooth_film)
+      call file%visit_plain('/statistics/sums', statistics%film_sums_t, &
+         storage_size(statistics%film_sums_t))
    end subroutine visit_statistics
 
    !> The last solutions.
    subroutine visit_march(file, march)
       type(checkpoint_file_t), intent(inout) :: file
       type(march_state_t), intent(inout) :: march
-      real(wp), allocatable :: film(:)
       integer :: n
 
-      call file%visit('/march/step', march%step)
-      call file%visit('/march/steps', march%steps)
-      call file%visit('/march/size', march%size)
-      call file%visit('/march/way', march%way)
-      call file%visit('/march/rigid_displacement', march%rigid_displacement)
-      call file%visit('/march/lengths', march%lengths)
-      call file%visit('/march/next_length', march%next_length)
-      call file%visit('/march/direction', march%direction)
-      if (.not. file%is_read) film = march%film
-      call file%visit_vector('/march/film', film)
-      n = size(film) - 1
-      if (file%is_read) then
-         allocate (march%film(0:n), march%pressure(0:n, 3), march%mass(0:n, 4))
-         march%film(:) = film
-      end if
-      call file%visit('/march/cycle_change', march%cycle_change)
+      call file%visit_plain('/march/numbers', march%march_numbers_t, &
+         storage_size(march%march_numbers_t))
+      call file%visit_vector('/march/film', march%film, 0)
+      n = size(march%film) - 1
+      if (file%is_read) allocate (march%pressure(0:n, 3), march%mass(0:n, 4))
       if (file%has('/march/cycle_film', allocated(march%cycle_film))) call &
-         file%visit_vector('/march/cycle_film', march%cycle_film)
+         file%visit_vector('/march/cycle_film', march%cycle_film, 1)
       call file%visit('/march/pressure', march%pressure)
       call file%visit('/march/mass', march%mass)
       if (file%has('/march/rise', allocated(march%rise))) then
@@ -237,12 +229,6 @@ contains
 
       associate (past => history)
          call file%visit_plain('/momentum/cost', past%march_cost_t, storage_size(past%march_cost_t))
-         call file%visit('/momentum/layers', past%layers)
-         call file%visit('/momentum/times', past%times)
-         call file%visit('/momentum/films', past%films)
-         call file%visit('/momentum/best_count', past%best_count)
-         call file%visit('/momentum/lengths', past%lengths)
-         call file%visit('/momentum/stress_rise', past%stress_rise)
          do k = 1, min(past%times, size(past%past))
             call visit_past(file, '/momentum/past_'//to_text(k), past%past(k), past%layers, n)
          end do
@@ -251,13 +237,11 @@ contains
          end do
          call visit_excess(file, '/momentum/flow', past%flow, past%layers, n)
          call visit_past(file, '/momentum/made_of_old', past%made_of_old, past%layers, n)
-         call file%visit('/momentum/half_rate', past%half_rate)
-         if (file%is_read) allocate (past%film(0:n), past%heights(0:n, 2), &
-            past%reynolds%pressure(0:n), past%reynolds%film(0:n))
-         call file%visit('/momentum/film', past%film)
+         call file%visit_vector('/momentum/film', past%film, 0)
+         if (file%is_read) allocate (past%heights(0:n, 2))
          call file%visit('/momentum/heights', past%heights)
-         call file%visit('/momentum/reynolds/pressure', past%reynolds%pressure)
-         call file%visit('/momentum/reynolds/film', past%reynolds%film)
+         call file%visit_vector('/momentum/reynolds/pressure', past%reynolds%pressure, 0)
+         call file%visit_vector('/momentum/reynolds/film', past%reynolds%film, 0)
          call file%visit('/momentum/reynolds/rigid_displacement', past%reynolds%rigid_displacement)
       end associate
    end subroutine visit_momentum
@@ -269,9 +253,9 @@ contains
       type(past_t), intent(inout) :: past
       integer, intent(in) :: layers, n
 
-      if (file%is_read) allocate (past%film(0:n), past%lower(0:n), past%mass(layers, 0:n))
-      call file%visit(path//'/film', past%film)
-      call file%visit(path//'/lower', past%lower)
+      call file%visit_vector(path//'/film', past%film, 0)
+      call file%visit_vector(path//'/lower', past%lower, 0)
+      if (file%is_read) allocate (past%mass(layers, 0:n))
       call file%visit(path//'/mass', past%mass)
    end subroutine visit_past
 
@@ -290,36 +274,16 @@ contains
       call file%visit(path//'/rigid_displacement', excess%rigid_displacement)
    end subroutine visit_excess
 
-   !> What the full momentum equations have changed so far, on nx nodes.
-   subroutine visit_passage(file, passage, nx)
-      type(checkpoint_file_t), intent(inout) :: file
-      type(film_passage_t), intent(inout) :: passage
-      integer, intent(in) :: nx
-      integer :: places(2)
-
-      places = [passage%last, passage%stride]
-      call file%visit('/momentum/passage/places', places)
-      if (file%is_read) passage = new_passage(places(1), places(2), nx)
-      passage%last = places(1)
-      associate (last => places(1), profiles => places(1)/places(2))
-         call file%visit('/momentum/passage/time', passage%time(:last))
-         call file%visit('/momentum/passage/series', passage%series(:, :last))
-         call file%visit('/momentum/passage/pressure', passage%pressure(:, :profiles))
-         call file%visit('/momentum/passage/film', passage%film(:, :profiles))
-      end associate
-   end subroutine visit_passage
-
    !> The report up to here; a checkpoint is only written after a step that has converged.
    subroutine visit_report(file, report)
       type(checkpoint_file_t), intent(inout) :: file
       type(report_t), intent(inout) :: report
       real(wp), allocatable :: residuals(:), load_errors(:)
 
-      allocate (residuals, source=report%residual_history())
-      allocate (load_errors, source=report%load_error_history())
-      call file%visit_vector('/report/residual_history', residuals)
-      if (file%is_read) load_errors = residuals
-      call file%visit('/report/load_error_history', load_errors)
+      residuals = report%residual_history()
+      load_errors = report%load_error_history()
+      call file%visit_vector('/report/residual_history', residuals, 1)
+      call file%visit_vector('/report/load_error_history', load_errors, 1)
       if (file%is_read) call report%restore(residuals, load_errors)
       report%converged = .true.
       ! of a step that its start solved they are not in the histories
@@ -331,5 +295,80 @@ contains
       call file%visit_plain('/report/cost', report%cost, storage_size(report%cost))
       call file%visit_plain('/report/breakdown', report%breakdown, storage_size(report%breakdown))
    end subroutine visit_report
+
+   !> Reals.
+   subroutine visit(self, path, values)
+      class(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      real(wp), intent(inout), contiguous, target :: values(..)
+
+      call visit_numbers(self, path, h5kind_to_type(wp, h5_real_kind), shape(values), c_loc(values))
+   end subroutine visit
+
+   !> A text.
+   subroutine visit_text(self, path, text)
+      class(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      character(:), allocatable, intent(inout) :: text
+
+      if (self%is_read) then
+         text = self%reader%text(path)
+      else
+         call write_string(self%file, path, text)
+      end if
+   end subroutine visit_text
+
+   !> Reals; while the file is read there are as many as there were, the `first` with this number.
+   subroutine visit_vector(self, path, values, first)
+      class(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      real(wp), allocatable, intent(inout) :: values(:)
+      integer, intent(in) :: first
+
+      if (self%is_read) then
+         associate (found => self%reader%reals(path))
+            if (allocated(values)) deallocate (values)
+            allocate (values(first:first + size(found) - 1), source=found)
+         end associate
+      else
+         call self%visit(path, values)
+      end if
+   end subroutine visit_vector
+
+   !> A value of so many `bits`, of a type without allocatable components: its bits.
+   subroutine visit_plain(self, path, value, bits)
+      class(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      type(*), intent(inout), target :: value
+      integer, intent(in) :: bits
+
+      call visit_numbers(self, path, h5kind_to_type(int32, h5_integer_kind), &
+         [bits/storage_size(1_int32)], c_loc(value))
+   end subroutine visit_plain
+
+   !> Numbers of `type_id` at an address, with their extents.
+   subroutine visit_numbers(self, path, type_id, extents, address)
+      type(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(hid_t), intent(in) :: type_id
+      integer, intent(in) :: extents(:)
+      type(c_ptr), intent(in) :: address
+
+      if (self%is_read) then
+         call self%reader%read_numbers(path, product(int(extents, int64)), type_id, address)
+      else
+         call write_values(self%file, path, type_id, extents, address)
+      end if
+   end subroutine visit_numbers
+
+   !> Whether there is something at `path`.
+   logical function has(self, path, is_kept)
+      class(checkpoint_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      logical, intent(in) :: is_kept
+
+      has = is_kept
+      if (self%is_read) has = self%reader%has(path)
+   end function has
 
 end module checkpoint

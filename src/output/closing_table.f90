@@ -1,6 +1,9 @@
 !> What is printed of a lubricated case at its end: outcome, quantities; and of a film breakdown.
 module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use adequacy_section, only: decision_lines, model_line, model_sentence
+   use case_record, only: case_t
+   use field_sections, only: formula_lines
    use hdf5_dataset, only: label_t
    use iteration_report, only: breakdown_t, ending_text, has_converged, report_t
    use kinds, only: exceeds, not_known, wp
@@ -11,6 +14,7 @@ module closing_table
       friction_coefficient, h_central, h_min, oil_friction, p_central, p_max, quantity_rows, &
       rise_1, rise_2
    use result_labels, only: row_label
+   use result_writer, only: result_writer_t
    use scaling, only: scaling_t
    use text, only: count_of, counted, number_text, prefixed_text, wrapped
    use validity, only: inlet_heating, limit_count, limit_rows, limit_t, mixed_lubrication, &
@@ -18,7 +22,7 @@ module closing_table
    implicit none (type, external)
    private
 
-   public :: breakdown_sentence, close_case, closing_words_t, limit_sentence, spike_lines
+   public :: breakdown_sentence, close_case, limit_sentence
 
    !> Rows of the closing table: the pressure away from a spike before that of the spike.
    integer, parameter :: lambda_ratio = 0, table_rows(*) = [h_min, h_central, lambda_ratio, &
@@ -50,41 +54,73 @@ module closing_table
    integer, parameter :: most_lines = 12
    character(*), parameter :: nl = new_line('a')
 
-   !> What others say in the closing table; not allocated or empty: nothing.
-   type :: closing_words_t
-      !> What a spike means for p_max; films by formulas; effects of ingredients; what was left out.
-      character(:), allocatable :: spike, formulas, model, decision
-   end type closing_words_t
-
 contains
 
    !> The outcome, and the closing table: contact, quantities with their errors, limits of the model
-   !> that are passed, what others say (`words`), path of the result. Of more than `most_lines` the
-   !> last are left out, unless the log is verbose.
-   subroutine close_case(log, summary, report, path, times, words, limits)
+   !> that are passed, what its model could do without, path of the result. Of more than
+   !> `most_lines` the last are left out, unless the log is verbose.
+   subroutine close_case(log, case, writer, report)
       type(progress_log_t), intent(inout) :: log
-      type(line_summary_t), intent(in) :: summary
+      type(case_t), intent(in) :: case
+      type(result_writer_t), intent(in) :: writer
       type(report_t), intent(in) :: report
-      character(*), intent(in) :: path
-      type(passage_times_t), intent(in) :: times
-      type(closing_words_t), intent(in) :: words
-      type(limit_t), intent(in), optional :: limits(:)
       character(:), allocatable :: head, body
       real(wp) :: ratio
       integer :: i
 
       ratio = not_known()
-      if (present(limits)) ratio = limits(mixed_lubrication)%value
+      if (allocated(writer%limits)) ratio = writer%limits(mixed_lubrication)%value
       call log%clear()
       head = wrapped(log%name//': '//outcome_text(report, log%is_quiet), columns)
-      if (report%outcome() /= has_converged .and. log%prints_errors_apart()) call &
+      if (all([report%outcome() /= has_converged, log%prints_errors_apart()])) call &
          log%write_line(head)
       if (log%is_quiet) return
       head = head//nl
       ! else no start was found: there is nothing to show
-      if (exceeds(summary%of(p_max)%value, 0.0_wp)) head = head//rows_of(summary, ratio, report, &
-         log)
+      if (exceeds(writer%summary%of(p_max)%value, 0.0_wp)) head = head//rows_of(writer%summary, &
+         ratio, report, log)
       body = ''
+      associate (summary => writer%summary, adequacy => writer%adequacy, &
+         times => writer%run%passage%times)
+         call add_physics(body, summary, log)
+         if (log%is_verbose) then
+            call add_words(body, spike_lines(case, summary))
+            if (writer%has_formulas) call add_words(body, formula_lines(case%contact, summary, &
+               log%scaling))
+         end if
+         if (allocated(writer%limits)) then
+            do i = 1, limit_count
+               if (.not. writer%limits(i)%is_passed) cycle
+               if (all([report%is_mixed, i == mixed_lubrication])) cycle   ! the outcome names it
+               call add_words(body, merge('inlet     ', 'limit     ', i == starvation) &
+                  //limit_sentence(i, writer%limits(i)))
+            end do
+         end if
+         if (all([log%is_verbose, times%counts_from > 0.0_wp])) call add_words(body, 'times     ' &
+            //times_text(times))
+         call add_words(body, decision_lines(writer%choice, adequacy, log%is_verbose))
+         if (allocated(report%note)) call add_words(body, 'note      '//report%note)
+         if (allocated(adequacy%rows)) then
+            if (log%is_verbose) then
+               call add_words(body, model_line(adequacy%rows, adequacy%accuracy))
+            else
+               call add_words(body, model_sentence(adequacy%rows, adequacy%accuracy))
+            end if
+         end if
+      end associate
+      if (all([allocated(writer%limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), &
+         count_of(nl, head//body) < most_lines - 1])) call add_words(body, &
+         'lambda    ratio not known without &bodies roughness_1, roughness_2')
+      if (.not. log%is_verbose) call shorten(body, most_lines - 1 - count_of(nl, head))
+      call log%print_summary(head//body//'  result    '//writer%path)
+   end subroutine close_case
+
+   !> Adds the mean power of a contact that changes, what asperities bear, and how warm it is.
+   subroutine add_physics(body, summary, log)
+      character(:), allocatable, intent(inout) :: body
+      type(line_summary_t), intent(in) :: summary
+      type(progress_log_t), intent(in) :: log
+
       if (log%in_seconds) call add_words(body, 'power     '//prefixed_text(mean_power(summary) &
          *log%scaling%power, trim(merge('W  ', 'W/m', allocated(log%scaling%ellipse))))// &
          ' of sliding and rolling on average')
@@ -97,27 +133,7 @@ contains
          'sliding warms the film by '//number_text(summary%of(film_rise)%value, 3)// &
          ' K, the surfaces by '//number_text(summary%of(rise_1)%value, 3)//' and '// &
          number_text(summary%of(rise_2)%value, 3)//' K')
-      call add_words(body, words%spike)
-      call add_words(body, words%formulas)
-      if (present(limits)) then
-         do i = 1, size(limits)
-            if (.not. limits(i)%is_passed) cycle
-            if (all([report%is_mixed, i == mixed_lubrication])) cycle   ! the outcome names it
-            call add_words(body, merge('inlet     ', 'limit     ', i == starvation) &
-               //limit_sentence(i, limits(i)))
-         end do
-      end if
-      if (all([log%is_verbose, times%counts_from > 0.0_wp])) call add_words(body, 'times     ' &
-         //times_text(times))
-      call add_words(body, words%decision)
-      if (allocated(report%note)) call add_words(body, 'note      '//report%note)
-      call add_words(body, words%model)
-      if (all([present(limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), &
-         count_of(nl, head//body) < most_lines - 1])) call add_words(body, &
-         'lambda    ratio not known without &bodies roughness_1, roughness_2')
-      if (.not. log%is_verbose) call shorten(body, most_lines - 1 - count_of(nl, head))
-      call log%print_summary(head//body//'  result    '//path)
-   end subroutine close_case
+   end subroutine add_physics
 
    !> The contact and the quantities; in a verbose log in two units, with the residuals.
    function rows_of(summary, ratio, report, log) result(rows)
@@ -125,11 +141,25 @@ contains
       real(wp), intent(in) :: ratio
       type(report_t), intent(in) :: report
       type(progress_log_t), intent(in) :: log
-      character(:), allocatable :: rows
+      character(:), allocatable :: rows, width
       logical :: is_shown
       integer :: i
 
-      rows = contact_line(log%scaling)
+      associate (scaling => log%scaling)
+         width = 'b '
+         if (allocated(scaling%ellipse)) width = 'b/a '//number_text(scaling%ellipse%ratio, 3) &
+            //', a '
+         if (scaling%is_dimensional) then
+            rows = 'p_h '//prefixed_text(scaling%hertz_pressure, 'Pa')//', '//width &
+               //prefixed_text(scaling%half_width, 'm')//', U ' &
+               //number_text(0.5_wp*scaling%speed_sum, 4)//' m/s, slide-to-roll ' &
+               //number_text(scaling%slide_to_roll, 4)
+         else
+            rows = 'M '//number_text(scaling%moes_m, 4)//', L '//number_text(scaling%moes_l, 4) &
+               //' (mean velocity)'
+         end if
+      end associate
+      rows = '  contact   '//rows//nl
       if (log%is_verbose) rows = rows//'            SI              dimensionless'//nl
       do i = 1, size(table_rows)
          is_shown = .true.
@@ -181,25 +211,6 @@ contains
       body = body(:place)//'  more      '//counted(count_of(nl, body(place + 1:)), 'line') &
          //' with --verbose'//nl
    end subroutine shorten
-
-   !> The contact, as one is described.
-   function contact_line(scaling) result(line)
-      type(scaling_t), intent(in) :: scaling
-      character(:), allocatable :: line, width
-
-      width = 'b '
-      if (allocated(scaling%ellipse)) width = 'b/a '//number_text(scaling%ellipse%ratio, 3)//', a '
-      if (scaling%is_dimensional) then
-         line = 'p_h '//prefixed_text(scaling%hertz_pressure, 'Pa')//', '//width &
-            //prefixed_text(scaling%half_width, 'm')//', U ' &
-            //number_text(0.5_wp*scaling%speed_sum, 4)//' m/s, slide-to-roll ' &
-            //number_text(scaling%slide_to_roll, 4)
-      else
-         line = 'M '//number_text(scaling%moes_m, 4)//', L '//number_text(scaling%moes_l, 4) &
-            //' (mean velocity)'
-      end if
-      line = '  contact   '//line//nl
-   end function contact_line
 
    !> The row of quantity `i` of a steady contact or of one in time, or of the lambda `ratio`.
    function row_of_table(i, summary, ratio, log, is_transient) result(row)
@@ -275,9 +286,8 @@ contains
    !> Adds what others say: lines that begin with a blank as they are, others wrapped.
    subroutine add_words(body, lines)
       character(:), allocatable, intent(inout) :: body
-      character(*), intent(in), optional :: lines
+      character(*), intent(in) :: lines
 
-      if (.not. present(lines)) return
       if (len_trim(lines) == 0) return
       if (lines(1:1) == ' ') then
          body = body//lines//nl
@@ -332,15 +342,19 @@ contains
          'a narrow spike may exceed it'
    end function spike_remark
 
-   !> Which pressure to take, and the `advice`, as lines of the table; empty where no spike is the
-   !> reason.
-   pure function spike_lines(summary, advice) result(lines)
+   !> Which pressure to take, and which grid, as lines of the table; empty where no spike of a line
+   !> is the reason.
+   pure function spike_lines(case, summary) result(lines)
+      type(case_t), intent(in) :: case
       type(line_summary_t), intent(in) :: summary
-      character(*), intent(in) :: advice
-      character(:), allocatable :: lines
+      character(:), allocatable :: advice, lines
 
       lines = ''
-      if (.not. unresolved_spike(summary) > 0.0_wp) return
+      if (allocated(case%point) .or. .not. unresolved_spike(summary) > 0.0_wp) return
+      advice = ". &domain grid = 'graded', without intervals, follows it"
+      if (case%contact%domain%grid == 'graded') advice = ''
+      if (case%time%is_transient .or. case%layers > 0) advice = &
+         '. More &domain intervals show more of it'
       if (unresolved_spike(summary) < summary%of(p_max)%value) then
          lines = 'a pressure spike near the outlet is narrower than this grid, and on finer' &
             //' ones may rise above p_max'

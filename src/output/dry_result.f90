@@ -274,12 +274,14 @@ contains
          + edges(:size(edges) - 1)), new_label('middle of the steps of the height densities', &
          'm'), '=')
       ! Two surfaces at a time: they share nothing.
-      !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
-      do k = 1, 2
+      !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static, 1) private(failure)
+      do k = 1, size(states)
          if (k == 1) then
             call find_state(dry, dry%height, levels, of(1), failure)
-         else
+         else if (k == 2) then
             call find_state(dry, fields%height_loaded, levels, of(2), failure)
+         else if (allocated(fields%height_unloaded)) then
+            call find_state(dry, fields%height_unloaded, levels, of(3), failure)
          end if
          !$omp critical (surface_failure)
          if (allocated(failure)) error = failure
@@ -287,10 +289,7 @@ contains
       end do
       !$omp end parallel do
       if (allocated(error)) return
-      of(3) = of(1)
-      if (allocated(fields%height_unloaded)) call find_state(dry, fields%height_unloaded, levels, &
-         of(3), error)
-      if (allocated(error)) return
+      if (.not. allocated(fields%height_unloaded)) of(3) = of(1)
       call write_state(file, 'undeformed', of(1))
       call write_state(file, 'unloaded', of(3))
       call write_state(file, 'loaded', of(2))
@@ -340,11 +339,11 @@ contains
          new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'), 'harmonic')
    end subroutine write_state
 
-   !> A table with a line for each load of the case `name`, under it the estimated errors; what
-   !> there is to say of the model; `path` of the result.
-   subroutine close_dry_case(log, name, dry, outcome, adequacy, path)
+   !> A table with a line for each load of the case, under it the estimated errors; what there is to
+   !> say of the model; `path` of the result.
+   subroutine close_dry_case(log, dry, outcome, adequacy, path)
       type(progress_log_t), intent(inout) :: log
-      character(*), intent(in) :: name, path
+      character(*), intent(in) :: path
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
       type(adequacy_t), intent(in) :: adequacy
@@ -355,14 +354,14 @@ contains
 
       words = to_text(dry%grid%nx)
       if (dry%grid%ny > 1) words = words // ' x ' // to_text(dry%grid%ny)
-      if (dry%target > 0.0_wp) call log%say(name // ': solved on ' // words // ' nodes for an '// &
-         'error of ' // number_text(100.0_wp*dry%target, 2) // ' % of the contact area')
+      if (dry%target > 0.0_wp) call log%say(log%name // ': solved on ' // words // ' nodes for '// &
+         'an error of ' // number_text(100.0_wp*dry%target, 2) // ' % of the contact area')
       associate (rows => outcome%rows, solution => outcome%solution)
          if (solution%report%converged) then
-            table = name // ': converged, ' // counted(solution%report%cycles, 'iteration') &
+            table = log%name // ': converged, ' // counted(solution%report%cycles, 'iteration') &
                // ', ' // to_text(solution%report%cost%wall_seconds, 3) // ' s'
          else
-            table = name // ': NOT CONVERGED: ' // solution%report%reason
+            table = log%name // ': NOT CONVERGED: ' // solution%report%reason
             if (log%prints_errors_apart()) call log%say_error(table)
          end if
          table = table // nl // &

@@ -1,28 +1,31 @@
 !> The fields of a lubricated result: /solution, /velocity, /momentum by the full momentum equations
-!> of the film, over X and zeta, and /statistics of the film over time.
+!> of the film, over X and zeta, and /statistics of the film over time. Beside the computed films
+!> those of handbooks, /formulas, also as lines of the closing table.
 module field_sections
-   use film_fields, only: film_fields_t, film_passage_t
+   use film_fields, only: film_fields_t
    use film_statistics, only: bins_per_decade, film_first, film_statistics_t, pressure_first
    use hdf5_axes, only: link_object, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
+   use line_contact, only: finest_wave, line_contact_t
    use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use lubricant, only: thins
+   use moes, only: film_by_formula, formula_rows, formulas_hold, known_bias, moes_l_mean_from_sum, &
+      moes_m_mean_from_sum
+   use quantities, only: quantity_rows
    use result_labels, only: field_names, field_values, row_label, scaled_label
    use scaling, only: scaling_t
-   use text, only: number_text, to_text
+   use text, only: number_text, prefixed_text, to_text
    implicit none (type, external)
    private
 
-   public :: difference_sentence, write_film_passage, write_momentum, write_solution, &
-      write_statistics, write_velocity
+   public :: difference_sentence, formula_lines, has_formulas, write_formulas, write_momentum, &
+      write_solution, write_statistics, write_velocity
 
-   !> What a dimensionless pressure, film and time are; the place across the film.
-   character(*), parameter :: of_pressure = ', P = p/p_h', of_film = ', H = h R/b^2', &
-      of_time = ', T = t u_s/(2 b)', of_share = ', over p_h'
-   !> What is compared with the Reynolds equation, and how.
-   character(*), parameter :: compared(*) = [character(len=9) :: 'h_min', 'h_central', 'p_max'], &
-      comparison = ' over that of the Reynolds equation, less 1'
+   !> What a dimensionless pressure and film are.
+   character(*), parameter :: of_pressure = ', P = p/p_h', of_film = ', H = h R/b^2'
 
 contains
 
@@ -128,9 +131,10 @@ contains
          call put('reynolds_film_thickness', fields%reynolds_film, new_label('film thickness '// &
             'by the Reynolds equation', 'm', scaling%film, of_film), 'x')
       end associate
-      call put('difference_h_min', fields%h_min, new_label('h_min'//comparison, '1'))
-      call put('difference_h_central', fields%h_central, new_label('h_central'//comparison, '1'))
-      call put('difference_p_max', fields%p_max, new_label('p_max'//comparison, '1'))
+      call put('difference_h_min', fields%h_min, row_label('momentum_difference_h_min', scaling))
+      call put('difference_h_central', fields%h_central, &
+         row_label('momentum_difference_h_central', scaling))
+      call put('difference_p_max', fields%p_max, row_label('momentum_difference_p_max', scaling))
       call put('difference_pressure', fields%pressure_change, new_label('largest difference of '// &
          'the mean pressure from the Reynolds equation, over p_h', '1'))
       call put('pressure_variation', fields%pressure_variation, new_label('largest difference '// &
@@ -158,58 +162,6 @@ contains
       end subroutine put
 
    end subroutine write_momentum
-
-   !> /momentum/transient; with `has_si` what is another number in SI in /si/momentum/transient.
-   subroutine write_film_passage(file, passage, scaling, has_si)
-      class(hdf5_file_t), intent(inout) :: file
-      type(film_passage_t), intent(in) :: passage
-      type(scaling_t), intent(in) :: scaling
-      logical, intent(in) :: has_si
-      character(*), parameter :: group = '/momentum/transient/', by = ' by the full momentum '// &
-         'equations', from = ' from the Reynolds equation'
-      integer :: i, profiles
-
-      profiles = passage%last/passage%stride
-      associate (t => passage%time(:passage%last), s => passage%series(:, :passage%last), &
-         film => scaling%film, p_h => scaling%hertz_pressure)
-         call put('time', t, new_label('time of every step', 's', scaling%time, of_time), '=')
-         call put('h_min', [s(1, :)], new_label('smallest film'//by, 'm', film, of_film), 'time')
-         call put('h_central', [s(2, :)], new_label('film at X = 0'//by, 'm', film, of_film), &
-            'time')
-         call put('p_max', [s(3, :)], new_label('largest mean pressure'//by, 'Pa', p_h, &
-            of_pressure), 'time')
-         do i = 1, size(compared)
-            call put('difference_'//trim(compared(i)), s(i, :)/s(i + 3, :) - 1, &
-               new_label(trim(compared(i))//comparison, '1'), 'time')
-         end do
-         call put('difference_pressure', [s(7, :)], new_label('largest difference of the mean '// &
-            'pressure'//from, 'Pa', p_h, of_share), 'time')
-         call put('difference_film', [s(8, :)], new_label('largest difference of the film'//from, &
-            'm', film, ', over b^2/R'), 'time')
-         call put('pressure_variation', [s(9, :)], new_label('largest difference of pressures '// &
-            'across the film', 'Pa', p_h, of_share), 'time')
-         call put('profile_time', [passage%time(:profiles*passage%stride:passage%stride)], &
-            new_label('time of the profiles', 's', scaling%time, of_time), '=')
-         call link_object(file, '/solution/x', group//'x')
-         if (has_si) call link_object(file, '/si/solution/x', '/si'//group//'x')
-         call put('pressure', passage%pressure(:, :profiles), new_label('mean pressure', 'Pa', &
-            p_h, of_pressure), 'x profile_time')
-         call put('film_thickness', passage%film(:, :profiles), new_label('film thickness', 'm', &
-            film, of_film), 'x profile_time')
-      end associate
-
-   contains
-
-      !> A series or profiles, with their axes.
-      subroutine put(name, values, label, axes)
-         character(*), intent(in) :: name, axes
-         real(wp), intent(in), contiguous :: values(..)
-         type(label_t), intent(in) :: label
-
-         call write_field(file, group//name, values, label, axes, has_si)
-      end subroutine put
-
-   end subroutine write_film_passage
 
    !> Writes /statistics, in SI; nothing if nothing was gathered. `from`: first time that counts, T.
    subroutine write_statistics(file, statistics, scaling, from)
@@ -277,21 +229,107 @@ contains
       character(:), allocatable :: words
 
       words = 'full momentum equations on '//to_text(size(fields%zeta))//' layers; beside '// &
-         "Reynolds' equation on the same grid h_min "//percent(fields%h_min)//', h_central ' &
-         //percent(fields%h_central)//', p_max '//percent(fields%p_max)// &
-         ', pressures up to '//percent(fields%pressure_change)//' of p_h'
-
-   contains
-
-      !> A share with its sign.
-      pure function percent(share)
-         real(wp), intent(in) :: share
-         character(:), allocatable :: percent
-
-         percent = number_text(100*share, 3)//' %'
-         if (share > 0.0_wp) percent = '+'//percent
-      end function percent
-
+         "Reynolds' equation on the same grid h_min "//percent(fields%h_min, .false.)// &
+         ', h_central '//percent(fields%h_central, .false.)//', p_max ' &
+         //percent(fields%p_max, .false.)//', pressures up to ' &
+         //percent(fields%pressure_change, .false.)//' of p_h'
    end function difference_sentence
+
+   !> Whether formulas hold for a steady `contact`: a smooth one in certain ranges.
+   pure logical function has_formulas(contact)
+      type(line_contact_t), intent(in) :: contact
+
+      has_formulas = .not. finest_wave(contact) < huge(1.0_wp) .and. formulas_hold( &
+         moes_m_mean_from_sum(contact%moes_m_sum), moes_l_mean_from_sum(contact%moes_l_sum))
+   end function has_formulas
+
+   !> Writes /formulas: films, and how far above the computed one.
+   subroutine write_formulas(file, contact, summary, scaling)
+      class(hdf5_file_t), intent(inout) :: file
+      type(line_contact_t), intent(in) :: contact
+      type(line_summary_t), intent(in) :: summary
+      type(scaling_t), intent(in) :: scaling
+      character(:), allocatable :: path
+      type(label_t) :: label
+      real(wp) :: film
+      integer :: i
+
+      call file%create_group('/formulas')
+      call write_attribute(file, '/formulas', 'about', 'films by formulas of handbooks; '// &
+         'difference: by how much a film lies above the computed quantity, relative to that; '// &
+         'known_bias: the differences between which nine of ten such contacts lie')
+      do i = 1, size(formula_rows)
+         associate (row => formula_rows(i))
+            path = '/formulas/'//trim(row%name)
+            film = film_by_formula(i, moes_m_mean_from_sum(contact%moes_m_sum), &
+               moes_l_mean_from_sum(contact%moes_l_sum))
+            label = scaled_label('', 'film', scaling)
+            call write_dataset(file, path, film*label%si_scale, new_label(trim(row%text), &
+               label%si_units))
+            if (label%si_units == '1') call write_attribute(file, path, 'units', '1')
+            call write_attribute(file, path, 'dimensionless', film)
+            call write_attribute(file, path, 'quantity', trim(row%quantity))
+            call write_attribute(file, path, 'difference', difference(film, row%quantity, summary))
+            if (.not. thins(contact%fluid)) call write_attribute(file, path, 'known_bias', &
+               known_bias(i, contact%fluid))
+            call write_attribute(file, path, 'source', trim(row%source))
+         end associate
+      end do
+   end subroutine write_formulas
+
+   !> The lines of the closing table.
+   function formula_lines(contact, summary, scaling) result(lines)
+      type(line_contact_t), intent(in) :: contact
+      type(line_summary_t), intent(in) :: summary
+      type(scaling_t), intent(in) :: scaling
+      character(:), allocatable :: lines, value, words
+      real(wp) :: bias(2), film
+      integer :: i
+
+      lines = ''
+      do i = 1, size(formula_rows)
+         associate (row => formula_rows(i))
+            film = film_by_formula(i, moes_m_mean_from_sum(contact%moes_m_sum), &
+               moes_l_mean_from_sum(contact%moes_l_sum))
+            value = number_text(film, 4)
+            if (scaling%is_dimensional) value = prefixed_text(film*scaling%film, 'm')
+            if (i > 1) lines = lines//new_line('a')
+            lines = lines//merge('  formulas  ', '            ', i == 1)//trim(row%quantity)//' ' &
+               //value//', '//percent(difference(film, row%quantity, summary), .true.)//': ' &
+               //trim(row%authors)
+            bias = known_bias(i, contact%fluid)
+            if (thins(contact%fluid)) then
+               lines = lines//', of oil that does not thin'
+            else
+               words = percent(bias(1), .true.)
+               lines = lines//', known bias '//words(:len(words) - 2)//' to ' &
+                  //percent(bias(2), .true.)
+            end if
+         end associate
+      end do
+   end function formula_lines
+
+   !> By how much `film` lies above a computed quantity, relative to that.
+   pure real(wp) function difference(film, quantity, summary) result(share)
+      real(wp), intent(in) :: film
+      character(*), intent(in) :: quantity
+      type(line_summary_t), intent(in) :: summary
+
+      share = film/summary%of(findloc(quantity_rows%name == quantity, .true., 1))%value - 1
+   end function difference
+
+   !> A share in per cent with its sign; `is_whole`: to one of them.
+   pure function percent(share, is_whole)
+      real(wp), intent(in) :: share
+      logical, intent(in) :: is_whole
+      character(:), allocatable :: percent
+      real(wp) :: number
+
+      number = 100*share
+      if (is_whole) number = nint(number)
+      percent = number_text(number, 3)
+      if (number > 0.0_wp) percent = '+'//percent
+      percent = percent//' %'
+   end function percent
 
 end module field_sections

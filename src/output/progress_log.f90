@@ -31,8 +31,7 @@ module progress_log
    integer, parameter :: name_columns = 20
    !> Time between two updates on a terminal [s].
    real(wp), parameter :: update_seconds = 0.1_wp
-   !> Longest silence in a log during cycles and time steps [s], less than that which is broken
-   !> (module signals).
+   !> Longest silence in a log during cycles and steps [s], less than that which `signals` breaks.
    real(wp), parameter :: log_seconds = 3.0_wp
 
    !> Progress of one case after another.
@@ -49,8 +48,8 @@ module progress_log
       logical :: has_summary_apart = .false.
       !> Closing tables say times in seconds.
       logical :: in_seconds = .false.
-      !> The case: name of its file, and its scales.
-      character(:), allocatable :: name
+      !> The case: its file, the name of that, and its scales.
+      character(:), allocatable :: file, name
       type(scaling_t) :: scaling
       !> Columns of the updating line now on the screen.
       integer, private :: shown = 0
@@ -60,8 +59,8 @@ module progress_log
       !> Step at which they started; -1: they have not.
       integer, private :: first_step = -1
    contains
-      procedure :: on_cycle, on_step, start_case, say, say_error, print_summary, &
-         prints_errors_apart, clear, write_line
+      procedure :: on_cycle, on_step, say, say_error, print_summary, prints_errors_apart, clear, &
+         write_line
       procedure, private :: update
    end type progress_log_t
 
@@ -78,19 +77,6 @@ contains
       log%has_summary_apart = .true.
       if (present(has_other_lines)) log%has_summary_apart = .not. has_other_lines
    end function new_progress_log
-
-   !> Sets the name of the case (its file) and its scales.
-   subroutine start_case(self, file, scaling)
-      class(progress_log_t), intent(inout) :: self
-      character(*), intent(in) :: file
-      type(scaling_t), intent(in) :: scaling
-
-      self%name = file(index(file, '/', back=.true.) + 1:)
-      self%scaling = scaling
-      self%last_line = -huge(1.0_wp)
-      self%shown = 0
-      self%first_step = -1
-   end subroutine start_case
 
    !> In a log cycles 1, 2, 4, 8, ... and after a long silence; on a terminal ten a second at most.
    subroutine on_cycle(self, words, cycle, residual, load_error)
@@ -241,8 +227,7 @@ contains
       call end_line()
    end subroutine write_line
 
-   !> Prints all of `text` and closes standard output, unless there is an error. Error: some of it
-   !> is lost.
+   !> Prints `text` and closes standard output, unless there is an error. Error: some of it is lost.
    subroutine print_text(text, error)
       character(*), intent(in) :: text
       type(error_t), allocatable, intent(inout) :: error
@@ -253,8 +238,7 @@ contains
       if (c_close(standard_output) /= 0_c_int) call fail(error, output_error, lost)
    end subroutine print_text
 
-   !> Writes all of `text`, unless there is an error, and leaves standard output open. Error: some
-   !> of it is lost.
+   !> The same, but leaves standard output open.
    subroutine write_text(text, error)
       character(*), intent(in) :: text
       type(error_t), allocatable, intent(inout) :: error

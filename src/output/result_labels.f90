@@ -12,7 +12,7 @@ module result_labels
 
    !> A field or series.
    type :: row_t
-      character(len=20) :: name
+      character(len=29) :: name
       !> The quantity of `scaling_t` that is its unit; '1': none.
       character(len=14) :: unit
       !> What it is, and what the stored number without unit is.
@@ -20,7 +20,10 @@ module result_labels
       character(len=48) :: definition = ''
    end type row_t
 
-   !> Fields of `line_state_t`, as in /solution, then series of /transient, units of quantities.
+   character(*), parameter :: by = ' by the full momentum equations', less = &
+      ' over that of the Reynolds equation, less 1', from = ' from the Reynolds equation'
+   !> Fields of `line_state_t`, as in /solution, then series of /transient, units of quantities,
+   !> series and fields of /momentum/transient.
    type(row_t), parameter :: rows(*) = [ &
       row_t('x', 'half_width', 'position along the contact', ', X = x/b'), &
       row_t('pressure', 'hertz_pressure', 'pressure', ', P = p/p_h'), &
@@ -59,10 +62,27 @@ module result_labels
       row_t('speed_2', 'speed_sum', 'speed of surface 2', ', u_2/u_ref'), &
       row_t('residual', '1', 'residual reached in the step'), &
       row_t('film_breakdown', '1', '1 where the film is below film_floor, else 0'), &
-      row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)')]
+      row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)'), &
+      row_t('momentum_h_min', 'film', 'smallest film'//by, ', H = h R/b^2'), &
+      row_t('momentum_h_central', 'film', 'film at X = 0'//by, ', H = h R/b^2'), &
+      row_t('momentum_p_max', 'hertz_pressure', 'largest mean pressure'//by, ', P = p/p_h'), &
+      row_t('momentum_difference_h_min', '1', 'h_min'//less), &
+      row_t('momentum_difference_h_central', '1', 'h_central'//less), &
+      row_t('momentum_difference_p_max', '1', 'p_max'//less), &
+      row_t('momentum_difference_pressure', 'hertz_pressure', &
+      'largest difference of the mean pressure'//from, ', over p_h'), &
+      row_t('momentum_difference_film', 'film', 'largest difference of the film'//from, &
+      ', over b^2/R'), &
+      row_t('momentum_pressure_variation', 'hertz_pressure', &
+      'largest difference of pressures across the film', ', over p_h'), &
+      row_t('momentum_pressure', 'hertz_pressure', 'mean pressure', ', P = p/p_h'), &
+      row_t('momentum_film_thickness', 'film', 'film thickness', ', H = h R/b^2'), &
+      row_t('momentum_profile_time', 'time', 'time of the profiles', ', T = t u_s/(2 b)')]
 
-   !> Names of the fields.
-   character(len=20), parameter, public :: field_names(17) = rows(:17)%name
+   !> Names of the fields, and what a transient by the full momentum equations stores too: nine
+   !> series of numbers, then fields.
+   character(len=29), parameter, public :: field_names(17) = rows(:17)%name, &
+      momentum_names(11) = rows(32:42)%name
 
 contains
 

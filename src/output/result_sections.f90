@@ -8,7 +8,6 @@ module result_sections
    use iteration_report, only: breakdown_t, phase_names, report_t
    use kinds, only: exceeds, not_known, wp
    use line_summary, only: line_summary_t, mean_power, quantity_t
-   use passage_times, only: passage_times_t
    use quantities, only: h_min, mixed_rows, quantity_count, quantity_rows, sliding_rows, &
       x_cavitation
    use result_labels, only: row_label, scaled_label
@@ -18,8 +17,7 @@ module result_sections
    implicit none (type, external)
    private
 
-   public :: write_breakdown, write_mean_power, write_report, write_scaling, write_summary, &
-      write_times
+   public :: write_breakdown, write_mean_power, write_report, write_scaling, write_summary
 
 contains
 
@@ -78,6 +76,7 @@ contains
       character(*), intent(in) :: missing
       real(wp), intent(in) :: lambda_ratio
       character(:), allocatable :: extreme
+      real(wp) :: limits(2)
       integer :: i
 
       call file%create_group('/summary')
@@ -106,24 +105,19 @@ contains
          'smallest film over composite rms height of both surfaces', lambda_ratio, &
          new_label('', '1'), lambda_ratio*abs(summary%of(h_min)%error_estimate &
          /summary%of(h_min)%value), missing)
-      call write_limit(stokes_number, summary%limits%stokes_number)
-      call write_limit(surface_slope, summary%limits%surface_slope)
+      limits = [summary%limits%stokes_number, summary%limits%surface_slope]
+      do i = 1, size(limits)
+         if (.not. ieee_is_finite(limits(i))) cycle
+         associate (row => limit_rows(merge(stokes_number, surface_slope, i == 1)))
+            extreme = trim(row%meaning)//' (dimensionless: times R/b)'//trim(merge( &
+               ', largest over time', '                   ', is_transient))
+            call write_value(file, '/summary/'//trim(row%name), extreme, limits(i), &
+               scaled_label('', 'slope', scaling), not_known(), &
+               'it says how far the model holds: /adequacy/validity has its threshold')
+         end associate
+      end do
 
    contains
-
-      !> Row `i` of the limits of the model, where it is known.
-      subroutine write_limit(i, value)
-         integer, intent(in) :: i
-         real(wp), intent(in) :: value
-         character(:), allocatable :: words
-
-         if (.not. ieee_is_finite(value)) return
-         words = trim(limit_rows(i)%meaning)//' (dimensionless: times R/b)'
-         if (is_transient) words = words//', largest over time'
-         call write_value(file, '/summary/'//trim(limit_rows(i)%name), words, value, &
-            scaled_label('', 'slope', scaling), not_known(), &
-            'it says how far the model holds: /adequacy/validity has its threshold')
-      end subroutine write_limit
 
       !> One quantity times `factor`, its limit and its time; `scale` gives its unit.
       subroutine write_quantity(name, long_name, quantity, factor, scale)
@@ -168,16 +162,6 @@ contains
       call write_attribute(file, path, 'error_estimate', error*scale%si_scale)
       if (.not. ieee_is_finite(error)) call write_attribute(file, path, 'no_estimate', missing)
    end subroutine write_value
-
-   !> Attributes of /summary: which times of a transient count [T].
-   subroutine write_times(file, times)
-      class(hdf5_file_t), intent(inout) :: file
-      type(passage_times_t), intent(in) :: times
-
-      call write_attribute(file, '/summary', 'statistics_from', times%counts_from)
-      call write_attribute(file, '/summary', 'settled_from', times%settled_from)
-      if (times%period > 0.0_wp) call write_attribute(file, '/summary', 'period', times%period)
-   end subroutine write_times
 
    !> The mean power of a contact whose load, radius and speeds change, over the times that count;
    !> its error is the change from n/2 intervals and twice the steps, `coarser(1)`, and from there

@@ -3,24 +3,23 @@ module result_writer
    use adequacy, only: adequacy_t, judge, model_choice_t
    use adequacy_section, only: write_adequacy, write_decision, write_validity
    use case_record, only: case_t
-   use checkpoint, only: run_record_t
+   use checkpoint, only: checkpoint_t
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t
    use film_fields, only: film_fields_t
    use film_heating, only: heating_t, largest_rise
    use film_statistics, only: add_start, add_time, new_statistics
-   use formulas_section, only: formula_contact_t, write_formulas
    use hdf5_axes, only: make_counter, write_field
    use hdf5_dataset, only: new_label, write_attribute
    use iteration_report, only: report_t
    use kinds, only: not_known, wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of, copy_values
-   use field_sections, only: write_film_passage, write_momentum, write_solution, &
-      write_statistics, write_velocity
+   use field_sections, only: write_formulas, write_momentum, write_solution, write_statistics, &
+      write_velocity
    use result_file, only: result_file_t
-   use result_sections, only: write_breakdown, write_mean_power, write_scaling, &
-      write_summary, write_times
+   use result_sections, only: write_breakdown, write_mean_power, write_scaling, write_summary
+   use transient_store, only: in_full, in_time
    use validity, only: limit_t, mixed_lubrication
    implicit none (type, external)
    private
@@ -33,7 +32,7 @@ module result_writer
       logical :: has_si = .false.
       !> What the run has gathered so far, and its quantities when the result is finished; why one
       !> whose error is NaN has none, if that is known before.
-      type(run_record_t) :: run
+      type(checkpoint_t) :: run
       type(line_summary_t) :: summary
       character(:), allocatable :: missing
       !> How warm sliding would make the film of a time step, if that is to be known.
@@ -42,8 +41,8 @@ module result_writer
       type(error_bars_t) :: bars
       !> How the solution stands to the limits of its model, if it is known.
       type(limit_t), allocatable :: limits(:)
-      !> What film formulas know of the contact.
-      type(formula_contact_t) :: formulas
+      !> Film formulas hold for the contact.
+      logical :: has_formulas = .false.
       !> Newton steps and iterations of GMRES on each grid of a point contact (2, grids), the first
       !> the coarsest.
       real(wp), allocatable :: work(:, :)
@@ -63,13 +62,15 @@ module result_writer
 
 contains
 
-   !> Adds a time step to /transient, to the extremes and to what is counted over time.
+   !> Adds a time step to the extremes, to what is counted over time, and to NAME.part. A failure
+   !> counts as one of the result.
    subroutine store_step(self, step, steps, state, report)
       class(result_writer_t), intent(inout) :: self
       integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
+      logical :: is_first
 
       if (allocated(self%run%statistics%thresholds)) then
          if (step == 0) call add_start(self%run%statistics, state)
@@ -78,7 +79,15 @@ contains
       end if
       summary = self%quantities_of(state)
       call self%run%passage%add(summary, state%time, step == steps)
-      call self%append_step(state, summary, report)
+      is_first = .not. self%is_transient
+      self%is_transient = .true.
+      if (allocated(self%file%row)) return
+      if (is_first) call self%store%begin(self%path//'.part', self%fields, size(state%pressure), &
+         self%profile_stride)
+      call self%store%append(state, summary, report, self%run%film_passage)
+      if (allocated(self%store%file%failure) .and. .not. allocated(self%file%failure)) then
+         self%file%failure = self%store%file%failure
+      end if
    end subroutine store_step
 
    !> Forgets the time steps of a trial run of a line contact.
@@ -102,18 +111,10 @@ contains
       summary = summary_of(state)
       if (.not. (self%heating%is_known .and. allocated(state%shear_stress_mean))) return
       heating = self%heating
-      if (has_duty(self)) heating%speeds = state%moment%speeds*self%scaling%speed_sum
+      if (any(self%fields == 'speed_1')) heating%speeds = state%moment%speeds*self%scaling%speed_sum
       summary%limits%film_heating = largest_rise(heating, state%x, state%shear_stress_mean, &
          state%film_thickness)
    end function quantities_of
-
-   !> Whether load, radius and speeds change in time.
-   pure logical function has_duty(self)
-      class(result_writer_t), intent(in) :: self
-
-      has_duty = .false.
-      if (allocated(self%fields)) has_duty = any(self%fields == 'speed_1')
-   end function has_duty
 
    !> The quantities at the end, of a transient extremes; with error bars if it has converged.
    pure function quantities_at_end(self, state, report) result(summary)
@@ -145,7 +146,6 @@ contains
          if (allocated(case%point)) call write_attribute(file, '/scaling', 'radius_ratio', &
             case%point%radius_ratio, '1')
          call write_solution(file, state, self%scaling, self%has_si)
-         call self%copy_steps(self%has_si, state)
          if (.not. allocated(self%missing)) then
             if (allocated(self%reynolds)) then
                summary = self%quantities_at_end(self%reynolds, report)
@@ -154,24 +154,31 @@ contains
                summary = self%quantities_at_end(state, report)
             end if
             self%missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), summary)
-            if (report%converged .and. .not. self%run%passage%times%is_settled()) self%missing = &
+            if (all([report%converged, .not. self%run%passage%times%is_settled()])) self%missing = &
                'the start is in the quantities, see /report/note'
          end if
          ratio = not_known()
          if (allocated(self%limits)) ratio = self%limits(mixed_lubrication)%value
          call write_summary(file, summary, self%scaling, self%is_transient, self%missing, ratio)
-         if (all([has_duty(self), .not. allocated(case%point)])) call write_mean_power(file, &
+         if (all([allocated(case%duty), .not. allocated(case%point)])) call write_mean_power(file, &
             self%run%passage%counted, self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, &
             self%missing)
-         if (self%is_transient) call write_times(file, self%run%passage%times)
+         if (self%is_transient) then
+            call self%store%copy_into(file, self%scaling, state, self%has_si, in_time)
+            associate (times => self%run%passage%times)
+               call write_attribute(file, '/summary', 'statistics_from', times%counts_from)
+               call write_attribute(file, '/summary', 'settled_from', times%settled_from)
+               if (times%period > 0.0_wp) call write_attribute(file, '/summary', 'period', &
+                  times%period)
+            end associate
+         end if
          call write_statistics(file, self%run%statistics, self%scaling, &
             self%run%passage%times%statistics_from())
          if (allocated(self%limits)) call write_validity(file, self%limits)
-         call write_formulas(file, self%formulas, summary, self%scaling)
+         if (self%has_formulas) call write_formulas(file, case%contact, summary, self%scaling)
          if (allocated(self%momentum)) then
             call write_momentum(file, self%momentum, self%scaling, self%is_transient, self%has_si)
-            if (self%is_transient) call write_film_passage(file, self%run%film_passage, &
-               self%scaling, self%has_si)
+            call self%store%copy_into(file, self%scaling, state, self%has_si, in_full)
          end if
          if (allocated(self%velocity)) call write_velocity(file, self%velocity, self%scaling)
          call judge(self%adequacy, summary)

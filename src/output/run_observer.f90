@@ -2,9 +2,9 @@
 !> solver when the run is interrupted, and keeps a checkpoint then and from time to time.
 module run_observer
    use closing_table, only: breakdown_sentence
-   use checkpoint, only: checkpoint_t, write_checkpoint
+   use checkpoint, only: write_checkpoint
+   use disk_file, only: sync_file
    use errors, only: error_t, fail, output_error
-   use film_fields, only: new_passage
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -12,6 +12,7 @@ module run_observer
    use listener, only: listener_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
+   use text, only: add_sentence
    use signals, only: begin_activity, is_interrupted, set_patience
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -38,12 +39,14 @@ module run_observer
       logical :: has_coarse_runs = .false., is_trial = .false.
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
+      !> What should be known about the result; not allocated: nothing.
+      character(:), allocatable :: note
       !> Seconds of the clock at the start and at the last checkpoint.
       real(wp) :: start = 0.0_wp, last_checkpoint = 0.0_wp
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step, on_part, on_stage, wants_stop, complete
+      procedure :: on_step, on_part, on_stage, wants_stop, add_note
       procedure, private :: keep
    end type run_observer_t
 
@@ -62,18 +65,11 @@ contains
       begin = wall_seconds()
       if (step == 0) self%output_seconds = 0.0_wp   ! without those of trial runs
       if (self%is_trial .and. step == 0) call self%writer%forget_steps()
+      if (allocated(self%follower)) call self%writer%run%film_passage%add(state, self%follower)
       call self%writer%store_step(step, steps, state, report)
       if (self%is_trial) then   ! no checkpoint: another may be the result
          self%output_seconds = self%output_seconds + wall_seconds() - begin
          return
-      end if
-      if (allocated(self%follower)) then
-         associate (writer => self%writer)
-            if (step == 0) writer%run%film_passage = new_passage(steps, writer%profile_stride, &
-               size(state%x))
-            call writer%run%film_passage%make_room(steps)
-            call writer%run%film_passage%add(step, state, self%follower)
-         end associate
       end if
       call self%log%on_step(step, steps, state, report)
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
@@ -115,20 +111,15 @@ contains
       end if
    end subroutine on_stage
 
-   !> Completes a report by what the solver does not know: a film breakdown in SI as its reason, and
-   !> the time of output.
-   subroutine complete(self, report)
-      class(run_observer_t), intent(in) :: self
-      type(report_t), intent(inout) :: report
+   !> Logs `words`, if there are any, and adds them to the note of the result.
+   subroutine add_note(self, words)
+      class(run_observer_t), intent(inout) :: self
+      character(*), intent(in) :: words
 
-      if (index(report%reason, 'film breakdown') == 1 .and. self%log%scaling%is_dimensional) then
-         report%reason = breakdown_sentence(report%breakdown, self%film_floor, self%log%scaling)
-      end if
-      associate (seconds => report%cost%phase_seconds)
-         seconds(phase_output) = self%output_seconds
-         seconds(phase_transient) = max(seconds(phase_transient) - self%output_seconds, 0.0_wp)
-      end associate
-   end subroutine complete
+      if (words == '') return
+      call self%log%say(self%log%file//': '//words)
+      call add_sentence(self%note, words)
+   end subroutine add_note
 
    !> Writes a checkpoint. A failure is reported and stops nothing: the last one is still there.
    subroutine keep(self, state, history, report)
@@ -136,34 +127,34 @@ contains
       type(line_state_t), intent(in) :: state
       type(march_state_t), intent(in) :: history
       type(report_t), intent(in) :: report
-      type(checkpoint_t) :: checkpoint
       real(wp) :: begin
 
       begin = wall_seconds()
-      checkpoint%run_record_t = self%writer%run
-      checkpoint%march = history
-      checkpoint%march%film = state%film_thickness
-      checkpoint%march%report = report
-      if (allocated(self%follower)) checkpoint%momentum = self%follower%kept()
-      checkpoint%part_digits = self%writer%store%sums%digits()
-      associate (kept => checkpoint%march%report)
-         kept%cost%wall_seconds = self%earlier_seconds + begin - self%start
-         kept%cost%phase_seconds(phase_output) = self%output_seconds
-         kept%cost%phase_seconds(phase_transient) = 0.0_wp
-         kept%cost%phase_seconds(phase_transient) = max(kept%cost%wall_seconds &
-            - sum(kept%cost%phase_seconds), 0.0_wp)
+      associate (run => self%writer%run)
+         run%march = history
+         run%march%film = state%film_thickness
+         run%march%report = report
+         if (allocated(self%follower)) run%momentum = self%follower%kept()
+         run%part_digits = self%writer%store%sums%digits()
+      end associate
+      associate (cost => self%writer%run%march%report%cost)
+         cost%wall_seconds = self%earlier_seconds + begin - self%start
+         cost%phase_seconds(phase_output) = self%output_seconds
+         cost%phase_seconds(phase_transient) = 0.0_wp
+         cost%phase_seconds(phase_transient) = max(cost%wall_seconds - sum(cost%phase_seconds), &
+            0.0_wp)
       end associate
       if (allocated(self%failure)) deallocate (self%failure)
-      if (self%writer%sync()) then
-         call write_checkpoint(checkpoint, self%writer%name%path//'.ckpt', self%failure)
+      if (sync_file(self%writer%path//'.part')) then
+         call write_checkpoint(self%writer%run, self%writer%path//'.ckpt', self%failure)
       else
-         call fail(self%failure, output_error, 'cannot write '//self%writer%name%path//'.part')
+         call fail(self%failure, output_error, 'cannot write '//self%writer%path//'.part')
       end if
       if (allocated(self%failure)) then
          call self%log%say_error(self%failure%message)
       else
-         self%writer%name%has_checkpoint = .true.
-         call self%writer%name%expect_interruption(history%step)
+         self%writer%has_checkpoint = .true.
+         call self%writer%expect_interruption(history%step)
       end if
       call set_patience(.false.)   ! until the next step
       self%last_checkpoint = wall_seconds()

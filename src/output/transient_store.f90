@@ -11,6 +11,7 @@ module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: any_mark, part_words, place_fault
    use errors, only: error_t, fail, input_error, output_error
+   use film_fields, only: film_passage_t
    use file_bytes, only: checksum_t, open_positional_file, positional_file_t, real_bytes, sums_of
    use hdf5_axes, only: link_object, name_axes
    use hdf5_dataset, only: label_t, new_label, write_records, write_values
@@ -19,9 +20,8 @@ module transient_store
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use quantities, only: asperity_share, boundary_friction, oil_friction, quantity_rows, &
-      sliding_rows
-   use result_labels, only: field_names, field_values, row_label
+   use quantities, only: quantity_rows
+   use result_labels, only: field_names, field_values, momentum_names, row_label
    use scaling, only: scaling_t
    use signals, only: begin_activity
    use text, only: count_of, to_text
@@ -29,31 +29,29 @@ module transient_store
    implicit none (type, external)
    private
 
-   public :: attach_store, begin_store, create_store, read_progress, transient_store_t
+   public :: attach_store, create_store, read_progress, transient_store_t
 
    !> Longest name of a series.
-   integer, parameter :: name_length = len(quantity_rows%name)
+   integer, parameter, public :: name_length = len(quantity_rows%name)
    !> Series of one number for each time step that every passage has, quantities among them.
    character(len=name_length), parameter :: number_names(*) = [character(len=name_length) :: &
       'time', 'rigid_displacement', 'h_min', 'p_max', 'rolling_friction_coefficient', &
       'rolling_power', 'residual']
-   !> Those where the speeds of the surfaces are known, to be named like fields.
-   character(len=name_length), parameter, public :: sliding_names(*) = &
-      quantity_rows(sliding_rows)%name
-   !> Those of a contact with asperities, to be named like fields.
-   character(len=name_length), parameter, public :: mixed_names(*) = &
-      quantity_rows([asperity_share, oil_friction, boundary_friction])%name
    !> Coordinates of fields.
    character(len=1), parameter :: coordinates(2) = ['x', 'y']
+   !> Groups of series, and how the names begin of those by the full momentum equations.
+   character(*), parameter, public :: in_time = '/transient/', in_full = '/momentum/transient/'
+   character(*), parameter :: of_momentum = 'momentum_'
+   !> Names of all fields.
+   character(len=name_length), parameter :: profile_names(*) = [field_names, momentum_names(10:)]
    !> Times of the stored profiles, which the records do not repeat.
    character(*), parameter :: profile_time_name = 'profile_time'
-   !> Those of a contact with a duty, to be named like fields.
-   character(len=name_length), parameter, public :: duty_names(*) = [character(len=name_length) :: &
-      'h_central', 'load_per_length', 'reduced_radius', 'speed_1', 'speed_2'], &
-      point_duty_names(*) = [character(len=name_length) :: 'h_central', 'load', 'speed_1', &
-      'speed_2']
    !> Mark of the time steps with a film below the floor, to be named like a field.
    character(*), parameter, public :: breakdown_name = 'film_breakdown'
+   !> All series of numbers, as `append` knows them.
+   character(len=name_length), parameter :: known_names(*) = [character(len=name_length) :: &
+      'time', 'rigid_displacement', 'residual', breakdown_name, 'load_per_length', 'load', &
+      'reduced_radius', 'speed_1', 'speed_2', quantity_rows%name, momentum_names(:9)]
    !> What to do about a file that does not fit its checkpoint.
    character(*), parameter :: way_out = '; delete the checkpoint, and the run starts at the '// &
       'beginning'
@@ -75,7 +73,7 @@ module transient_store
       character(:), allocatable, private :: line
       type(checksum_t) :: sums
    contains
-      procedure :: append, copy_into
+      procedure :: begin, append, copy_into
    end type transient_store_t
 
 contains
@@ -103,17 +101,19 @@ contains
       call store%file%write_reals(0_int64, transfer(part_words, [0.0_wp]))
    end subroutine create_store
 
-   !> Begins the records, with profiles of `nodes` nodes at every `stride`-th step; `fields` are
-   !> names of `field_names`, of `sliding_names`, or `breakdown_name`.
-   subroutine begin_store(store, fields, nodes, stride)
-      type(transient_store_t), intent(inout) :: store
-      character(*), intent(in) :: fields(:)
+   !> Begins the records of the file `path` anew, with profiles of `nodes` nodes at every
+   !> `stride`-th step; `fields` are names of profiles, and of series that not every passage has.
+   subroutine begin(self, path, fields, nodes, stride)
+      class(transient_store_t), intent(inout) :: self
+      character(*), intent(in) :: path, fields(:)
       integer, intent(in) :: nodes, stride
 
-      call name_series(store, fields, nodes, stride)
-      call store%file%write_reals(0_int64, transfer(store%line, [0.0_wp]))
-      call store%sums%add(transfer(store%line, [0.0_wp]))
-   end subroutine begin_store
+      call self%file%close()
+      call create_store(self, path)
+      call name_series(self, fields, nodes, stride)
+      call self%file%write_reals(0_int64, transfer(self%line, [0.0_wp]))
+      call self%sums%add(transfer(self%line, [0.0_wp]))
+   end subroutine begin
 
    !> Goes on in `path` behind the records of an earlier run; `counts`: nodes, stride, records.
    !> Error: they are not those whose checksum is `digits`.
@@ -194,43 +194,32 @@ contains
    end subroutine read_progress
 
    !> Appends one time step, with its profiles if it is one of the `stride`-th, and the checksum.
-   subroutine append(self, state, summary, report)
+   subroutine append(self, state, summary, report, passage)
       class(transient_store_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
+      type(film_passage_t), intent(in) :: passage
       type(checksum_t) :: sums
       real(wp), allocatable :: values(:)
-      integer :: i
+      real(wp) :: numbers(size(known_names))
+      integer :: i, k
 
+      numbers = [state%time, state%rigid_displacement, report%residual, merge(1.0_wp, 0.0_wp, &
+         report%breakdown%is_now), state%moment%load, state%moment%load, state%moment%radius, &
+         state%moment%speeds, summary%of%value, passage%series]
       allocate (values(0))
       do i = 1, merge(size(self%names), self%first_profile - 1, mod(self%records, self%stride) == 0)
-         select case (self%names(i))
-         case ('time')
-            values = [values, state%time]
-         case ('rigid_displacement')
-            values = [values, state%rigid_displacement]
-         case ('residual')
-            values = [values, report%residual]
-         case (breakdown_name)
-            values = [values, merge(1.0_wp, 0.0_wp, report%breakdown%is_now)]
-         case ('load_per_length', 'load')
-            values = [values, state%moment%load]
-         case ('reduced_radius')
-            values = [values, state%moment%radius]
-         case ('speed_1')
-            values = [values, state%moment%speeds(1)]
-         case ('speed_2')
-            values = [values, state%moment%speeds(2)]
-         case (profile_time_name)
-            continue
-         case default
-            if (any(quantity_rows%name == self%names(i))) then
-               values = [values, pack(summary%of%value, quantity_rows%name == self%names(i))]
-            else
-               values = [values, field_values(trim(self%names(i)), state)]
-            end if
-         end select
+         k = findloc(known_names == self%names(i), .true., 1)
+         if (k > 0) then
+            values = [values, numbers(k)]
+         else if (self%names(i) == 'momentum_pressure') then
+            values = [values, passage%pressure]
+         else if (self%names(i) == 'momentum_film_thickness') then
+            values = [values, passage%film]
+         else if (i /= self%first_profile) then
+            values = [values, field_values(trim(self%names(i)), state)]
+         end if
       end do
       sums = self%sums
       call sums%add(values)
@@ -242,55 +231,76 @@ contains
       self%records = self%records + 1
    end subroutine append
 
-   !> Writes all series with their axes into `file`, which has /solution, where fields have this
-   !> `shape`; with `has_si` those that differ in SI also below /si. A failure: the records are not
-   !> what was stored.
-   subroutine copy_into(self, file, scaling, has_si, shape)
+   !> Writes all series of a `group`, if there are any, with their axes into `file`, which has
+   !> /solution with the fields of `state`; with `has_si` those that differ in SI also below /si. A
+   !> failure: the records are not what was stored.
+   subroutine copy_into(self, file, scaling, state, has_si, group)
       class(transient_store_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
+      type(line_state_t), intent(in) :: state
       logical, intent(in) :: has_si
-      integer, intent(in) :: shape(:)
+      character(*), intent(in) :: group
       type(checksum_t) :: sums
-      type(label_t) :: label
       character(:), allocatable :: name
+      integer, allocatable :: extents(:)
       integer :: i
 
-      do i = 1, size(shape)
+      if (any([allocated(file%failure), allocated(file%row), .not. allocated(self%names)])) return
+      extents = shape(state%x)
+      if (allocated(state%y)) extents = [extents, size(state%y)]
+      do i = 1, size(extents)
          associate (axis => coordinates(i))
-            call link_object(file, '/solution/'//axis, '/transient/'//axis)
-            if (has_si) call link_object(file, '/si/solution/'//axis, '/si/transient/'//axis)
+            call link_object(file, '/solution/'//axis, group//axis)
+            if (has_si) call link_object(file, '/si/solution/'//axis, '/si'//group//axis)
          end associate
       end do
       do i = 1, size(self%names)
          name = trim(self%names(i))
          call begin_activity('writing the result, '//name)
-         label = row_label(name, scaling)
-         call copy_series(self, file, i, '/transient/', 1.0_wp, label, shape)
-         if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si/transient/', &
-            label%si_scale, new_label(label%long_name, label%si_units), shape)
+         if (group == in_full .and. index(name, of_momentum) == 1) then
+            call copy(name(len(of_momentum) + 1:), name)
+         else if (group == in_full .and. name == profile_time_name) then
+            call copy(name, of_momentum//name)
+         else if (name == 'time' .or. group == in_time .and. index(name, of_momentum) /= 1) then
+            call copy(name, name)
+         end if
       end do
       sums = sums_of(self%file, place_of(self, self%records))
-      if (sums%digits() /= self%sums%digits() .and. .not. allocated(self%file%failure)) call &
+      if (all([sums%digits() /= self%sums%digits(), .not. allocated(self%file%failure)])) call &
          fail(self%file%failure, output_error, self%file%path &
          //' was changed by another program while the run went on')
+      if (all([allocated(self%file%failure), .not. allocated(file%failure)])) file%failure = &
+         self%file%failure
+
+   contains
+
+      !> Series `i` under a `name`, with the label of a `row`, and in SI.
+      subroutine copy(name, row)
+         character(*), intent(in) :: name, row
+         type(label_t) :: label
+
+         label = row_label(row, scaling)
+         call copy_series(self, file, i, group//name, 1.0_wp, label, extents)
+         if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si'//group//name, &
+            label%si_scale, new_label(label%long_name, label%si_units), extents)
+      end subroutine copy
+
    end subroutine copy_into
 
-   !> Series `i` times `factor` into a group, with its axes; `shape`: of a field.
-   subroutine copy_series(store, file, i, group, factor, label, shape)
+   !> Series `i` times `factor` to a `path`, with its axes; `shape`: of a field.
+   subroutine copy_series(store, file, i, path, factor, label, shape)
       class(transient_store_t), intent(inout) :: store
       class(hdf5_file_t), intent(inout) :: file
       integer, intent(in) :: i
-      character(*), intent(in) :: group
+      character(*), intent(in) :: path
       real(wp), intent(in) :: factor
       type(label_t), intent(in) :: label
       integer, intent(in) :: shape(:)
       real(wp), allocatable :: values(:, :)
       integer, allocatable :: extents(:)
-      character(:), allocatable :: path
       integer :: every, first, last, row, k
 
-      path = group//trim(store%names(i))
       every = merge(store%stride, 1, i >= store%first_profile)
       row = merge(store%nodes, 1, i > store%first_profile)
       extents = pack(shape, i > store%first_profile)
@@ -344,7 +354,7 @@ contains
       logical :: is_profile(size(fields))
       integer :: i
 
-      is_profile = [(any(field_names == fields(i)), i=1, size(fields))]
+      is_profile = [(any(profile_names == fields(i)), i=1, size(fields))]
       store%names = [character(len=name_length) :: number_names, pack(fields, .not. is_profile), &
          profile_time_name, pack(fields, is_profile)]
       store%first_profile = size(number_names) + count(.not. is_profile) + 1

@@ -34,7 +34,7 @@ module xdmf_file
       grid_row_t('velocity', [character(len=23) :: '/velocity/zeta', x, ''])]
 
    !> Everything that can be a field.
-   character(len=20), parameter :: names(*) = [character(len=20) :: field_names(2:), 'gap', &
+   character(len=29), parameter :: names(*) = [character(len=29) :: field_names(2:), 'gap', &
       'height_undeformed', 'height_loaded', 'height_unloaded', 'plastic_deformation', &
       'film_breakdown', 'u', 'w', 'layer_pressure', 'shear_stress']
 
@@ -65,9 +65,15 @@ contains
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: failure
       character(:), allocatable :: name, text
-      integer :: i
+      character(len=5), parameter :: entities(3) = [character(len=5) :: '&amp;', '&lt;', '&gt;']
+      integer :: i, k
 
-      name = escaped(path(index(path, '/', back=.true.) + 1:))
+      name = ''   ! as XML has it
+      do i = index(path, '/', back=.true.) + 1, len(path)
+         k = index('&<>', path(i:i))
+         if (k > 0) name = name//trim(entities(k))
+         if (k == 0) name = name//path(i:i)
+      end do
       text = '<?xml version="1.0" encoding="UTF-8"?>'//nl//xdmf_words//' -->'//nl &
          //'<Xdmf Version="2.0">'//nl//'<Domain>'//nl
       call open_hdf5_input(reader, path, failure)   ! error: the reader keeps it
@@ -76,11 +82,11 @@ contains
       end do
       call reader%close(failure)
       if (allocated(failure)) then
-         call fail(error, output_error, xdmf_path(path)//' cannot be written: '//failure%message)
+         text = xdmf_path(path)//' cannot be written: '//failure%message
       else
-         call put(xdmf_path(path), text//'</Domain>'//nl//'</Xdmf>'//nl, &
-            error)   ! error: handed up
+         text = fault_of_writing(xdmf_path(path), text//'</Domain>'//nl//'</Xdmf>'//nl)
       end if
+      if (text /= '') call fail(error, output_error, text)
    end subroutine write_xdmf
 
    !> Adds the grid of a group, if the result has it.
@@ -163,47 +169,27 @@ contains
 
    end subroutine add_grid
 
-   !> `name` as XML has it.
-   pure function escaped(name)
-      character(*), intent(in) :: name
-      character(:), allocatable :: escaped
-      character(len=5), parameter :: entities(3) = [character(len=5) :: '&amp;', '&lt;', '&gt;']
-      integer :: i, k
-
-      escaped = ''
-      do i = 1, len(name)
-         k = index('&<>', name(i:i))
-         if (k > 0) escaped = escaped//trim(entities(k))
-         if (k == 0) escaped = escaped//name(i:i)
-      end do
-   end function escaped
-
-   !> Writes `text` to `path`, whole or not at all.
-   subroutine put(path, text, error)
+   !> Writes `text` to `path`, whole or not at all: what stands against it, or nothing.
+   function fault_of_writing(path, text) result(fault)
       character(*), intent(in) :: path, text
-      type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault
       character(len=256) :: message
       integer :: status, unit
       logical :: is_done
 
       fault = place_fault(path//'.part', any_mark)
-      if (fault /= '') then
-         call fail(error, output_error, 'cannot write '//path//'.part'//fault)
-         return
-      end if
+      if (fault /= '') fault = 'cannot write '//path//'.part'//fault
+      if (fault /= '') return
       open (newunit=unit, file=path//'.part', access='stream', form='unformatted', &
          action='write', status='replace', iostat=status, iomsg=message)
       if (status == 0) write (unit, iostat=status, iomsg=message) text
       if (status == 0) close (unit, iostat=status, iomsg=message)
       if (status /= 0) then
-         call fail(error, output_error, 'cannot write '//path//': '//trim(message))
-      else
-         if (rename_file(path//'.part', path)) return
-         call fail(error, output_error, 'cannot rename '//path//'.part to '//path &
-            //place_fault(path, xdmf_mark))
+         fault = 'cannot write '//path//': '//trim(message)
+      else if (.not. rename_file(path//'.part', path)) then
+         fault = 'cannot rename '//path//'.part to '//path//place_fault(path, xdmf_mark)
       end if
-      is_done = remove_file(path//'.part')
-   end subroutine put
+      if (fault /= '') is_done = remove_file(path//'.part')
+   end function fault_of_writing
 
 end module xdmf_file

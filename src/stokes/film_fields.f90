@@ -15,21 +15,22 @@ module film_fields
    implicit none (type, external)
    private
 
-   public :: compare_passage, copy_fields, film_fields_t, film_passage_t, new_passage, stress_rise
+   public :: copy_fields, film_fields_t, film_passage_t, stress_rise
 
-   !> Series over the time steps, T = 0 first (0:steps), and profiles of every `stride`-th one.
+   !> A transient by the full equations, at the present time and up to it.
    type :: film_passage_t
-      integer :: stride = 1
-      !> Last step added.
-      integer :: last = -1
-      !> T; smallest film, film at X = 0 and largest pressure by the full equations (series 1 to 3)
-      !> and by the Reynolds equation (4 to 6); largest differences of the mean pressure [p_h] and
-      !> of the film [b^2/R], largest difference of pressures across the film [p_h] (7 to 9).
-      real(wp), allocatable :: time(:), series(:, :)
-      !> Mean pressure and film of the profiles (nx, 0:steps/stride).
-      real(wp), allocatable :: pressure(:, :), film(:, :)
+      !> Smallest film, film at X = 0 and largest pressure (1 to 3), their relative differences from
+      !> the Reynolds equation (4 to 6), largest differences of the mean pressure [p_h] and of the
+      !> film [b^2/R], largest difference of pressures across the film [p_h] (7 to 9).
+      real(wp) :: series(9) = 0.0_wp
+      !> Extremes over time: smallest films and largest pressure, the same by the Reynolds equation
+      !> (4 to 6), largest differences.
+      real(wp) :: extremes(9) = [huge(1.0_wp), huge(1.0_wp), 0.0_wp, huge(1.0_wp), huge(1.0_wp), &
+         0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+      !> Mean pressure and film (nx).
+      real(wp), allocatable :: pressure(:), film(:)
    contains
-      procedure :: add, make_room
+      procedure :: add, compare
    end type film_passage_t
 
    !> Fields (layers, nx) in the middle of the layers at the nodes.
@@ -50,54 +51,22 @@ module film_fields
 
 contains
 
-   !> Allocates room for this many steps on nx nodes.
-   pure function new_passage(steps, stride, nx) result(passage)
-      integer, intent(in) :: steps, stride, nx
-      type(film_passage_t) :: passage
-
-      passage%stride = stride
-      allocate (passage%time(0:steps), passage%series(9, 0:steps), &
-         passage%pressure(nx, 0:steps/stride), passage%film(nx, 0:steps/stride), source=0.0_wp)
-   end function new_passage
-
-   !> Makes room for this many steps, if there is less, and keeps the values added so far.
-   pure subroutine make_room(self, steps)
-      class(film_passage_t), intent(inout) :: self
-      integer, intent(in) :: steps
-      type(film_passage_t) :: wide
-      integer :: profiles
-
-      if (ubound(self%time, 1) >= steps) return
-      wide = new_passage(steps, self%stride, size(self%pressure, 1))
-      profiles = self%last/self%stride
-      wide%last = self%last
-      wide%time(:self%last) = self%time(:self%last)
-      wide%series(:, :self%last) = self%series(:, :self%last)
-      wide%pressure(:, :profiles) = self%pressure(:, :profiles)
-      wide%film(:, :profiles) = self%film(:, :profiles)
-      self%time = wide%time
-      self%series = wide%series
-      self%pressure = wide%pressure
-      self%film = wide%film
-   end subroutine make_room
-
    !> Adds the end of a time step; `state` is that of the Reynolds equation.
-   subroutine add(self, step, state, follower)
+   subroutine add(self, state, follower)
       class(film_passage_t), intent(inout) :: self
-      integer, intent(in) :: step
       type(line_state_t), intent(in) :: state
       class(follower_t), intent(in) :: follower
+      integer, parameter :: films(*) = [1, 2, 4, 5], others(*) = [3, 6, 7, 8, 9]
+      real(wp) :: s(9)
 
-      self%last = step
-      self%time(step) = state%time
-      associate (full => follower%state)
-         self%series(:, step) = [extremes(full%pressure, full%film), extremes(state%pressure, &
-            state%film_thickness), maxval(abs(full%pressure - state%pressure)), &
-            maxval(abs(full%film - state%film_thickness)), follower%pressure_variation]
-         if (mod(step, self%stride) /= 0) return
-         self%pressure(:, step/self%stride) = full%pressure
-         self%film(:, step/self%stride) = full%film
-      end associate
+      self%pressure = follower%state%pressure
+      self%film = follower%state%film
+      s = [extremes(self%pressure, self%film), extremes(state%pressure, state%film_thickness), &
+         maxval(abs(self%pressure - state%pressure)), &
+         maxval(abs(self%film - state%film_thickness)), follower%pressure_variation]
+      self%series = [s(:3), s(:3)/s(4:6) - 1, s(7:)]
+      self%extremes(films) = min(self%extremes(films), s(films))
+      self%extremes(others) = max(self%extremes(others), s(others))
 
    contains
 
@@ -170,17 +139,17 @@ contains
 
    !> Sets the differences of a transient: of films from the smallest over all times, of pressures
    !> and differences from the largest.
-   pure subroutine compare_passage(passage, fields)
-      type(film_passage_t), intent(in) :: passage
+   pure subroutine compare(self, fields)
+      class(film_passage_t), intent(in) :: self
       type(film_fields_t), intent(inout) :: fields
 
-      associate (s => passage%series(:, :passage%last))
-         fields%h_min = minval(s(1, :))/minval(s(4, :)) - 1
-         fields%h_central = minval(s(2, :))/minval(s(5, :)) - 1
-         fields%p_max = maxval(s(3, :))/maxval(s(6, :)) - 1
-         fields%pressure_change = maxval(s(7, :))
-         fields%pressure_variation = maxval(s(9, :))
+      associate (s => self%extremes)
+         fields%h_min = s(1)/s(4) - 1
+         fields%h_central = s(2)/s(5) - 1
+         fields%p_max = s(3)/s(6) - 1
+         fields%pressure_change = s(7)
+         fields%pressure_variation = s(9)
       end associate
-   end subroutine compare_passage
+   end subroutine compare
 
 end module film_fields
