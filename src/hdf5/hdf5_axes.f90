@@ -13,6 +13,7 @@ module hdf5_axes
       hid_t, hobj_ref_t_f, hvl_t, size_t
    use hdf5_dataset, only: attach_values, label_t, new_label, write_dataset, write_values
    use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
+   use hdf5_library, only: link_creation
    use kinds, only: wp
    use text, only: count_of
    implicit none (type, external)
@@ -141,7 +142,7 @@ contains
       integer :: k, status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
-      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=file%shared%link_creation)
+      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=link_creation)
       call file%check(status, second)
       k = axis_at(file, path)
       if (k == 0 .or. allocated(file%failure)) return

@@ -2,7 +2,6 @@
 !> of fixed length in UTF-8; records, written block by block. Shapes are as Fortran sees them; h5py
 !> shows them reversed.
 module hdf5_dataset
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
       c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
@@ -10,6 +9,7 @@ module hdf5_dataset
       h5dwrite_f, h5iinc_ref_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, hid_t, hsize_t
    use hdf5_file, only: hdf5_file_t
+   use hdf5_library, only: creation, link_creation, scalar_space, small_creation
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -75,32 +75,19 @@ contains
       real(wp), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
       logical, intent(in), optional :: is_single
-      real(wp), pointer :: flat(:)
+      integer(int64), pointer :: bits(:)
       logical :: is_blank
 
       call file%check_values(path, value)
       if (allocated(file%row)) call file%row%put(path, '', label%si_units, numbers=value)
       is_blank = size(value) > many
       if (is_blank) then
-         call c_f_pointer(c_loc(value), flat, [size(value)])
-         is_blank = are_zero(flat)
+         call c_f_pointer(c_loc(value), bits, [size(value)])
+         is_blank = .not. any(shiftl(bits, 1) /= 0_int64)   ! without the sign
       end if
       call write_values(file, path, file%real_type, shape(value), merge(c_null_ptr, c_loc(value), &
          is_blank), label, is_single)
    end subroutine write_reals
-
-   !> Whether all `values` are zero.
-   pure logical function are_zero(values)
-      real(wp), intent(in) :: values(:)
-      integer :: i
-
-      are_zero = .false.
-      do i = 1, size(values)
-         if (.not. ieee_is_finite(values(i))) return
-         if (abs(values(i)) > 0.0_wp) return
-      end do
-      are_zero = .true.
-   end function are_zero
 
    !> Integers of 64 bits, of any rank.
    subroutine write_integers(file, path, value, label)
@@ -145,14 +132,14 @@ contains
       integer :: references, status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
-      call new_space(file, extents, space, status)
+      call new_space(extents, space, status)
       associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
          file%real_type .or. type_id == file%integer_type))
          file_type = type_id
          if (present(is_single)) file_type = merge(file%single_type, type_id, is_single)
          if (status >= 0) call h5dcreate_f(file%id, path, file_type, space, dataset, status, &
-            dcpl_id=merge(file%shared%small_creation, file%shared%creation, is_small), &
-            lcpl_id=file%shared%link_creation)
+            dcpl_id=merge(small_creation, creation, is_small), &
+            lcpl_id=link_creation)
       end associate
       call file%check(status, path)
       if (allocated(file%failure)) return
@@ -234,7 +221,7 @@ contains
       if (allocated(file%failure) .or. allocated(file%row)) return
       object = file%object_at(path)
       if (allocated(file%failure)) return
-      call new_space(file, extents, space, status)
+      call new_space(extents, space, status)
       if (status >= 0) call h5acreate_f(object, name, type_id, space, attribute, status)
       if (status >= 0) call h5awrite_f(attribute, type_id, values, status)
       if (status >= 0) call h5aclose_f(attribute, status)
@@ -243,13 +230,12 @@ contains
    end subroutine attach_values
 
    !> The dataspace of these `extents` (none: one value), for `close_space`; `status` < 0: failed.
-   subroutine new_space(file, extents, space, status)
-      class(hdf5_file_t), intent(in) :: file
+   subroutine new_space(extents, space, status)
       integer, intent(in) :: extents(:)
       integer(hid_t), intent(out) :: space
       integer, intent(out) :: status
 
-      space = file%shared%scalar_space
+      space = scalar_space
       status = 0
       ! gfortran 12: where an expression like int(x, int64) is empty its `shape` here has a -1.
       if (size(extents) > 0) call h5screate_simple_f(size(extents), int(max(extents, 0), &

@@ -11,7 +11,8 @@ module measured_heights
    private
 
    public :: are_heights, height_fault, height_range_t, height_request_t, heights_t, is_height, &
-      is_position, position_fault, position_range_t, range_fault, scale_fault, spacing_fault
+      is_position, place_words, position_fault, position_range_t, range_fault, scale_fault, &
+      spacing_fault
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
@@ -174,6 +175,16 @@ contains
       if (.not. (ieee_is_finite(value) .or. ieee_is_nan(value))) shown = trim(merge('-Infinity', &
          'Infinity ', value < 0.0_wp))
    end function shown
+
+   !> Where node `number` of an area lies, in brackets; empty for a profile.
+   pure function place_words(number, grid) result(words)
+      integer(int64), intent(in) :: number, grid(2)
+      character(:), allocatable :: words
+
+      words = ''
+      if (grid(2) > 1) words = ' (node '//to_text(modulo(number - 1, grid(1)) + 1)//' in x, '// &
+         to_text((number - 1)/grid(1) + 1)//' in y)'
+   end function place_words
 
    !> Adds the next heights; `mark` says where the first one stands, and the others count on.
    pure subroutine add_heights(self, z, mark)
