@@ -168,8 +168,7 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Closes the file, once, and all in it, or empties one that has failed; `error` is the first
-   !> failure of its whole life.
+   !> Closes the file, once, and all in it, or empties a failed one; `error`: the first failure.
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error

@@ -1,11 +1,11 @@
-!> An HDF5 file being read: numbers, texts and attributes by their paths, and parts of datasets. What
-!> is there is compared with what is wanted before anything is read, and must lie in the file.
+!> An HDF5 file being read: numbers, texts and attributes by their paths, and parts of datasets.
+!> What is there is compared with what is wanted before it is read, and must lie in the file.
 !>
 !> Every return code is checked. The first failure stays in `reader%failure` (kind input_error);
 !> what follows it reads nothing, so a caller checks once, at the end.
 module hdf5_input
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_loc, c_null_char, c_null_ptr, c_ptr
-   use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_loc, c_null_char, c_null_ptr, &
+      c_ptr
    use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
    use hdf5, only: h5_real_kind, h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aget_type_f, &
@@ -19,7 +19,7 @@ module hdf5_input
       h5t_native_double, h5t_std_ref_obj, h5t_string_f, h5tclose_f, h5tequal_f, h5tget_class_f, &
       h5tget_size_f, h5tis_variable_str_f, h5tvlen_create_f, hid_t, hsize_t, hvl_t, size_t
    use hdf5_library, only: hdf5_handle_t, start_hdf5, text_at
-   use kinds, only: wp
+   use kinds, only: int64, wp
    use text, only: to_text
    implicit none (type, external)
    private
@@ -28,8 +28,7 @@ module hdf5_input
 
    !> Most numbers that are read at once.
    integer, parameter :: max_values = 268435456
-   !> Values that are read, any number of them: integers or reals of at most 16 bytes; a text of
-   !> fixed length.
+   !> Values that are read: integers or reals of at most 16 bytes; a text of fixed length.
    integer, parameter :: number_class = 1, text_class = 2
    integer(int64), parameter :: any_count = -1_int64
    !> Largest number and text [bytes].
@@ -487,8 +486,7 @@ contains
       if (allocated(self%failure)) error = self%failure
    end subroutine close_reader
 
-   !> Numbers of `dataset` from `offset` on, `extents` of them along each of its dimensions, as they
-   !> are stored.
+   !> Numbers of `dataset` as stored, from `offset` on, `extents` of them along each dimension.
    subroutine read_part(self, dataset, offset, extents, z)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: dataset
