@@ -15,7 +15,7 @@ module film_waves
    use lubricant, only: fluid_viscosity, ln_slip
    use pressure_errors, only: spike_law_t
    use quantities, only: h_central, p_central, p_max
-   use text, only: rounded_down
+   use text, only: rounded
    implicit none (type, external)
    private
 
@@ -97,7 +97,7 @@ contains
          spacing = spacing/finer
       end do
       words = 'this grid loses a wave that a feature leaves in the film; dX and time_step of '// &
-         rounded_down(spacing, 2)//' would keep it'
+         rounded(spacing, 2, up=.false.)//' would keep it'
    end function lost_waves
 
    !> Errors of H and P at X = 0 by waves with this `spacing` and time step; NaN if large, 0 if H

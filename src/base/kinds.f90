@@ -32,20 +32,11 @@ contains
       if (ieee_is_finite(a) .and. ieee_is_finite(b)) value = max(a, b)
    end function larger
 
-   !> Whether all `values` are finite: no exponent has all bits set. (Without a way out the loop
-   !> takes several at a time.)
+   !> Whether all `values` are finite.
    pure logical function are_finite(values)
       real(wp), contiguous, intent(in) :: values(:)
-      integer(int64), parameter :: full = 2047_int64
-      integer(int64) :: bits, largest
-      integer :: i
 
-      largest = 0_int64
-      do i = 1, size(values)
-         bits = transfer(values(i), bits)
-         largest = ior(largest, iand(shiftr(bits, 52), full) + 1_int64)
-      end do
-      are_finite = largest <= full
+      are_finite = all(ieee_is_finite(values))
    end function are_finite
 
    !> Whether `a` is known and larger than `b`, which is known.

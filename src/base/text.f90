@@ -7,7 +7,7 @@ module text
    private
 
    public :: add_sentence, count_of, counted, duration_text, formatted, joined, number_text, &
-      prefixed_text, quoted, rounded_down, rounded_up, shortened, to_lower, to_text, wrapped
+      prefixed_text, quoted, rounded, shortened, to_lower, to_text, wrapped
 
    !> Most characters of the user's text that a message repeats.
    integer, parameter :: max_quoted = 48
@@ -33,8 +33,7 @@ module text
 
 contains
 
-   !> A number as a `format` of C says: %.17g gives all digits that count. (A `write` takes five
-   !> times as long.)
+   !> A number as a `format` of C says: %.17g has all digits. (A `write` takes five times as long.)
    pure function formatted(value, format) result(string)
       real(wp), intent(in) :: value
       character(*), intent(in) :: format
@@ -95,35 +94,17 @@ contains
       end if
    end function real_to_text
 
-   !> A `value` > 0 with this many `digits`, rounded up: a least value that may be copied.
-   pure function rounded_up(value, digits) result(string)
+   !> A `value` > 0 with this many `digits`, rounded up or down: a limit that may be copied.
+   pure function rounded(value, digits, up) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
+      logical, intent(in) :: up
       character(:), allocatable :: string
       real(wp) :: unit
 
-      unit = last_digit(value, digits)
-      string = real_to_text(unit*(aint(value/unit) + 1), digits)
-   end function rounded_up
-
-   !> The same, rounded down: a largest value that may be copied.
-   pure function rounded_down(value, digits) result(string)
-      real(wp), intent(in) :: value
-      integer, intent(in) :: digits
-      character(:), allocatable :: string
-      real(wp) :: unit
-
-      unit = last_digit(value, digits)
-      string = real_to_text(unit*aint(value/unit), digits)
-   end function rounded_down
-
-   !> Unit of the last of this many `digits` of a `value` > 0.
-   pure real(wp) function last_digit(value, digits) result(unit)
-      real(wp), intent(in) :: value
-      integer, intent(in) :: digits
-
-      unit = 10.0_wp**(floor(log10(value)) - digits + 1)
-   end function last_digit
+      unit = 10.0_wp**(floor(log10(value)) - digits + 1)   ! of the last digit
+      string = real_to_text(unit*(aint(value/unit) + merge(1, 0, up)), digits)
+   end function rounded
 
    !> `string` with A-Z in lower case.
    pure function to_lower(string) result(lower)
@@ -173,10 +154,7 @@ contains
       character(*), intent(in) :: words
       integer :: number, i
 
-      number = 0
-      do i = 1, len(words)
-         if (words(i:i) == mark) number = number + 1
-      end do
+      number = count([(words(i:i) == mark, i=1, len(words))])
    end function count_of
 
    !> A number of things, such as `1 cycle` and `2 cycles`; `noun` is one of them.
@@ -189,8 +167,7 @@ contains
       if (number /= 1) string = string//'s'
    end function counted
 
-   !> A number with `digits` significant digits; integers up to 1e9 without a point; 'unknown' if it
-   !> is not finite.
+   !> A number with so many significant digits, an integer up to 1e9 without a point, or 'unknown'.
    pure function number_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits

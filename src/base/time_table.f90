@@ -28,8 +28,7 @@ module time_table
 
 contains
 
-   !> A table of at least two rows at rising `times`; with `is_periodic` the last row ends the
-   !> period.
+   !> A table of two rows or more at rising `times`; if it `is_periodic` the last ends the period.
    pure function new_time_table(times, values, is_linear, is_periodic) result(table)
       real(wp), intent(in) :: times(:), values(:)
       logical, intent(in) :: is_linear, is_periodic

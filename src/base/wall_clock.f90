@@ -9,7 +9,7 @@ module wall_clock
 contains
 
    !> Seconds on a clock with an arbitrary zero: only differences have a meaning.
-   real(wp) function wall_seconds() result(seconds)
+   recursive real(wp) function wall_seconds() result(seconds)
       integer(int64) :: ticks, rate
 
       call system_clock(ticks, rate)

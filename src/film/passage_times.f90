@@ -18,7 +18,7 @@ module passage_times
    use kinds, only: wp
    use line_contact, only: rough_contact_t, time_settings_t
    use profile, only: profile_length
-   use text, only: add_sentence, rounded_up, to_text
+   use text, only: add_sentence, rounded, to_text
    implicit none (type, external)
    private
 
@@ -348,7 +348,7 @@ contains
          if (times%is_artificial) note = 'the artificial start is in the quantities: it is ' &
             //'forgotten by T = '//to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)
-         note = note//'; end_time = '//rounded_up(times%needed_end, 3)//' or more is needed'
+         note = note//'; end_time = '//rounded(times%needed_end, 3, up=.true.)//' or more is needed'
       else
          note = uncounted_passage(contact, times%settled_from)
       end if
@@ -356,7 +356,7 @@ contains
          last_passage(contact%surface_2, contact%half_length))
       if (left > times%end_time*(1 + rounding)) call add_sentence(note, &
          'a feature is still in the contact or in front of it at the end: end_time = ' &
-         //rounded_up(left, 3)//' or more is needed')
+         //rounded(left, 3, up=.true.)//' or more is needed')
    end function passage_note
 
    !> Note on features that pass before the quantities count, at `from`; empty: none.

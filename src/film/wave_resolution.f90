@@ -7,7 +7,7 @@ module wave_resolution
    use duty, only: span_of
    use kinds, only: int64, wp
    use line_contact, only: finest_wave, rough_contact_t, shortest_passage, time_settings_t
-   use text, only: add_sentence, rounded_down, to_text
+   use text, only: add_sentence, rounded, to_text
    implicit none (type, external)
    private
 
@@ -75,7 +75,8 @@ contains
          //' intervals'
       if (steps < wanted_steps) call add_sentence(words, 'the finest moving wave passes in ' &
          //to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
-         ' are needed: time_step = '//rounded_down(shortest_passage(contact)/wanted_steps, 2))
+         ' are needed: time_step = '//rounded(shortest_passage(contact)/wanted_steps, 2, &
+         up=.false.))
    end function coarse_waves
 
    !> Note that time steps are too long for an error estimate, and which are not; empty: they are
@@ -87,7 +88,8 @@ contains
 
       words = unseen_passage(contact, time)
       if (words /= '') words = 'the error is not estimated: '//words//': time_step = ' &
-         //rounded_down(max(shortest_passage(contact)/seen_steps, node_spacing(contact)), 2)
+         //rounded(max(shortest_passage(contact)/seen_steps, node_spacing(contact)), 2, &
+         up=.false.)
    end function long_steps
 
    !> Says that longer steps miss waves that these resolve; empty: they do not.

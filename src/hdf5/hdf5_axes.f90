@@ -6,14 +6,14 @@
 module hdf5_axes
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_loc, &
       c_null_char, c_sizeof
-   use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5iinc_ref_f, h5lcreate_soft_f, h5offsetof, h5rcreate_f, h5t_c_s1, &
       h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, &
       h5tcopy_f, h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, &
       hid_t, hobj_ref_t_f, hvl_t, size_t
    use hdf5_dataset, only: attach_values, label_t, new_label, write_dataset, write_values
    use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
-   use kinds, only: wp
+   use hdf5_library, only: link_creation
+   use kinds, only: int64, wp
    use text, only: count_of
    implicit none (type, external)
    private
@@ -22,9 +22,8 @@ module hdf5_axes
 
 contains
 
-   !> Stores reals with their `axes`: names of datasets in the same group, the faster one first, or
-   !> '=' for values that are an axis themselves. With `has_si` another dataset below /si has them
-   !> in SI, over the axes there, unless they are pure numbers.
+   !> Stores reals with their `axes`: names of datasets in their group, the faster one first, or '='
+   !> for an axis itself. With `has_si` a dataset below /si has them in SI, if they have a unit.
    subroutine write_field(file, path, values, label, axes, has_si)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, axes
@@ -141,7 +140,7 @@ contains
       integer :: k, status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
-      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=file%shared%link_creation)
+      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=link_creation)
       call file%check(status, second)
       k = axis_at(file, path)
       if (k == 0 .or. allocated(file%failure)) return

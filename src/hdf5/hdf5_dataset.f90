@@ -1,16 +1,14 @@
-!> Labelled datasets and attributes of an HDF5 file being written: reals, 64-bit integers, strings
-!> of fixed length in UTF-8; records, written block by block. Shapes are as Fortran sees them; h5py
-!> shows them reversed.
+!> Labelled datasets and attributes of an HDF5 file being written: reals, 64-bit integers, UTF-8
+!> strings; records, written block by block. Shapes are those of Fortran; h5py shows them reversed.
 module hdf5_dataset
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
       c_null_ptr, c_ptr
-   use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dget_space_f, &
       h5dwrite_f, h5iinc_ref_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, hid_t, hsize_t
    use hdf5_file, only: hdf5_file_t
-   use kinds, only: wp
+   use hdf5_library, only: creation, link_creation, scalar_space, small_creation
+   use kinds, only: int64, wp
    implicit none (type, external)
    private
 
@@ -75,32 +73,19 @@ contains
       real(wp), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
       logical, intent(in), optional :: is_single
-      real(wp), pointer :: flat(:)
+      integer(int64), pointer :: bits(:)
       logical :: is_blank
 
       call file%check_values(path, value)
       if (allocated(file%row)) call file%row%put(path, '', label%si_units, numbers=value)
       is_blank = size(value) > many
       if (is_blank) then
-         call c_f_pointer(c_loc(value), flat, [size(value)])
-         is_blank = are_zero(flat)
+         call c_f_pointer(c_loc(value), bits, [size(value)])
+         is_blank = .not. any(shiftl(bits, 1) /= 0_int64)   ! without the sign
       end if
       call write_values(file, path, file%real_type, shape(value), merge(c_null_ptr, c_loc(value), &
          is_blank), label, is_single)
    end subroutine write_reals
-
-   !> Whether all `values` are zero.
-   pure logical function are_zero(values)
-      real(wp), intent(in) :: values(:)
-      integer :: i
-
-      are_zero = .false.
-      do i = 1, size(values)
-         if (.not. ieee_is_finite(values(i))) return
-         if (abs(values(i)) > 0.0_wp) return
-      end do
-      are_zero = .true.
-   end function are_zero
 
    !> Integers of 64 bits, of any rank.
    subroutine write_integers(file, path, value, label)
@@ -129,9 +114,8 @@ contains
    end subroutine write_string
 
    !> Creates, writes and labels a dataset of the `extents` (none: one value), and the groups above
-   !> it; with `is_single` the file has it in single precision. Null in place of `values`: they are
-   !> zero until `write_records` brings others. (A single number without unit has no `units`: netCDF
-   !> takes that for '1'.)
+   !> it; `is_single`: in single precision. Null in place of `values`: zero until `write_records`
+   !> brings others. (A single number without unit has no `units`: netCDF takes that for '1'.)
    subroutine write_values(file, path, type_id, extents, values, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -145,14 +129,14 @@ contains
       integer :: references, status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
-      call new_space(file, extents, space, status)
+      call new_space(extents, space, status)
       associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
          file%real_type .or. type_id == file%integer_type))
          file_type = type_id
          if (present(is_single)) file_type = merge(file%single_type, type_id, is_single)
          if (status >= 0) call h5dcreate_f(file%id, path, file_type, space, dataset, status, &
-            dcpl_id=merge(file%shared%small_creation, file%shared%creation, is_small), &
-            lcpl_id=file%shared%link_creation)
+            dcpl_id=merge(small_creation, creation, is_small), &
+            lcpl_id=link_creation)
       end associate
       call file%check(status, path)
       if (allocated(file%failure)) return
@@ -171,7 +155,7 @@ contains
       if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
          status)
       if (status >= 0) call h5dclose_f(dataset, status)
-      if (status >= 0) call close_space(extents, space, status)
+      if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
       call file%check(status, path)
    end subroutine write_values
 
@@ -234,37 +218,26 @@ contains
       if (allocated(file%failure) .or. allocated(file%row)) return
       object = file%object_at(path)
       if (allocated(file%failure)) return
-      call new_space(file, extents, space, status)
+      call new_space(extents, space, status)
       if (status >= 0) call h5acreate_f(object, name, type_id, space, attribute, status)
       if (status >= 0) call h5awrite_f(attribute, type_id, values, status)
       if (status >= 0) call h5aclose_f(attribute, status)
-      if (status >= 0) call close_space(extents, space, status)
+      if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
       call file%check(status, name)
    end subroutine attach_values
 
-   !> The dataspace of these `extents` (none: one value), for `close_space`; `status` < 0: failed.
-   subroutine new_space(file, extents, space, status)
-      class(hdf5_file_t), intent(in) :: file
+   !> A dataspace of `extents`, to be closed (none: one value, shared); `status` < 0: failed.
+   subroutine new_space(extents, space, status)
       integer, intent(in) :: extents(:)
       integer(hid_t), intent(out) :: space
       integer, intent(out) :: status
 
-      space = file%shared%scalar_space
+      space = scalar_space
       status = 0
       ! gfortran 12: where an expression like int(x, int64) is empty its `shape` here has a -1.
       if (size(extents) > 0) call h5screate_simple_f(size(extents), int(max(extents, 0), &
          hsize_t), space, status)
    end subroutine new_space
-
-   !> Gives back a dataspace of `new_space`; `status` < 0: failed.
-   subroutine close_space(extents, space, status)
-      integer, intent(in) :: extents(:)
-      integer(hid_t), intent(in) :: space
-      integer, intent(out) :: status
-
-      status = 0
-      if (size(extents) > 0) call h5sclose_f(space, status)
-   end subroutine close_space
 
    !> A string as HDF5 stores it: an empty one as one null character.
    pure function stored_text(value) result(copy)
@@ -275,8 +248,7 @@ contains
       if (len(value) == 0) copy = c_null_char
    end function stored_text
 
-   !> Writes `values` (n, records), records of the `extents`, behind the first `before` ones of the
-   !> dataset at `path`.
+   !> Writes `values` (n, records), records of the `extents`, behind the first `before` at `path`.
    subroutine write_records(file, path, extents, before, values)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path

@@ -13,7 +13,8 @@ module hdf5_file
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
-   use hdf5_library, only: hdf5_handle_t, hdf5_shared_t, shared_hdf5, start_hdf5
+   use hdf5_library, only: file_access, hdf5_handle_t, link_creation, start_hdf5, &
+      start_writing
    use kinds, only: are_finite, wp
    use summary_row, only: summary_row_t
    implicit none (type, external)
@@ -46,8 +47,6 @@ module hdf5_file
    type, extends(hdf5_handle_t) :: hdf5_file_t
       !> The row of a table, into which single values go in place of a file.
       type(summary_row_t), allocatable :: row
-      !> What all files share, for the hdf5_* modules only.
-      type(hdf5_shared_t) :: shared
       !> HDF5 types of real(wp), real(real32) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t, single_type = -1_hid_t, integer_type = -1_hid_t
       !> Coordinates so far, what uses them, and which of them.
@@ -86,9 +85,9 @@ contains
          file%real_type = h5kind_to_type(wp, h5_real_kind)
          file%single_type = h5kind_to_type(real32, h5_real_kind)
          file%integer_type = h5kind_to_type(int64, h5_integer_kind)
-         call shared_hdf5(file%shared, status)
+         call start_writing(status)
          if (status >= 0) call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, &
-            access_prp=file%shared%access)
+            access_prp=file_access)
          file%is_open = status >= 0
          call file%check(status, 'creating the file')
          if (file%is_open) then
@@ -126,7 +125,7 @@ contains
       integer :: status
 
       if (allocated(self%failure) .or. allocated(self%row)) return
-      call h5gcreate_f(self%id, path, group, status, lcpl_id=self%shared%link_creation)
+      call h5gcreate_f(self%id, path, group, status, lcpl_id=link_creation)
       call self%check(status, path)
       if (.not. allocated(self%failure)) call self%keep_object(path, group)
    end subroutine create_group
@@ -169,8 +168,7 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Closes the file, once, and all in it, or empties one that has failed; `error` is the first
-   !> failure of its whole life.
+   !> Closes the file, once, and all in it, or empties a failed one; `error`: the first failure.
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error

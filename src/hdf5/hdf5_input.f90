@@ -1,41 +1,73 @@
-!> An HDF5 file being read: numbers, texts and attributes by their paths; parts of datasets, with
-!> scale_factor and add_offset applied and missing numbers refused.
+!> An HDF5 file being read: numbers, texts and attributes by their paths, and parts of datasets.
+!> What is there is compared with what is wanted before it is read, and must lie in the file.
 !>
 !> Every return code is checked. The first failure stays in `reader%failure` (kind input_error);
 !> what follows it reads nothing, so a caller checks once, at the end.
 module hdf5_input
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
-   use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_loc, c_null_char, c_null_ptr, &
+      c_ptr
    use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use hdf5, only: h5_real_kind, h5aexists_by_name_f, h5aopen_by_name_f, &
-      h5dget_space_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fis_hdf5_f, h5fopen_f, &
-      h5kind_to_type, h5lexists_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
-   use hdf5_library, only: hdf5_handle_t, start_hdf5
-   use hdf5_source, only: hdf5_source_t, look_at, number_class, text_class
-   use kinds, only: exceeds, wp
+   use hdf5, only: h5_real_kind, h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aget_type_f, &
+      h5aopen_by_name_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, h5dclose_f, &
+      h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, h5dget_type_f, h5dopen_f, &
+      h5dread_f, h5dvlen_reclaim_f, h5f_acc_rdonly_f, h5fclose_f, h5fis_hdf5_f, h5fopen_f, &
+      h5kind_to_type, h5lexists_f, h5p_default_f, h5pclose_f, h5pget_chunk_f, &
+      h5pget_external_count_f, h5pget_layout_f, h5r_object_f, h5rget_name_f, h5s_select_set_f, &
+      h5sclose_f, h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
+      h5sget_simple_extent_npoints_f, h5sselect_hyperslab_f, h5t_float_f, h5t_integer_f, &
+      h5t_native_double, h5t_std_ref_obj, h5t_string_f, h5tclose_f, h5tequal_f, h5tget_class_f, &
+      h5tget_size_f, h5tis_variable_str_f, h5tvlen_create_f, hid_t, hsize_t, hvl_t, size_t
+   use hdf5_library, only: hdf5_handle_t, start_hdf5, text_at
+   use kinds, only: int64, wp
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: hdf5_input_t, is_hdf5, open_hdf5_input, place_words, read_part
+   public :: hdf5_input_t, hdf5_source_t, is_hdf5, open_hdf5_input
 
    !> Most numbers that are read at once.
    integer, parameter :: max_values = 268435456
+   !> Values that are read: integers or reals of at most 16 bytes; a text of fixed length.
+   integer, parameter :: number_class = 1, text_class = 2
+   integer(int64), parameter :: any_count = -1_int64
+   !> Largest number and text [bytes].
+   integer(size_t), parameter :: largest_number = 16_size_t, largest_text = 16777216_size_t
+   !> Longest text of variable length that is read [bytes].
+   integer, parameter :: longest_name = 256
+   !> Most lists of references: HDF5 has no more dimensions.
+   integer(int64), parameter :: max_lists = 32_int64
+   !> Largest chunk: the library holds a whole one [bytes].
+   integer(int64), parameter :: largest_chunk = 1073741824_int64
+   !> Datasets from this size [bytes] on must be stored; largest ratio of compression by deflate.
+   integer(int64), parameter :: large_dataset = 67108864_int64
+   real(wp), parameter :: max_packed = 1100.0_wp
 
    !> An open file for reading.
    type, extends(hdf5_handle_t) :: hdf5_input_t
    contains
-      procedure :: has, has_attribute, reals, real_value, number_of, read_numbers, text, &
-         text_of, scale_of, refuse
-      procedure :: open => open_source
+      procedure :: content_of, has, has_attribute, number_of, read_numbers, read_part, real_value, &
+         reals, refuse, scale_of, text, text_of
       procedure :: close => close_reader
    end type hdf5_input_t
 
-   !> Relative difference of a mark of missing numbers that was rounded to single precision.
-   real(wp), parameter :: same_mark = 1.0e-7_wp
+   !> What an attribute or dataset holds.
+   type :: hdf5_source_t
+      !> Its name in messages: path of the dataset, or the attribute.
+      character(:), allocatable, private :: name
+      !> Identifiers of HDF5: of the source itself, and of the type of its values.
+      integer(hid_t), private :: id = -1_hid_t, type_id = -1_hid_t
+      logical, private :: is_attribute = .false.
+      !> Bytes of one value.
+      integer(size_t) :: bytes = 0_size_t
+      !> Number of values; -1 where it is unknown.
+      integer(int64) :: values = -1_int64
+      !> Extents as Fortran sees them, the fastest first; none for a single value.
+      integer(hsize_t), allocatable :: extents(:)
+      !> Class of the type in HDF5, and whether it is text of variable length.
+      integer, private :: class = -1
+      logical, private :: is_variable = .false.
+   end type hdf5_source_t
 
 contains
 
@@ -110,34 +142,181 @@ contains
       has = has .and. status >= 0
    end function has_attribute
 
-   !> Opens the dataset `path`, or the `attribute` of the object there, to be closed unless it
-   !> fails. A failure: there is none, the values of a dataset lie elsewhere than in the file, or it
-   !> has not `count` values of the `class`, where that is asked for.
+   !> Opens the dataset `path`, or the `attribute` of the object there, and looks at what it holds;
+   !> to be closed unless it fails. A failure: there is none, the values of a dataset lie elsewhere
+   !> than in the file, or it has not `count` values of the `class`, where that is asked for.
    subroutine open_source(self, source, path, attribute, class, count)
-      class(hdf5_input_t), intent(inout) :: self
+      type(hdf5_input_t), intent(inout) :: self
       type(hdf5_source_t), intent(out) :: source
       character(*), intent(in) :: path
       character(*), intent(in), optional :: attribute
       integer, intent(in), optional :: class
       integer(int64), intent(in), optional :: count
-      integer(hid_t) :: id
-      integer :: status
+      integer(hsize_t), allocatable :: limits(:)
+      integer(hsize_t) :: points
+      integer(hid_t) :: space
+      integer :: rank, status
 
       if (allocated(self%failure)) return
       source%name = path
-      if (present(attribute)) then
+      source%is_attribute = present(attribute)
+      if (source%is_attribute) then
          source%name = attribute
-         call h5aopen_by_name_f(self%id, path, attribute, id, status)
+         call h5aopen_by_name_f(self%id, path, attribute, source%id, status)
       else
-         call h5dopen_f(self%id, path, id, status)
+         call h5dopen_f(self%id, path, source%id, status)
       end if
       call self%check(status, source%name)
       if (allocated(self%failure)) return
-      call look_at(source, id, present(attribute))
-      if (.not. present(attribute)) call self%refuse(path, source%fault_of_storage())
-      if (present(count)) call self%refuse(source%name, source%fault(class, count))
-      if (allocated(self%failure)) call source%close()
+      if (source%is_attribute) then
+         call h5aget_space_f(source%id, space, status)
+         call h5aget_type_f(source%id, source%type_id, status)
+      else
+         call h5dget_space_f(source%id, space, status)
+         call h5dget_type_f(source%id, source%type_id, status)
+      end if
+      if (status >= 0) call h5tget_class_f(source%type_id, source%class, status)
+      if (status >= 0) call h5tget_size_f(source%type_id, source%bytes, status)
+      if (source%class == h5t_string_f) call h5tis_variable_str_f(source%type_id, &
+         source%is_variable, status)
+      rank = 0
+      call h5sget_simple_extent_ndims_f(space, rank, status)
+      allocate (source%extents(max(rank, 0)), limits(max(rank, 0)), source=0_hsize_t)
+      if (status >= 0) then
+         if (rank > 0) call h5sget_simple_extent_dims_f(space, source%extents, limits, status)
+         call h5sget_simple_extent_npoints_f(space, points, status)
+         if (status < 0) points = 0_hsize_t   ! to the library's Fortran side none are a failure
+         source%values = int(points, int64)
+         call h5sclose_f(space, status)
+      end if
+      if (.not. source%is_attribute) call self%refuse(path, fault_of_storage(source))
+      if (present(count)) call self%refuse(source%name, fault(source, class, count))
+      if (allocated(self%failure)) call close_source(source)
    end subroutine open_source
+
+   !> What the dataset at `path` holds, closed again; without extents if it cannot be opened. With
+   !> `are_numbers` a failure, too: it holds none, or does not store them.
+   function content_of(self, path, are_numbers) result(source)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      logical, intent(in) :: are_numbers
+      type(hdf5_source_t) :: source
+
+      call open_source(self, source, path)
+      if (.not. allocated(source%extents)) allocate (source%extents(0))
+      if (allocated(self%failure)) return
+      if (are_numbers) then
+         call self%refuse(path, fault(source, number_class, any_count))
+         call self%refuse(path, fault_of_size(source))
+      end if
+      call close_source(source)
+   end function content_of
+
+   !> "found ..., expected ..." unless there are `count` values (below 0: any) of the class.
+   function fault(source, class, count)
+      type(hdf5_source_t), intent(in) :: source
+      integer, intent(in) :: class
+      integer(int64), intent(in) :: count
+      character(:), allocatable :: fault, found
+      logical :: is_number, is_text
+
+      is_number = source%class == h5t_integer_f .or. source%class == h5t_float_f
+      is_text = source%class == h5t_string_f
+      found = 'something else (a compound, an enumeration, references, ...)'
+      if (is_number) found = 'numbers'
+      if (is_text) found = 'text'
+      fault = ''
+      if (class == number_class .and. .not. (is_number .and. source%bytes <= largest_number)) then
+         fault = 'found '//found//', expected numbers'
+      else if (class == text_class .and. .not. (is_text .and. source%bytes <= largest_text &
+         .and. .not. source%is_variable)) then
+         fault = 'found '//found//', expected a text of fixed length'
+      else if (count >= 0 .and. source%values /= count) then
+         fault = 'found '//to_text(source%values)//' values, expected '//to_text(count)
+      end if
+   end function fault
+
+   !> "found ..., expected ..." where values lie in other files or in too large chunks; else empty.
+   function fault_of_storage(source) result(fault)
+      type(hdf5_source_t), intent(in) :: source
+      character(:), allocatable :: fault
+      integer(hid_t) :: properties
+      integer(hsize_t) :: chunk(size(source%extents))
+      real(wp) :: bytes
+      integer :: external_files, layout, status
+
+      fault = 'found properties that cannot be read'
+      call h5dget_create_plist_f(source%id, properties, status)
+      if (status < 0) return
+      external_files = 0
+      chunk = 1_hsize_t
+      call h5pget_layout_f(properties, layout, status)
+      if (status >= 0 .and. layout /= h5d_virtual_f) call h5pget_external_count_f(properties, &
+         external_files, status)
+      if (status >= 0 .and. layout == h5d_chunked_f) call h5pget_chunk_f(properties, size(chunk), &
+         chunk, status)
+      if (status < 0) return
+      call h5pclose_f(properties, status)
+      bytes = product(real(chunk, wp))*real(source%bytes, wp)
+      fault = ''
+      if (layout == h5d_virtual_f) then
+         fault = 'found a virtual dataset, expected its values in the file itself'
+      else if (external_files > 0) then
+         fault = 'found external storage, expected the values in the file itself'
+      else if (bytes > real(largest_chunk, wp)) then
+         fault = 'found chunks of '//to_text(nint(bytes, int64))//' bytes, expected at most ' &
+            //to_text(largest_chunk)
+      end if
+   end function fault_of_storage
+
+   !> "found ..., expected ..." where a dataset is too large for what is stored of it; else empty.
+   function fault_of_size(source) result(fault)
+      type(hdf5_source_t), intent(in) :: source
+      character(:), allocatable :: fault
+      integer(hsize_t) :: stored
+      real(wp) :: bytes
+      integer :: status
+
+      fault = ''
+      bytes = real(source%bytes, wp)*real(source%values, wp)
+      call h5dget_storage_size_f(source%id, stored, status)
+      if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side a size of 0 is a failure
+      if (bytes > real(large_dataset, wp) .and. bytes/max_packed > real(stored, wp)) fault = &
+         'found a dataset of '//to_text(nint(bytes, int64))//' bytes of which the file stores ' &
+         //to_text(int(stored, int64))//', expected all of them'
+   end function fault_of_size
+
+   !> Closes the source and its type.
+   subroutine close_source(source)
+      type(hdf5_source_t), intent(in) :: source
+      integer :: status
+
+      call h5tclose_f(source%type_id, status)
+      if (source%is_attribute) then
+         call h5aclose_f(source%id, status)
+      else
+         call h5dclose_f(source%id, status)
+      end if
+   end subroutine close_source
+
+   !> Reads all values of an open source as `type_id` to `place`, and closes it.
+   subroutine read_values(self, source, type_id, place)
+      type(hdf5_input_t), intent(inout) :: self
+      type(hdf5_source_t), intent(in) :: source
+      integer(hid_t), intent(in) :: type_id
+      type(c_ptr), intent(in) :: place
+      type(c_ptr) :: address
+      integer :: status
+
+      address = place   ! the argument is intent(inout)
+      if (source%is_attribute) then
+         call h5aread_f(source%id, type_id, address, status)
+      else
+         call h5dread_f(source%id, type_id, address, status)
+      end if
+      call self%check(status, source%name)
+      call close_source(source)
+   end subroutine read_values
 
    !> All numbers of a dataset, converted to reals.
    function reals(self, path) result(values)
@@ -148,24 +327,22 @@ contains
       integer :: status
 
       allocate (values(0))
-      call self%open(source, path, class=number_class, count=-1_int64)
+      call open_source(self, source, path, class=number_class, count=any_count)
       if (allocated(self%failure)) return
       if (source%values > max_values) then
          call self%refuse(path, 'found more than '//to_text(max_values)//' values')
-      else
+      else if (source%values > 0_int64) then
          deallocate (values)
-         allocate (values(max(source%values, 0_int64)), source=0.0_wp, stat=status)
-         if (status /= 0) then
-            call self%refuse(path, 'found '//to_text(source%values)//' values, for which there '// &
-               'is no memory')
-            allocate (values(0))
+         allocate (values(source%values), source=0.0_wp, stat=status)
+         if (status == 0) then
+            call read_values(self, source, h5kind_to_type(wp, h5_real_kind), c_loc(values))
+            return
          end if
+         call self%refuse(path, 'found '//to_text(source%values)//' values, for which there '// &
+            'is no memory')
+         allocate (values(0))
       end if
-      if (size(values) > 0) then
-         call source%read_into(h5kind_to_type(wp, h5_real_kind), c_loc(values), status)
-         call self%check(status, path)
-      end if
-      call source%close()
+      call close_source(source)
    end function reals
 
    !> The number of a dataset or attribute that holds one.
@@ -190,8 +367,8 @@ contains
       if (self%has_attribute(path, attribute)) value = self%real_value(path, attribute)
    end function number_of
 
-   !> The one place where numbers are read: the `count` numbers of a dataset or attribute, which
-   !> must have just these, converted to `type_id`, to `place`, which has room for them.
+   !> Reads the `count` numbers of a dataset or attribute, which must have just these, converted to
+   !> `type_id`, to `place`, which has room for them.
    subroutine read_numbers(self, path, count, type_id, place, attribute)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -200,16 +377,12 @@ contains
       type(c_ptr), intent(in) :: place
       character(*), intent(in), optional :: attribute
       type(hdf5_source_t) :: source
-      integer :: status
 
-      call self%open(source, path, attribute, number_class, count)
-      if (allocated(self%failure)) return
-      call source%read_into(type_id, place, status)
-      call self%check(status, source%name)
-      call source%close()
+      call open_source(self, source, path, attribute, number_class, count)
+      if (.not. allocated(self%failure)) call read_values(self, source, type_id, place)
    end subroutine read_numbers
 
-   !> The one place where texts are read (dataset or attribute), without null characters behind.
+   !> The text of a dataset or attribute, of fixed length, without null characters behind.
    function text(self, path, attribute)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -217,16 +390,13 @@ contains
       character(:), allocatable :: text
       type(hdf5_source_t) :: source
       character(kind=c_char, len=:), allocatable, target :: buffer
-      integer :: status
 
       text = ''
-      call self%open(source, path, attribute, text_class, 1_int64)
+      call open_source(self, source, path, attribute, text_class, 1_int64)
       if (allocated(self%failure)) return
       allocate (character(len=source%bytes) :: buffer)
-      call source%read_into(source%type_id, c_loc(buffer), status)
-      call self%check(status, source%name)
-      if (status >= 0) text = buffer(:verify(buffer, c_null_char, back=.true.))
-      call source%close()
+      call read_values(self, source, source%type_id, c_loc(buffer))
+      if (.not. allocated(self%failure)) text = buffer(:verify(buffer, c_null_char, back=.true.))
    end function text
 
    !> The text of the `attribute` of the object at `path`, of any length; empty if it is not one.
@@ -235,35 +405,74 @@ contains
       character(*), intent(in) :: path, attribute
       character(:), allocatable :: text
       type(hdf5_source_t) :: source
+      type(c_ptr), target :: address
+      type(c_ptr) :: place
+      integer(hid_t) :: space
       integer :: status
+      logical :: is_fixed
 
       text = ''
       if (.not. self%has_attribute(path, attribute)) return
-      call self%open(source, path, attribute)
+      call open_source(self, source, path, attribute)
       if (allocated(self%failure)) return
+      is_fixed = fault(source, text_class, 1_int64) == ''
       if (source%values == 1_int64 .and. source%is_variable) then
-         call source%read_variable(text, status)
+         address = c_null_ptr
+         place = c_loc(address)
+         call h5aread_f(source%id, source%type_id, place, status)
          call self%check(status, attribute)
-      else if (source%fault(text_class, 1_int64) == '') then
-         text = trim(self%text(path, attribute))
+         if (status >= 0 .and. c_associated(address)) then
+            text = text_at(address, longest_name)
+            call h5aget_space_f(source%id, space, status)
+            call h5dvlen_reclaim_f(source%type_id, space, h5p_default_f, place, status)
+            call h5sclose_f(space, status)
+         end if
       end if
-      call source%close()
+      call close_source(source)
+      if (is_fixed) text = trim(self%text(path, attribute))
    end function text_of
 
-   !> Path of the first scale of the `dimension` of a dataset (1: the fastest); empty if none.
+   !> Path of the first scale of the `dimension` of a dataset (1: the fastest), to which the list of
+   !> that dimension refers; empty if there is none.
    function scale_of(self, path, dimension) result(scale)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       integer, intent(in) :: dimension
       character(:), allocatable :: scale
       type(hdf5_source_t) :: source
+      type(hvl_t), allocatable, target :: lists(:)
+      type(c_ptr) :: place
+      character(len=longest_name) :: name
+      integer(hid_t) :: list_type, space
+      integer(size_t) :: length
+      integer :: status
+      logical :: are_lists
 
       scale = ''
       if (.not. self%has_attribute(path, 'DIMENSION_LIST')) return
-      call self%open(source, path, 'DIMENSION_LIST')
+      call open_source(self, source, path, 'DIMENSION_LIST')
       if (allocated(self%failure)) return
-      call source%read_reference(dimension, scale)
-      call source%close()
+      call h5tvlen_create_f(h5t_std_ref_obj, list_type, status)
+      call h5tequal_f(source%type_id, list_type, are_lists, status)
+      if (status >= 0 .and. are_lists .and. dimension <= source%values &
+         .and. source%values <= max_lists) then
+         allocate (lists(source%values))
+         place = c_loc(lists)
+         call h5aread_f(source%id, list_type, place, status)
+         if (status >= 0) then
+            associate (list => lists(size(lists) + 1 - dimension))
+               if (list%len > 0_size_t) call h5rget_name_f(source%id, h5r_object_f, list%p, name, &
+                  status, length)
+               if (list%len > 0_size_t .and. status >= 0 .and. length < longest_name) scale = &
+                  name(:length)
+            end associate
+            call h5aget_space_f(source%id, space, status)
+            call h5dvlen_reclaim_f(list_type, space, h5p_default_f, place, status)
+            call h5sclose_f(space, status)
+         end if
+      end if
+      call h5tclose_f(list_type, status)
+      call close_source(source)
    end function scale_of
 
    !> Closes the file; twice does nothing.
@@ -277,101 +486,35 @@ contains
       if (allocated(self%failure)) error = self%failure
    end subroutine close_reader
 
-   !> Numbers of `dataset` from `offset` on, `extents` of them along each of its dimensions. What
-   !> cannot be read stays in the reader.
-   subroutine read_part(reader, dataset, offset, extents, z)
-      type(hdf5_input_t), intent(inout) :: reader
+   !> Numbers of `dataset` as stored, from `offset` on, `extents` of them along each dimension.
+   subroutine read_part(self, dataset, offset, extents, z)
+      class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: dataset
       integer(int64), intent(in) :: offset(2)
       integer(hsize_t), intent(in) :: extents(2)
       real(wp), contiguous, target, intent(out) :: z(:)
       type(hdf5_source_t) :: source
       integer(hid_t) :: file_space, memory_space
-      integer(hsize_t) :: start(2)
       type(c_ptr) :: place
       integer :: status
 
-      start = offset
       place = c_loc(z)
-      call reader%open(source, dataset)
-      if (allocated(reader%failure)) return
+      call open_source(self, source, dataset)
+      if (allocated(self%failure)) return
       call h5dget_space_f(source%id, file_space, status)
-      call reader%check(status, dataset)
-      call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, extents, status)
-      call reader%check(status, dataset//': fewer nodes than before')
+      call self%check(status, dataset)
+      call h5sselect_hyperslab_f(file_space, h5s_select_set_f, int(offset, hsize_t), extents, &
+         status)
+      call self%check(status, dataset//': fewer nodes than before')
       call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
-      call reader%check(status, dataset)
-      if (.not. allocated(reader%failure)) then
+      call self%check(status, dataset)
+      if (.not. allocated(self%failure)) then
          call h5dread_f(source%id, h5t_native_double, place, status, memory_space, file_space)
-         call reader%check(status, dataset//' as real numbers')
+         call self%check(status, dataset//' as real numbers')
       end if
       call h5sclose_f(memory_space, status)
       call h5sclose_f(file_space, status)
-      call source%close()
-      if (.not. allocated(reader%failure)) call unpack(reader, dataset, offset, extents, z)
+      call close_source(source)
    end subroutine read_part
-
-   !> Applies the attributes of packing. Failures: a number is missing or not valid; bad attributes.
-   subroutine unpack(reader, dataset, offset, extents, z)
-      type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: dataset
-      integer(int64), intent(in) :: offset(2)
-      integer(hsize_t), intent(in) :: extents(2)
-      real(wp), intent(inout) :: z(:)
-      real(wp) :: factor, marks(2), shift, valid(2)
-      integer :: i
-      logical :: has_marks
-
-      if (reader%text_of(dataset, '_Unsigned') == 'true') call reader%refuse(dataset, &
-         'found _Unsigned = true, expected an unsigned type of HDF5')
-      marks = [reader%number_of(dataset, '_FillValue', huge(1.0_wp)), &
-         reader%number_of(dataset, 'missing_value', huge(1.0_wp))]
-      valid = [reader%number_of(dataset, 'valid_min', -huge(1.0_wp)), &
-         reader%number_of(dataset, 'valid_max', huge(1.0_wp))]
-      factor = reader%number_of(dataset, 'scale_factor', 1.0_wp)
-      shift = reader%number_of(dataset, 'add_offset', 0.0_wp)
-      if (.not. all(ieee_is_finite([factor, shift]))) then
-         call reader%refuse(dataset, 'found '//to_text(factor, 4)//' and '//to_text(shift, 4)// &
-            ' in scale_factor and add_offset, expected numbers')
-      else if (abs(factor) <= 0.0_wp) then
-         call reader%refuse('scale_factor', 'found 0, expected a number other than 0')
-      end if
-      if (allocated(reader%failure)) return
-      has_marks = any(exceeds(huge(1.0_wp), abs([marks, valid])))
-      do i = 1, merge(size(z), 0, has_marks)
-         if (.not. is_missing(z(i), marks, valid)) cycle
-         call reader%refuse(dataset, 'node '//to_text(offset(1) + i)//': found '// &
-            to_text(z(i), 4)//', the mark of a missing point (_FillValue, missing_value, '// &
-            'valid_min, valid_max), expected numbers without gaps'// &
-            place_words(offset(1) + i, int(extents, int64)))
-         return
-      end do
-      if (abs(factor - 1.0_wp) > 0.0_wp .or. abs(shift) > 0.0_wp) z = z*factor + shift
-   end subroutine unpack
-
-   !> Whether a number is one of the marks or not valid; comparing what is not finite would trap.
-   pure logical function is_missing(z, marks, valid)
-      real(wp), intent(in) :: z, marks(2), valid(2)
-      integer :: i
-
-      is_missing = .false.
-      if (.not. ieee_is_finite(z)) return
-      do i = 1, 2
-         if (ieee_is_finite(marks(i))) is_missing = is_missing .or. abs(z - marks(i)) &
-            <= same_mark*abs(marks(i))
-         if (ieee_is_finite(valid(i))) is_missing = is_missing .or. merge(z < valid(i), &
-            z > valid(i), i == 1)
-      end do
-   end function is_missing
-
-   !> Where node `number` of an area lies, in brackets; empty for a profile.
-   pure function place_words(number, grid) result(words)
-      integer(int64), intent(in) :: number, grid(2)
-      character(:), allocatable :: words
-
-      words = ''
-      if (grid(2) > 1) words = ' (node '//to_text(modulo(number - 1, grid(1)) + 1)//' in x, '// &
-         to_text((number - 1)/grid(1) + 1)//' in y)'
-   end function place_words
 
 end module hdf5_input

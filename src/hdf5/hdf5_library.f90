@@ -1,8 +1,8 @@
 !> Start of the HDF5 library, what all files that are written share, made once a process, and the
 !> first failure of a series of calls, with its reason from the error stack of the library.
 module hdf5_library
-   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_funloc, c_funptr, c_int, &
-      c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funloc, c_funptr, &
+      c_int, c_int64_t, c_loc, c_null_char, c_ptr
    use c_library, only: c_setenv
    use errors, only: error_t, fail, input_error, output_error
    use hdf5, only: h5d_compact_f, h5dont_atexit_f, h5eset_auto_f, h5f_close_strong_f, &
@@ -14,7 +14,7 @@ module hdf5_library
    implicit none (type, external)
    private
 
-   public :: shared_hdf5, start_hdf5
+   public :: start_hdf5, start_writing, text_at
 
    !> Longest string whose type is kept for the next string of its length.
    integer, parameter :: longest_kept = 256
@@ -33,22 +33,14 @@ module hdf5_library
       procedure :: check, string_type
    end type hdf5_handle_t
 
-   !> HDF5 identifiers that all files share; they are never closed.
-   type, public :: hdf5_shared_t
-      !> Properties of files that are created.
-      integer(hid_t) :: access = -1_hid_t
-      !> Properties of new links: groups above are made as well.
-      integer(hid_t) :: link_creation = -1_hid_t
-      !> Properties of new datasets, and of small ones, whose values stand in their header.
-      integer(hid_t) :: creation = -1_hid_t, small_creation = -1_hid_t
-      !> The dataspace of one value.
-      integer(hid_t) :: scalar_space = -1_hid_t
-   end type hdf5_shared_t
-
    !> The library has been started in this process.
    logical :: is_started = .false.
-   !> Made when the first file is written.
-   type(hdf5_shared_t) :: shared
+   !> What all files share that are written: properties of files; of links, where groups above are
+   !> made as well; of datasets, and of small ones, whose values stand in their header.
+   integer(hid_t), protected, public :: file_access = -1_hid_t, link_creation = -1_hid_t, &
+      creation = -1_hid_t, small_creation = -1_hid_t
+   !> The dataspace of one value.
+   integer(hid_t), protected, public :: scalar_space = -1_hid_t
 
    !> H5L_TYPE_EXTERNAL.
    integer(c_int), parameter :: external_link = 64_c_int
@@ -78,13 +70,6 @@ module hdf5_library
          type(c_ptr), value :: client
       end function h5ewalk2
 
-      !> Length of a C string.
-      pure integer(c_size_t) function strlen(string) bind(c, name='strlen')
-         import :: c_ptr, c_size_t
-         implicit none (type, external)
-         type(c_ptr), value :: string
-      end function strlen
-
       !> Removes the class of links, so that they cannot be followed.
       integer(c_int) function h5lunregister(class) bind(c, name='H5Lunregister')
          import :: c_int
@@ -113,27 +98,24 @@ contains
       is_started = status >= 0
    end subroutine start_hdf5
 
-   !> What all files share; `status` < 0: it cannot be made.
-   subroutine shared_hdf5(given, status)
-      type(hdf5_shared_t), intent(out) :: given
+   !> Makes what all files share, for the first of them; `status` < 0: it cannot be made.
+   subroutine start_writing(status)
       integer, intent(out) :: status
 
       status = 0
-      if (shared%scalar_space < 0_hid_t) then
-         call h5pcreate_f(h5p_file_access_f, shared%access, status)
-         if (status >= 0) call h5pset_fclose_degree_f(shared%access, h5f_close_strong_f, status)
-         if (status >= 0) call h5pset_libver_bounds_f(shared%access, h5f_libver_earliest_f, &
-            h5f_libver_latest_f, status)
-         if (status >= 0) call h5pcreate_f(h5p_link_create_f, shared%link_creation, status)
-         if (status >= 0) call h5pset_create_inter_group_f(shared%link_creation, 1, status)
-         if (status >= 0) call h5pcreate_f(h5p_dataset_create_f, shared%creation, status)
-         if (status >= 0) call h5pset_obj_track_times_f(shared%creation, .false., status)
-         if (status >= 0) call h5pcopy_f(shared%creation, shared%small_creation, status)
-         if (status >= 0) call h5pset_layout_f(shared%small_creation, h5d_compact_f, status)
-         if (status >= 0) call h5screate_f(h5s_scalar_f, shared%scalar_space, status)
-      end if
-      given = shared
-   end subroutine shared_hdf5
+      if (scalar_space >= 0_hid_t) return
+      call h5pcreate_f(h5p_file_access_f, file_access, status)
+      if (status >= 0) call h5pset_fclose_degree_f(file_access, h5f_close_strong_f, status)
+      if (status >= 0) call h5pset_libver_bounds_f(file_access, h5f_libver_earliest_f, &
+         h5f_libver_latest_f, status)
+      if (status >= 0) call h5pcreate_f(h5p_link_create_f, link_creation, status)
+      if (status >= 0) call h5pset_create_inter_group_f(link_creation, 1, status)
+      if (status >= 0) call h5pcreate_f(h5p_dataset_create_f, creation, status)
+      if (status >= 0) call h5pset_obj_track_times_f(creation, .false., status)
+      if (status >= 0) call h5pcopy_f(creation, small_creation, status)
+      if (status >= 0) call h5pset_layout_f(small_creation, h5d_compact_f, status)
+      if (status >= 0) call h5screate_f(h5s_scalar_f, scalar_space, status)
+   end subroutine start_writing
 
    !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; undefined after a failure.
    function string_type(self, length) result(type_id)
@@ -191,13 +173,28 @@ contains
       type(stack_entry_t), intent(in) :: entry
       type(c_ptr), value :: client
       integer(c_int) :: status
-      character(len=max_length), pointer :: kept, source
+      character(len=max_length), pointer :: kept
 
       status = 0_c_int
       if (number /= 0_c_int .or. .not. c_associated(entry%description)) return
       call c_f_pointer(client, kept)
-      call c_f_pointer(entry%description, source)
-      kept = source(:min(strlen(entry%description), int(max_length, c_size_t)))
+      kept = text_at(entry%description, max_length)
    end function keep_first
+
+   !> The C string at `address`, cut after the `longest` bytes that are read.
+   function text_at(address, longest) result(text)
+      type(c_ptr), intent(in) :: address
+      integer, intent(in) :: longest
+      character(:), allocatable :: text
+      character(kind=c_char), pointer :: bytes(:)
+      integer :: i
+
+      call c_f_pointer(address, bytes, [longest])
+      text = ''
+      do i = 1, longest
+         if (bytes(i) == c_null_char) return
+         text = text//bytes(i)
+      end do
+   end function text_at
 
 end module hdf5_library

@@ -3,21 +3,18 @@ module hdf5_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use errors, only: error_t, fail, input_error
    use hdf5, only: hsize_t
-   use hdf5_input, only: hdf5_input_t, open_hdf5_input, read_part
-   use hdf5_source, only: hdf5_source_t, number_class
+   use hdf5_input, only: hdf5_input_t, hdf5_source_t, open_hdf5_input
    use profile, only: height_source_t
-   use kinds, only: int64, wp
+   use kinds, only: exceeds, int64, wp
    use length_units, only: same_unit, settle_unit, silence_fault, units_per_metre
-   use measured_heights, only: height_request_t, is_position, position_fault, position_range_t, &
-      scale_fault, spacing_fault
+   use measured_heights, only: height_request_t, is_position, place_words, position_fault, &
+      position_range_t, scale_fault, spacing_fault
    use text, only: quoted, to_text
    implicit none (type, external)
    private
 
    public :: hdf5_heights_t, open_hdf5_heights
 
-   !> Any number of values.
-   integer(int64), parameter :: any_count = -1_int64
    !> Datasets beside that of the heights that hold the positions of its nodes.
    character(*), parameter :: position_names(2) = ['x', 'y']
    !> A dimension without positions in files of netCDF: its dataset says so in the attribute NAME.
@@ -26,6 +23,8 @@ module hdf5_heights
    integer(int64), parameter :: block_nodes = 65536_int64
    !> Most nodes.
    real(wp), parameter :: max_nodes = 1.0e18_wp
+   !> Relative difference of a mark of missing numbers that was rounded to single precision.
+   real(wp), parameter :: same_mark = 1.0e-7_wp
 
    !> Metres in one unit of a dataset, as si_scale/per_metre, and whether nothing says them.
    type :: scale_t
@@ -52,8 +51,7 @@ contains
    !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in its
    !> dimension scales or in the datasets x and y beside it, in theirs; 0 where there are none.
    !> Errors (input_error): no such file or dataset, another number of dimensions; units that are
-   !> unknown, contradict each other or are said of one only; positions that are uneven; the key
-   !> positions.
+   !> unknown, contradict each other or are said of one only; uneven positions; the key positions.
    subroutine open_hdf5_heights(source, request, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
       type(height_request_t), intent(in) :: request
@@ -71,12 +69,9 @@ contains
       if (allocated(error)) return
       exists = reader%has(source%dataset)
       if (exists) then
-         call reader%open(values, source%dataset)
-         if (.not. allocated(reader%failure)) then
-            call read_attributes(reader, source, values, request%units, spacing)
-            call values%close()
-            call find_positions(reader, source, values%extents, request%units, spacing)
-         end if
+         values = reader%content_of(source%dataset, are_numbers=.true.)
+         call read_attributes(reader, source, request%units, spacing)
+         call find_positions(reader, source, values%extents, request%units, spacing)
       end if
       call reader%close(error)
       if (allocated(error)) return
@@ -100,12 +95,10 @@ contains
       if (fault /= '') call fail(error, input_error, source%file//': '//fault)
    end subroutine open_hdf5_heights
 
-   !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them;
-   !> attributes that are no single numbers or of no use.
-   subroutine read_attributes(reader, source, values, units, spacing)
+   !> Spacing and scale of the dataset. Failures: attributes that are no single numbers or useless.
+   subroutine read_attributes(reader, source, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
-      type(hdf5_source_t), intent(in) :: values
       character(*), intent(in) :: units(2)
       real(wp), intent(inout) :: spacing(2)
       character(len=*), parameter :: names(3) = ['spacing  ', 'spacing_x', 'spacing_y']
@@ -113,8 +106,6 @@ contains
       real(wp) :: per_metre, stated
       integer :: i
 
-      call reader%refuse(source%dataset, values%fault(number_class, any_count))
-      call reader%refuse(source%dataset, values%fault_of_size())
       unit = unit_in(reader, source%dataset, 'spacing_')
       call settle_unit(unit, units(1), 'the attribute of the spacing', 'x_unit', per_metre, fault)
       call reader%refuse(source%dataset, fault)
@@ -161,9 +152,8 @@ contains
          ', expected the same of both')
    end subroutine find_scale
 
-   !> Spacings of the dimensions that have none yet, from dimension scales or the datasets x and y
-   !> beside the heights, if they hold a number for each node. Failures: the positions are uneven or
-   !> no positions; only they or only the heights have a unit.
+   !> Spacings of the dimensions without one, from dimension scales or the datasets x and y, if they
+   !> hold a number for each node. Failures: no or uneven positions; only one of both has a unit.
    subroutine find_positions(reader, source, extents, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
@@ -174,7 +164,6 @@ contains
       type(position_range_t) :: range
       type(scale_t) :: scale
       character(:), allocatable :: path
-      logical :: is_one
       integer :: i
 
       do i = 1, min(size(extents), 2)
@@ -182,15 +171,10 @@ contains
          if (spacing(i) > 0.0_wp .or. extents(i) < 2) cycle
          path = path_of_positions(reader, source%dataset, i, units)
          if (path == '') cycle
-         call reader%open(values, path)
+         values = reader%content_of(path, are_numbers=.false.)
          if (allocated(reader%failure)) return
-         is_one = size(values%extents) == 1 .and. values%values == extents(i)
-         if (is_one) then
-            call reader%refuse(path, values%fault(number_class, any_count))
-            call reader%refuse(path, values%fault_of_size())
-         end if
-         call values%close()
-         if (.not. is_one) cycle
+         if (size(values%extents) /= 1 .or. values%values /= extents(i)) cycle
+         values = reader%content_of(path, are_numbers=.true.)
          call read_positions(reader, path, extents(i), units(1), scale, range)
          call reader%refuse(path, silence_fault([scale%is_silent, source%scale%is_silent], &
             [scale%per_metre, source%scale%per_metre]/[scale%si_scale, source%scale%si_scale]))
@@ -235,13 +219,13 @@ contains
       type(position_range_t), intent(out) :: range
       real(wp), allocatable :: x(:)
       character(:), allocatable :: fault
-      integer(int64) :: first
+      integer(int64) :: first, mark
       integer :: bad, i
 
       call find_scale(reader, path, wanted, 'x_unit', scale)
       do first = 0, count - 1, block_nodes
          allocate (x(min(block_nodes, count - first)))
-         call read_part(reader, path, [first, 0_int64], [size(x, kind=hsize_t), 1_hsize_t], x)
+         call read_heights(reader, path, [first, 0_int64], [size(x, kind=hsize_t), 1_hsize_t], x)
          if (allocated(reader%failure)) return
          bad = findloc(is_position(x), .false., dim=1)
          if (bad == 0) then
@@ -257,8 +241,8 @@ contains
          end do
          deallocate (x)
       end do
-      fault = range%fault(must_rise=.false.)
-      if (range%mark_of_fault() > 0) fault = 'node '//to_text(range%mark_of_fault())//': '//fault
+      call range%find_fault(.false., fault, mark)
+      if (mark > 0) fault = 'node '//to_text(mark)//': '//fault
       call reader%refuse(path, fault)
    end subroutine read_positions
 
@@ -288,7 +272,7 @@ contains
       if (self%falls(1) .and. self%grid(2) == 1) offset = self%nodes - first - size(z)
       extents = [size(z, kind=hsize_t), 1_hsize_t]
       if (self%grid(2) > 1) extents = self%grid
-      call read_part(reader, self%dataset, [offset, 0_int64], extents, z)
+      call read_heights(reader, self%dataset, [offset, 0_int64], extents, z)
       if (.not. allocated(reader%failure)) then
          associate (scale => [self%scale%si_scale, self%scale%per_metre])
             if (any(abs(scale - 1.0_wp) > 0.0_wp)) z = z*scale(1)/scale(2)
@@ -307,5 +291,60 @@ contains
       if (falls(1)) z = z(extents(1):1:-1, :)
       if (falls(2)) z = z(:, extents(2):1:-1)
    end subroutine turn
+
+   !> Numbers of `dataset` from `offset` on, `extents` of them along each dimension, with attributes
+   !> of packing applied. Failures: a number is missing or not valid; bad attributes.
+   subroutine read_heights(reader, dataset, offset, extents, z)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: dataset
+      integer(int64), intent(in) :: offset(2)
+      integer(hsize_t), intent(in) :: extents(2)
+      real(wp), contiguous, intent(out) :: z(:)
+      real(wp) :: factor, marks(2), shift, valid(2)
+      integer :: i
+      logical :: has_marks
+
+      call reader%read_part(dataset, offset, extents, z)
+      if (reader%text_of(dataset, '_Unsigned') == 'true') call reader%refuse(dataset, &
+         'found _Unsigned = true, expected an unsigned type of HDF5')
+      marks = [reader%number_of(dataset, '_FillValue', huge(1.0_wp)), &
+         reader%number_of(dataset, 'missing_value', huge(1.0_wp))]
+      valid = [reader%number_of(dataset, 'valid_min', -huge(1.0_wp)), &
+         reader%number_of(dataset, 'valid_max', huge(1.0_wp))]
+      factor = reader%number_of(dataset, 'scale_factor', 1.0_wp)
+      shift = reader%number_of(dataset, 'add_offset', 0.0_wp)
+      if (.not. all(ieee_is_finite([factor, shift]))) then
+         call reader%refuse(dataset, 'found '//to_text(factor, 4)//' and '//to_text(shift, 4)// &
+            ' in scale_factor and add_offset, expected numbers')
+      else if (abs(factor) <= 0.0_wp) then
+         call reader%refuse('scale_factor', 'found 0, expected a number other than 0')
+      end if
+      if (allocated(reader%failure)) return
+      has_marks = any(exceeds(huge(1.0_wp), abs([marks, valid])))
+      do i = 1, merge(size(z), 0, has_marks)
+         if (.not. is_missing(z(i), marks, valid)) cycle
+         call reader%refuse(dataset, 'node '//to_text(offset(1) + i)//': found '// &
+            to_text(z(i), 4)//', the mark of a missing point (_FillValue, missing_value, '// &
+            'valid_min, valid_max), expected numbers without gaps'// &
+            place_words(offset(1) + i, int(extents, int64)))
+         return
+      end do
+      if (abs(factor - 1.0_wp) > 0.0_wp .or. abs(shift) > 0.0_wp) z = z*factor + shift
+   end subroutine read_heights
+
+   !> Whether a number is one of the marks or not valid; comparing what is not finite would trap.
+   pure logical function is_missing(z, marks, valid)
+      real(wp), intent(in) :: z, marks(2), valid(2)
+      integer :: i
+
+      is_missing = .false.
+      if (.not. ieee_is_finite(z)) return
+      do i = 1, 2
+         if (ieee_is_finite(marks(i))) is_missing = is_missing .or. abs(z - marks(i)) &
+            <= same_mark*abs(marks(i))
+         if (ieee_is_finite(valid(i))) is_missing = is_missing .or. merge(z < valid(i), &
+            z > valid(i), i == 1)
+      end do
+   end function is_missing
 
 end module hdf5_heights

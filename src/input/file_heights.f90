@@ -6,7 +6,7 @@ module file_heights
    use file_bytes, only: checksum_t
    use gauss_filter, only: least_nodes, smooth_heights
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
-   use hdf5_input, only: is_hdf5, place_words
+   use hdf5_input, only: is_hdf5
    use height_form, only: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, &
       rms_height, rms_slope, subtract_form, tilt_of, trend_t
    use height_table, only: conversion, height_table_t, open_table
@@ -14,8 +14,8 @@ module file_heights
    use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: dry_area, has_word, point
    use kinds, only: int64, wp
-   use measured_heights, only: are_heights, height_fault, height_range_t, height_request_t, &
-      heights_t, is_height, range_fault
+   use measured_heights, only: height_fault, height_range_t, height_request_t, heights_t, &
+      is_height, place_words, range_fault
    use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
@@ -303,7 +303,7 @@ contains
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
-            if (.not. are_heights(piece)) bad = findloc(is_height(piece), .false., 1)
+            bad = findloc(is_height(piece), .false., 1)
             if (bad > 0) fault = height_fault(piece(bad))
             if (bad > 0) bad = first + bad
             if (bad > 0) exit

@@ -8,8 +8,7 @@ module xdmf_file
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: any_mark, place_fault, remove_file, rename_file, xdmf_mark, xdmf_words
    use errors, only: error_t, fail, output_error
-   use hdf5_input, only: hdf5_input_t, open_hdf5_input
-   use hdf5_source, only: hdf5_source_t
+   use hdf5_input, only: hdf5_input_t, hdf5_source_t, open_hdf5_input
    use result_labels, only: field_names
    use text, only: to_text
    implicit none (type, external)
@@ -109,13 +108,13 @@ contains
          if (.not. reader%has(trim(row%axes(i)))) cycle
          rank = rank + 1
          axes(rank) = row%axes(i)
-         source = source_at(trim(axes(rank)))
+         source = reader%content_of(trim(axes(rank)), are_numbers=.false.)
          nodes(rank:rank) = source%extents
       end do
       fields = ''
       do i = 1, size(names)
          if (.not. reader%has(group//trim(names(i)))) cycle
-         source = source_at(group//trim(names(i)))
+         source = reader%content_of(group//trim(names(i)), are_numbers=.false.)
          if (size(source%extents) /= rank) cycle
          if (any(source%extents /= nodes(:rank))) cycle
          ! ParaView reads as many numbers as the extents say for the dimensions that the grid has
@@ -139,16 +138,6 @@ contains
 
    contains
 
-      !> A dataset, closed again; without extents if it cannot be read.
-      function source_at(path) result(source)
-         character(*), intent(in) :: path
-         type(hdf5_source_t) :: source
-
-         call reader%open(source, path)
-         if (.not. allocated(source%extents)) allocate (source%extents(0))
-         if (.not. allocated(reader%failure)) call source%close()
-      end function source_at
-
       !> The element that names a dataset; its extents are given the fastest first.
       function item(path, extents)
          character(*), intent(in) :: path
@@ -156,7 +145,7 @@ contains
          character(:), allocatable :: item
          integer :: k
 
-         source = source_at(path)
+         source = reader%content_of(path, are_numbers=.false.)
          item = ''
          do k = size(extents), 1, -1
             item = item//to_text(extents(k))

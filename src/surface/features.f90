@@ -44,8 +44,7 @@ module features
       !> Measured or synthetic heights, which move with the features.
       type(profile_t), allocatable :: profile
       !> Smooth entry: everything rises over this length behind a front that moves with the surface
-      !> and is at `entry_position` at time 0; on a surface at rest over this time. 0: everything is
-      !> present from the start.
+      !> from `entry_position` at time 0; at rest over this time. 0: present from the start.
       real(wp) :: entry_length = 0.0_wp
       real(wp) :: entry_position = 0.0_wp
    end type rough_surface_t
@@ -96,25 +95,19 @@ contains
       if (allocated(surface%course)) way = 2*surface%course%integral(time)
    end function displacement
 
-   !> Share to which a surface that enters has risen: 0 before the front, 1 from `entry_length`
-   !> behind it on.
+   !> Share to which an entering surface has risen: from 0 at its front to 1 `entry_length` behind.
    pure elemental real(wp) function entered_share(surface, x, time) result(share)
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x, time
+      real(wp) :: behind
 
-      if (surface%speed > 0.0_wp) then
-         share = smooth_ramp((surface%entry_position + displacement(surface, time) &
-            - x)/surface%entry_length)
-      else if (surface%speed < 0.0_wp) then
-         share = smooth_ramp((x - surface%entry_position - displacement(surface, &
-            time))/surface%entry_length)
-      else
-         share = smooth_ramp(time/surface%entry_length)
-      end if
+      behind = time
+      if (abs(surface%speed) > 0.0_wp) behind = sign(1.0_wp, surface%speed) &
+         *(surface%entry_position + displacement(surface, time) - x)
+      share = smooth_ramp(behind/surface%entry_length)
    end function entered_share
 
-   !> Adds the heights of one feature at the distances (n) from its present centre, and so many
-   !> waves `across`.
+   !> Adds the heights of a feature at distances (n) from its centre and so many waves `across`.
    pure subroutine add_feature(feature, distance, across, psi)
       type(feature_t), intent(in) :: feature
       real(wp), intent(in), contiguous :: distance(:)
@@ -150,8 +143,7 @@ contains
       height = is_near*amplitude*exp(-10.0_wp*log(10.0_wp)*s**2)*cos(2.0_wp*pi*s)
    end function ridge
 
-   !> Positions of `n` nodes on a domain of `length` [m]: i L/N if periodic, else cell centres
-   !> (i + 1/2) L/N - L/2.
+   !> Positions [m] of `n` nodes on a `length`: i L/N if periodic, else (i + 1/2) L/N - L/2.
    pure function node_positions(n, length, is_periodic) result(x)
       integer, intent(in) :: n
       real(wp), intent(in) :: length
@@ -175,20 +167,17 @@ contains
       logical, intent(in) :: is_periodic
       real(wp) :: z(size(x)*ny)
       real(wp) :: row(size(x))
-      integer :: i, j
+      integer :: i
 
       row = 0.0_wp
       do i = 1, size(features)
          call add_feature(features(i), nearest_image(x - features(i)%position, length, &
             is_periodic), 0.0_wp, row)
       end do
-      do j = 1, ny
-         z((j - 1)*size(x) + 1:j*size(x)) = row
-      end do
+      z = reshape(spread(row, 2, ny), [size(z)])
    end function feature_heights
 
-   !> Heights (nx*ny) of a parabola -(x^2 + y^2)/(2 R) [m] with its top at x = y = 0; a line has
-   !> `y` = [0].
+   !> Heights (nx*ny) of a parabola -(x^2 + y^2)/(2 R) [m]; a line has `y` = [0].
    pure function parabola_heights(radius, x, y, lengths, is_periodic) result(z)
       real(wp), intent(in) :: radius, x(:), y(:), lengths(2)
       logical, intent(in) :: is_periodic
@@ -201,8 +190,7 @@ contains
       end do
    end function parabola_heights
 
-   !> `distance`, on a periodic domain to the nearest image, -L/2 ... L/2; a direction without
-   !> `length` has no images.
+   !> `distance`, on a periodic domain of some `length` L to the nearest image, -L/2 ... L/2.
    pure elemental real(wp) function nearest_image(distance, length, is_periodic)
       real(wp), intent(in) :: distance, length
       logical, intent(in) :: is_periodic

@@ -17,8 +17,7 @@ module gauss_filter
 
    public :: smooth_heights
 
-   !> Fewest nodes in the cut-off wavelength: sampling then changes the transmission at the cut-off
-   !> by less than 2e-5.
+   !> Fewest nodes in the cut-off: sampling then changes the transmission there by less than 2e-5.
    real(wp), parameter, public :: least_nodes = 4.0_wp
    !> Zeros behind heights with ends, in cut-offs: there the weights are below 1e-13 of the first.
    real(wp), parameter :: zeros = 1.5_wp

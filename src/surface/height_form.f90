@@ -14,8 +14,7 @@ module height_form
    public :: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, &
       rms_height, rms_slope, subtract_form, tilt_of, trend_t
 
-   !> Heights close if the rms step across their ends is at most this many times that between
-   !> neighbours.
+   !> Heights close if the rms step across their ends is at most this many times one inside.
    real(wp), parameter :: largest_step = 3.0_wp
 
    !> Sums over the heights so far, each less the first one.
@@ -145,8 +144,7 @@ contains
       norms = [1.0_wp, second(1), second(2), fourth(1), second(1)*second(2), fourth(2)]
    end function norms_of
 
-   !> Least-squares form: the mean alone (`degree` 0), with the tilts (1), with the curvatures (2);
-   !> zero below 0.
+   !> Least-squares form: zero (`degree` -1), the mean (0), with the tilts (1), with curvatures (2).
    pure function form_of(sums, degree) result(form)
       type(height_sums_t), intent(in) :: sums
       integer, intent(in) :: degree
@@ -233,8 +231,7 @@ contains
       rms = sqrt(max(0.0_wp, sums%squares/real(sums%nodes, wp) - sum(terms**2*norms_of(sums%grid))))
    end function rms_height
 
-   !> Rms slopes [-] in x and y between neighbours at distances `spacing` [m] > 0; 0 across a
-   !> profile.
+   !> Rms slopes [-] in x and y of neighbours `spacing` [m] > 0 apart; 0 across a profile.
    pure function rms_slope(sums, spacing) result(slope)
       type(height_sums_t), intent(in) :: sums
       real(wp), intent(in) :: spacing(2)

@@ -1,8 +1,7 @@
 !> A measured or synthetic profile: equally spaced heights joined by a cubic.
 !>
 !> A long profile stays in its source; only a window of its heights is held, which `load_window`
-!> moves. The profile does not depend on the window: the same heights at the same positions, to the
-!> bit.
+!> moves. The profile does not depend on the window, to the bit.
 module profile
    use errors, only: error_t
    use height_form, only: form_t, subtract_form
@@ -37,8 +36,7 @@ module profile
 
    !> Lengths in any unit, the same for spacing, start and x.
    type :: profile_t
-      !> Heights of the window (m), positive out of the material; without a source all of them, at
-      !> least 2.
+      !> Heights of the window (m), positive out of the material; without a source all, 2 or more.
       real(wp), allocatable :: heights(:)
       !> Number of the first height of the window; those of the profile count from 0.
       integer(int64) :: first = 0_int64
@@ -68,16 +66,13 @@ module profile
 
 contains
 
-   !> Height of the profile at `x`, in the frame of the profile at time 0, which must lie in the
-   !> window.
-   !>
-   !> Between two heights the cubic of Catmull and Rom (1974): through the heights, with the slope
-   !> of their neighbours.
+   !> Height of the profile at `x`, in its frame at time 0, which must lie in the window. Between
+   !> two heights the cubic of Catmull and Rom (1974): through them, with the slope of neighbours.
    pure function profile_height(profile, x) result(z)
       type(profile_t), intent(in) :: profile
       real(wp), intent(in) :: x(:)
       real(wp) :: z(size(x)), nodes, s, t, h(4), last
-      integer(int64) :: k, n
+      integer(int64) :: k, n, place(4)
       integer :: i
 
       n = node_count(profile)
@@ -89,7 +84,13 @@ contains
          if (.not. profile%is_periodic .and. (nodes < 0.0_wp .or. nodes > last)) cycle
          k = min(int(nodes, int64), n - 1)
          t = nodes - k
-         h = profile%heights(neighbours(profile, k, n))
+         place = [k - 1, k, k + 1, k + 2]   ! the heights before, at, behind and two behind k
+         if (profile%is_periodic) then
+            place = modulo(place - profile%first, n) + 1
+         else
+            place = min(max(place, 0_int64), n - 1) - profile%first + 1
+         end if
+         h = profile%heights(place)
          z(i) = h(2) + 0.5_wp*t*(h(3) - h(1) + t*(2*h(1) - 5*h(2) + 4*h(3) - h(4) &
             + t*(3*(h(2) - h(3)) + h(4) - h(1))))
          if (profile%is_periodic .or. .not. profile%end_length > 0.0_wp) cycle
@@ -130,22 +131,7 @@ contains
       end do
    end function row_at
 
-   !> Positions in the window of the heights before, at, behind and two behind height `k` of `n`.
-   pure function neighbours(profile, k, n) result(place)
-      type(profile_t), intent(in) :: profile
-      integer(int64), intent(in) :: k, n
-      integer(int64) :: place(4)
-
-      place = [k - 1, k, k + 1, k + 2]
-      if (profile%is_periodic) then
-         place = modulo(place - profile%first, n) + 1
-      else
-         place = min(max(place, 0_int64), n - 1) - profile%first + 1
-      end if
-   end function neighbours
-
-   !> Moves the window so that `profile_height` has all of x_low ... x_high. Error: that of the
-   !> source.
+   !> Moves the window so that it has all of x_low ... x_high. Error: that of the source.
    subroutine load_window(profile, x_low, x_high, error)
       type(profile_t), intent(inout) :: profile
       real(wp), intent(in) :: x_low, x_high
@@ -196,10 +182,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer(int64) :: before_end
 
-      if (allocated(profile%heights)) then
-         if (size(profile%heights, kind=int64) /= count) deallocate (profile%heights)
-      end if
-      if (.not. allocated(profile%heights)) allocate (profile%heights(count))
+      if (allocated(profile%heights)) deallocate (profile%heights)
+      allocate (profile%heights(count))
       before_end = min(count, profile%source%nodes - profile%first)
       call profile%source%get(profile%first, profile%heights(:before_end), error)
       if (.not. allocated(error) .and. before_end < count) call profile%source%get(0_int64, &

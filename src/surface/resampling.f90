@@ -68,9 +68,8 @@ contains
       k = merge(l, l - n, 2*l <= n)
    end function signed
 
-   !> Interpolates the heights `z` (nx*ny) from the cell centres of the grid `old` = nx, ny (4 or
-   !> more cells in a direction, or 1) to those of the grid `new` of the same lengths, by the cubic
-   !> through four neighbours in each direction.
+   !> Interpolates heights `z` (nx*ny) from the cell centres of the grid `old` (4 or more in nx, ny,
+   !> or 1) to those of `new` on the same lengths, by cubics through four neighbours.
    pure subroutine interpolate_heights(old, new, z)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)

@@ -1,5 +1,4 @@
-!> Roughness parameters of profiles and areas (chapter 4 of the thesis; ISO 4287, ISO 25178), about
-!> the arithmetic mean.
+!> Roughness about the mean of profiles and areas (chapter 4 of the thesis; ISO 4287, ISO 25178).
 module roughness
    use errors, only: error_t
    use grid_transform, only: power_of_rows
@@ -78,8 +77,7 @@ contains
       end do
    end function roughness_of
 
-   !> Share of the nodes at or above each of the rising `levels` (Abbott and Firestone, Mech. Eng.
-   !> 55, 1933, 569).
+   !> Share of nodes at or above rising `levels` (Abbott and Firestone, Mech. Eng. 55, 1933, 569).
    pure function bearing_ratio(z, levels) result(ratio)
       real(wp), contiguous, intent(in) :: z(:)
       real(wp), intent(in) :: levels(:)
@@ -130,54 +128,48 @@ contains
       end associate
    end function height_density
 
-   !> Root mean square slope of a periodic surface (nx, ny) from differences of neighbours; for an
-   !> area of the gradient.
+   !> Rms slope of a periodic surface (nx, ny), of an area rms gradient, from neighbouring nodes.
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
       real(wp) :: slope, across, along
-      integer :: i, j, nx, ny
+      real(wp), allocatable :: here(:)
+      integer :: i, j
 
-      nx = size(z, 1)
-      ny = size(z, 2)
       along = 0.0_wp
       across = 0.0_wp
-      do j = 1, ny
-         along = along + (z(1, j) - z(nx, j))**2
-         associate (here => z(:, j), after => z(:, modulo(j, ny) + 1))
+      do j = 1, size(z, 2)
+         here = [z(:, j), z(1, j)]
+         associate (after => z(:, modulo(j, size(z, 2)) + 1))
             !$omp simd reduction(+:along, across)
-            do i = 1, nx - 1
+            do i = 1, size(z, 1)
                along = along + (here(i + 1) - here(i))**2
                across = across + (after(i) - here(i))**2
             end do
-            across = across + (after(nx) - here(nx))**2
          end associate
       end do
       slope = sqrt((along/dx**2 + across/dy**2)/size(z))
    end function rms_slope
 
-   !> Root mean square second difference of a periodic surface (nx, ny); for an area of half the
-   !> Laplacian.
+   !> Rms second difference of a periodic surface (nx, ny), of an area half the Laplacian.
    pure function rms_curvature(z, dx, dy) result(curvature)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
       real(wp) :: curvature, in_x, in_y, total
+      real(wp), allocatable :: here(:)
       integer :: i, j, nx, ny
 
       nx = size(z, 1)
       ny = size(z, 2)
+      allocate (here(0:nx + 1))
       in_x = merge(1.0_wp, 0.5_wp, ny == 1)/dx**2
       in_y = 0.5_wp/dy**2
       total = 0.0_wp
       do j = 1, ny
-         associate (here => z(:, j), before => z(:, modulo(j - 2, ny) + 1), &
-            after => z(:, modulo(j, ny) + 1))
-            do i = 1, nx, max(nx - 1, 1)
-               total = total + (in_x*(here(modulo(i, nx) + 1) - 2.0_wp*here(i) &
-                  + here(modulo(i - 2, nx) + 1)) + in_y*(after(i) - 2.0_wp*here(i) + before(i)))**2
-            end do
+         here = [z(nx, j), z(:, j), z(1, j)]
+         associate (before => z(:, modulo(j - 2, ny) + 1), after => z(:, modulo(j, ny) + 1))
             !$omp simd reduction(+:total)
-            do i = 2, nx - 1
+            do i = 1, nx
                total = total + (in_x*(here(i + 1) - 2.0_wp*here(i) + here(i - 1)) &
                   + in_y*(after(i) - 2.0_wp*here(i) + before(i)))**2
             end do

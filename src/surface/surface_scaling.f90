@@ -14,8 +14,7 @@ contains
 
    !> Converts `surface`: amplitude [m] over b^2/R, wavelength [m] over b, speed u_i [m/s] to 2
    !> u_i/u_s per unit of T = t u_s/(2 b), (2.51); heights and spacing of a profile likewise.
-   !> Positions and the lengths of entry and ends are in half-widths already. `scaling` must be
-   !> dimensional.
+   !> Positions, lengths of entry and ends are in half-widths already; `scaling` is dimensional.
    function scaled_surface(surface, scaling) result(scaled)
       type(rough_surface_t), intent(in) :: surface
       type(scaling_t), intent(in) :: scaling

@@ -7,7 +7,7 @@ module c_library
 
    public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_isatty, c_lseek, c_mallopt, &
       c_mkdir, c_open, c_poll, c_pread, c_prlimit, c_pwrite, c_rename, c_setenv, c_setitimer, &
-      c_signal, c_statx, c_sysconf, c_time, c_unlink, c_write
+      c_signal, c_statx, c_sysconf, c_unlink, c_write
 
    !> File descriptors of the standard streams.
    integer(c_int), parameter, public :: standard_output = 1_c_int, standard_error = 2_c_int
@@ -147,11 +147,6 @@ module c_library
          integer(c_long), intent(in) :: setting(4)
          type(c_ptr), value :: old
       end function c_setitimer
-      !> time(2): seconds since 1970; `place` may be no address.
-      integer(c_long) function c_time(place) bind(c, name='time')
-         import
-         type(c_ptr), value :: place
-      end function c_time
       !> _exit(2): ends the process; nothing is flushed.
       subroutine c_exit(status) bind(c, name='_exit')
          import

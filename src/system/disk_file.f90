@@ -28,17 +28,15 @@ module disk_file
    !> AT_FDCWD, AT_SYMLINK_NOFOLLOW, AT_EMPTY_PATH, STATX_BASIC_STATS.
    integer(c_int), parameter :: current_folder = -100_c_int, no_follow = 256_c_int, &
       empty_path = 4096_c_int, basic = 2047_c_int
-   !> The part of the mode that is the kind of file (S_IFMT), and its values.
-   integer, parameter :: kind_bits = 61440, bits_folder = 16384, bits_regular = 32768, &
-      bits_link = 40960
+   !> The part of the mode that is the kind of file (S_IFMT), and its values for kinds 1 to 3.
+   integer, parameter :: kind_bits = 61440, bits_of_kinds(3) = [32768, 16384, 40960]
 
    !> What a file is marked as: not at all; an HDF5 file; an XDMF file; nothing is in it yet, which
    !> a run that was killed may leave; time steps. `any_mark`: any of them.
    integer, parameter, public :: no_mark = 0, hdf5_mark = 1, xdmf_mark = 2, any_mark = 3
    integer, parameter :: empty_mark = 4, part_mark = 5
-   !> The marks: the attribute `program` as HDF5 files have it, and the place where it is written
-   !> before the library writes anything [bytes]; the first words of a seal; those of an
-   !> XDMF file and of one with time steps.
+   !> The marks: the attribute `program` of HDF5 files, and where it is written before the library
+   !> writes anything [bytes]; the first words of a seal, of an XDMF file, of one with time steps.
    character(len=*), parameter :: attribute = 'program'//c_null_char
    character(len=*), parameter, public :: early_words = attribute//repeat(c_null_char, &
       16)//program_name
@@ -53,12 +51,10 @@ module disk_file
    integer, parameter, public :: seal_bytes = 80
    !> Bytes that are looked at; of a table more than a line has.
    integer, parameter :: head_bytes = 4096, tail_bytes = 65536
-   !> O_RDONLY, O_RDWR + O_APPEND; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer;
-   !> SEEK_END.
+   !> O_RDONLY, O_RDWR + O_APPEND; O_RDONLY + O_NONBLOCK: a pipe waits for no writer; SEEK_END.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_append = 1026_c_int, &
       read_at_once = 2048_c_int, from_end = 2_c_int
-   !> F_OFD_SETLK of fcntl(2), a lock that other descriptors do not end, and F_OFD_SETLKW, which
-   !> waits for it; F_WRLCK, F_UNLCK.
+   !> F_OFD_SETLK, a lock that other descriptors do not end; F_OFD_SETLKW waits; F_WRLCK, F_UNLCK.
    integer(c_int), parameter :: set_lock = 37_c_int, wait_for_lock = 38_c_int
    integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
 
@@ -147,9 +143,8 @@ contains
       status = c_close(descriptor)
    end function sync_file
 
-   !> Appends a `line` with its end to the table `path`, whose first line is `head`, under a lock,
-   !> for which it waits: rows of several processes stay whole. What a killed process has left of a
-   !> line is cut off. `fault`: why it cannot; empty: it is done.
+   !> Appends a `line` with its end to the table `path` with the first line `head`, under a lock,
+   !> for which it waits: rows of all processes stay whole, half a line is cut. `fault`: why not.
    function append_line(path, head, line) result(fault)
       character(*), intent(in) :: path, head, line
       character(:), allocatable :: fault, text
@@ -250,16 +245,8 @@ contains
       if (c_statx(folder, path//c_null_char, flags, basic, answer) /= 0_c_int) return
       identity%word = to_text(answer%device(1))//':'//to_text(answer%device(2))//':' &
          //to_text(answer%inode)
-      select case (iand(int(answer%mode), kind_bits))
-      case (bits_regular)
-         identity%kind = kind_regular
-      case (bits_folder)
-         identity%kind = kind_folder
-      case (bits_link)
-         identity%kind = kind_link
-      case default   ! all others
-         identity%kind = kind_other
-      end select
+      identity%kind = findloc(bits_of_kinds, iand(int(answer%mode), kind_bits), dim=1)
+      if (identity%kind == 0) identity%kind = kind_other
    end function query
 
    !> Why `path` cannot be read, in words (only regular files have an end); empty if it can.
@@ -269,16 +256,10 @@ contains
       type(file_identity_t) :: identity
 
       identity = file_at(path, follows=.true.)
-      select case (identity%kind)
-      case (kind_regular)
-         fault = ''
-      case (kind_folder)
-         fault = 'found a folder, expected a file'
-      case (kind_missing)
-         fault = 'no such file'
-      case default   ! all others
-         fault = 'found a pipe, a device or a socket, expected a file'
-      end select
+      fault = ''
+      if (identity%kind == kind_folder) fault = 'found a folder, expected a file'
+      if (identity%kind == kind_missing) fault = 'no such file'
+      if (identity%kind == kind_other) fault = 'found a pipe, a device or a socket, expected a file'
    end function file_fault
 
    !> Whether `path` is an existing folder.

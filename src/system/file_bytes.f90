@@ -1,9 +1,8 @@
-!> A file whose bytes are read and written at stated places, without a buffer in between: what was
-!> written survives the process, and a full disk shows at once. (FLUSH of Fortran does not report a
-!> failure.) And the seal of a file that this program will read again: a line behind its last byte,
-!> with the number of bytes before it and their checksum, checked before the HDF5 library opens the
-!> file, since some damaged files crash it. HDF5 does not see what lies behind the end of its data;
-!> a program that changes the file takes the line away.
+!> A file whose bytes are read and written at stated places, without a buffer: what was written
+!> survives the process, and a full disk shows at once, unlike with FLUSH of Fortran. And the seal
+!> of a file that this program will read again: a line behind its last byte, with the number of
+!> bytes before it and their checksum, checked before the HDF5 library opens the file, since some
+!> damaged files crash it. HDF5 does not see it; a program that changes the file takes it away.
 module file_bytes
    use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_char, c_size_t
    use c_library, only: c_close, c_open, c_pread, c_pwrite
@@ -195,31 +194,25 @@ contains
       call sums%add([transfer(last, 0.0_wp)])
    end function sums_of
 
-   !> Adds `values`. Of the n numbers of a stretch, with halves a and b each, the second sum gets
-   !> 2 n times the first, and 2 n a_1 + (2 n - 1) b_1 + (2 n - 2) a_2 + ...; sums of the a and of
-   !> the b alone, which do not wait for each other, give that.
+   !> Adds `values`, the lower half of each before the upper one.
    pure subroutine add(self, values)
       class(checksum_t), intent(inout) :: self
       real(wp), intent(in) :: values(:)
-      integer(int64) :: bits, high, high_sums, low, low_sums
-      integer :: begin, end, i
+      integer(int64) :: bits, first, second
+      integer :: begin, i
 
       do begin = 1, size(values), stretch
-         end = min(begin + stretch - 1, size(values))
-         low = 0_int64
-         low_sums = 0_int64
-         high = 0_int64
-         high_sums = 0_int64
-         do i = begin, end
+         first = self%first
+         second = self%second
+         do i = begin, min(begin + stretch - 1, size(values))
             bits = transfer(values(i), bits)
-            low = low + iand(bits, half)
-            low_sums = low_sums + low
-            high = high + shiftr(bits, 32)
-            high_sums = high_sums + high
+            first = first + iand(bits, half)
+            second = second + first
+            first = first + shiftr(bits, 32)
+            second = second + first
          end do
-         self%second = modulo(self%second + 2*(end - begin + 1)*self%first + 2*low_sums &
-            + 2*high_sums - high, modulus)
-         self%first = modulo(self%first + low + high, modulus)
+         self%first = modulo(first, modulus)
+         self%second = modulo(second, modulus)
       end do
    end subroutine add
 

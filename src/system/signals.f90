@@ -1,26 +1,26 @@
 !> What signals do.
 !>
 !> SIGINT (Ctrl-C), SIGTERM, SIGHUP (the terminal was closed), SIGUSR1, SIGUSR2 and SIGXCPU (batch
-!> systems) ask the program to end. The first request is recorded; the program checks for it between
-!> cycles and time steps, writes a checkpoint and ends. Where it does not check soon (a
-!> factorisation, a library, a large file, a dry contact, which has nothing to keep) a timer ends
-!> it: it prints the message prepared for that, removes the files named with it, and exits with
-!> status 4. A second SIGINT or SIGTERM does the same at once.
+!> systems) ask the program to end. It checks for the first request between cycles and time steps,
+!> writes a checkpoint and ends. Where it does not check soon (a factorisation, a library, a large
+!> file, a dry contact, which has nothing to keep) a timer ends it, and at once a second SIGINT or
+!> SIGTERM: the message prepared for that is printed, files named with it go, and status 4 is left.
 !>
 !> Another timer counts the processor time since the last line: where the program would be silent
 !> for long, its handler writes what is being done, and for how many seconds.
 !>
-!> Requests and words are module variables: a signal handler has no arguments through which it could
-!> reach anything else. It only calls what POSIX allows there (poll, write, unlink, open, lseek,
-!> pread, close, setitimer, signal, time, _exit), and allocates nothing. It may interrupt another
-!> handler, so what it calls is recursive.
+!> Handlers have no arguments, so requests and words are module variables. They only call what POSIX
+!> allows there (poll, write, unlink, open, lseek, pread, close, setitimer, signal, clock_gettime,
+!> _exit), and allocate nothing. They may interrupt each other, so what they call is recursive.
 module signals
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
       c_null_char, c_null_ptr, c_short, c_size_t
-   use c_library, only: c_exit, c_poll, c_setitimer, c_signal, c_time, c_unlink, c_write, poll_t, &
+   use c_library, only: c_exit, c_poll, c_setitimer, c_signal, c_unlink, c_write, poll_t, &
       standard_error
    use disk_file, only: mark_of, no_mark
+   use kinds, only: wp
    use text, only: shortened
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -37,9 +37,8 @@ module signals
    integer(c_intptr_t), parameter :: ignore_address = 1_c_intptr_t
    !> ITIMER_REAL; ITIMER_PROF, the processor time of all threads.
    integer(c_int), parameter :: wall_timer = 0_c_int, processor_timer = 2_c_int
-   !> Time within which the program checks for a request; time that a time step or the writing of a
-   !> result may take; silence that is broken, and, since many threads spend it fast, the shortest
-   !> time between two such lines [us].
+   !> Time within which the program checks for a request; that a time step or writing may take;
+   !> silence that is broken; the shortest time between two such lines, for many threads [us].
    integer(c_long), parameter :: soon = 500000_c_long, patience = 20000000_c_long, &
       longest_silence = 4000000_c_long, one_second = 1000000_c_long
    !> Time for a reader to take the message [ms].
@@ -79,7 +78,7 @@ module signals
    !> What is worked on, what is done with it, since when [s], and the clock at the last line.
    character(len=longest_subject) :: subject = ''
    character(kind=c_char, len=longest_activity), volatile :: activity = ''
-   integer(c_long), volatile :: start = 0_c_long, last_line = 0_c_long
+   real(wp), volatile :: start = 0.0_wp, last_line = 0.0_wp
    !> Columns of the updating line that the handler has left on a terminal since the last line.
    integer, volatile, protected, public :: columns_of_sign = 0
 
@@ -164,9 +163,8 @@ contains
       previous = c_signal(number, transfer(ignore_address, previous))
    end subroutine ignore
 
-   !> The handler of requests: notes the first one and sets the timer; ends the program on the
-   !> second request of a user or batch system. (Others may come in numbers: SIGXCPU does each
-   !> second, SIGHUP from terminal and shell.)
+   !> The handler of requests: notes the first one and sets the timer; ends the program on a second
+   !> SIGINT or SIGTERM. (Others come often: SIGXCPU each second, SIGHUP of terminal and shell.)
    recursive subroutine note(number) bind(c)
       integer(c_int), value :: number
 
@@ -240,7 +238,7 @@ contains
       if (next == activity) return
       is_writing = .true.
       activity = next
-      start = c_time(c_null_ptr)
+      start = wall_seconds()
       is_writing = .false.
    end subroutine begin_activity
 
@@ -252,7 +250,7 @@ contains
    !> The line is written: the timer starts again.
    subroutine end_line()
       columns_of_sign = 0
-      last_line = c_time(c_null_ptr)
+      last_line = wall_seconds()
       if (is_watching) call set_timer(processor_timer, longest_silence)
       is_writing = .false.
    end subroutine end_line
@@ -264,14 +262,15 @@ contains
       !> A carriage return before it, ', 999999 s' and a line feed behind it; columns to cover.
       character(kind=c_char, len=longest_activity + 12) :: line
       integer, parameter :: width = 80
-      integer(c_long) :: now, power, seconds
+      real(wp) :: now
+      integer(c_long) :: power, seconds
       integer :: first, length
 
       associate (unused => number)
       end associate
       if (.not. is_watching) return
-      now = c_time(c_null_ptr)
-      if (is_writing .or. now == last_line) then
+      now = wall_seconds()
+      if (is_writing .or. now - last_line < 1.0_wp) then
          call set_timer(processor_timer, one_second)
          return
       end if
@@ -279,7 +278,7 @@ contains
       length = len_trim(activity) + 3
       line(2:) = activity
       line(length - 1:length) = ', '
-      seconds = min(max(now - start, 1_c_long), 999999_c_long)
+      seconds = int(min(max(now - start, 1.0_wp), 999999.0_wp), c_long)
       power = 100000_c_long
       do while (power > seconds)
          power = power/10_c_long

@@ -83,37 +83,29 @@ contains
       real(wp), intent(in), optional :: mapped
       character(:), allocatable :: fault
       real(wp), save :: of_group = -1.0_wp, of_machine   ! some ten files: asked for once
-      real(wp) :: need
+      character(len=75), parameter :: names(4) = [character(len=75) :: &
+         'the memory of this machine', 'the limit of its control group', &
+         'the limit of data (ulimit -d)', &
+         'what the limit of the address space (ulimit -v) leaves beside the libraries']
+      real(wp), parameter :: megabyte = 1.0e6_wp
+      real(wp) :: most(4), need(4)
+      integer :: i
 
       if (of_group < 0.0_wp) then
          of_machine = number_in('/proc/meminfo', 'MemTotal:')
          of_group = group_memory('')
       end if
-      fault = ''
-      need = of_program + bytes
-      call compare(of_machine, 'the memory of this machine')
-      call compare(of_group, 'the limit of its control group')
-      if (present(mapped)) need = need + mapped
-      call compare(limit_of(limit_data), 'the limit of data (ulimit -d)')
-      if (limit_of(limit_memory) >= huge(need)) return
+      most = [of_machine, of_group, limit_of(limit_data), limit_of(limit_memory)]
       ! the program and its libraries, without what they have allocated
-      call compare(limit_of(limit_memory) - (number_in(process_status, 'VmSize:') &
-         - number_in(process_status, 'VmData:')), &
-         'what the limit of the address space (ulimit -v) leaves beside the libraries')
-
-   contains
-
-      !> Reports the first limit that is too low.
-      subroutine compare(most, name)
-         real(wp), intent(in) :: most
-         character(*), intent(in) :: name
-         real(wp), parameter :: megabyte = 1.0e6_wp
-
-         if (fault == '' .and. need > most) fault = 'found '//what//' that needs up to ' &
-            //to_text(need/megabyte, 4)//' MB of memory, expected at most ' &
-            //to_text(max(most, 0.0_wp)/megabyte, 4)//' MB, '//name
-      end subroutine compare
-
+      if (most(4) < huge(most)) most(4) = most(4) - (number_in(process_status, 'VmSize:') &
+         - number_in(process_status, 'VmData:'))
+      need = of_program + bytes
+      if (present(mapped)) need(3:) = need(3:) + mapped
+      fault = ''
+      i = findloc(need > most, .true., dim=1)
+      if (i > 0) fault = 'found '//what//' that needs up to '//to_text(need(i)/megabyte, 4)// &
+         ' MB of memory, expected at most '//to_text(max(most(i), 0.0_wp)/megabyte, 4)//' MB, ' &
+         //trim(names(i))
    end function memory_fault
 
    !> The value of a limit [bytes]; huge: none.
@@ -207,9 +199,8 @@ contains
    end function peak_memory
 
    !> Prepares the libraries. Without a limit of address space freed memory is kept, since the
-   !> system would clear each page again; with one the C library takes one pool for all threads, not
-   !> 64 MB for each. Errors (input_error): no room even for the program; an OpenBLAS with threads,
-   !> which hang without 134 MB each.
+   !> system would clear each page again; with one all threads share one pool, not 64 MB for each.
+   !> Errors (input_error): no room for the program; OpenBLAS with threads that hang below 134 MB.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       integer(c_int), parameter :: large_block = 1073741824_c_int
