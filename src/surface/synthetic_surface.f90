@@ -3,8 +3,8 @@
 !>
 !> Random numbers are the same on every machine, by Philox4x32-10, a counter-based generator (J. K.
 !> Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3,
-!> Proc. SC11, 2011). Number i of a seed does not depend on those before it. Products have 128 bits:
-!> nothing overflows.
+!> Proc. SC11, 2011). Number i of a seed does not depend on those before it. All products are split
+!> into halves of 16 bits: nothing overflows.
 !>
 !> And profiles of any length, composed of pieces that are made on demand. Piece k is a periodic
 !> Gaussian profile of separate random numbers; it covers half of piece k - 1 and half of piece k +
@@ -48,8 +48,7 @@ module synthetic_surface
    integer, parameter :: max_steps = 60
    real(wp), parameter :: close_enough = 1.0e-10_wp
 
-   integer, parameter :: wide = selected_int_kind(38)
-   integer(int64), parameter :: low_32 = int(z'FFFFFFFF', int64)
+   integer(int64), parameter :: low_32 = int(z'FFFFFFFF', int64), low_16 = int(z'FFFF', int64)
    integer(int64), parameter :: multipliers(2) = [int(z'D2511F53', int64), int(z'CD9E8D57', int64)]
    integer(int64), parameter :: weyl(2) = [int(z'9E3779B9', int64), int(z'BB67AE85', int64)]
    integer, parameter :: rounds = 10
@@ -125,7 +124,8 @@ contains
       z = z/(norm2(z)/sqrt(real(size(z), wp)))
    end subroutine gaussian_heights
 
-   !> Amplitude, the root of the spectrum, at `waves` [1/m] in d dimensions; 0 outside the cut-offs.
+   !> Amplitude, the root of the spectrum, at `waves` [1/m] in d = `dimensions`; 0 outside the
+   !> cut-offs.
    pure real(wp) function amplitude_at(wanted, waves, dimensions) result(amplitude)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: waves, dimensions
@@ -208,8 +208,9 @@ contains
       values = [sum((y - mean)**3)/size(y)/square**1.5_wp, sum((y - mean)**4)/size(y)/square**2]
    end function moments
 
-   !> Keeps the harmonics 1 ... `harmonics` (of an area the hypot of both) of the periodic heights
-   !> `z` (nx*ny), (4.1). Errors: more than the grid has (input_error); FFTW (internal_error).
+   !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean,
+   !> (4.1); for an area those with hypot of the two wave numbers up to it. Errors: more harmonics
+   !> than the grid has (input_error); FFTW (internal_error).
    subroutine truncate_harmonics(harmonics, grid, z, error)
       integer, intent(in) :: harmonics, grid(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -244,20 +245,35 @@ contains
    pure function philox(counter, key) result(words)
       integer(int64), intent(in) :: counter(4), key(2)
       integer(int64) :: words(4), high(2), low(2), round_key(2)
-      integer(wide) :: products(2)
       integer :: i
 
       words = counter
       round_key = key
       do i = 1, rounds
-         products = int(multipliers, wide)*words(1:3:2)
-         high = int(shiftr(products, 32), int64)
-         low = int(iand(products, int(low_32, wide)), int64)
+         call multiply(multipliers(1), words(1), high(1), low(1))
+         call multiply(multipliers(2), words(3), high(2), low(2))
          words = [ieor(ieor(high(2), words(2)), round_key(1)), low(2), &
             ieor(ieor(high(1), words(4)), round_key(2)), low(1)]
          round_key = iand(round_key + weyl, low_32)
       end do
    end function philox
+
+   !> High and low word of the product of two words of 32 bits.
+   pure elemental subroutine multiply(a, b, high, low)
+      integer(int64), intent(in) :: a, b
+      integer(int64), intent(out) :: high, low
+      integer(int64) :: a_high, a_low, b_high, b_low, carry, middle
+
+      a_high = shiftr(a, 16)
+      a_low = iand(a, low_16)
+      b_high = shiftr(b, 16)
+      b_low = iand(b, low_16)
+      carry = a_low*b_low
+      middle = a_high*b_low + shiftr(carry, 16)
+      low = iand(middle, low_16) + a_low*b_high
+      high = a_high*b_high + shiftr(middle, 16) + shiftr(low, 16)
+      low = ior(shiftl(iand(low, low_16), 16), iand(carry, low_16))
+   end subroutine multiply
 
    !> `n` independent normal numbers (mean 0, variance 1) of a `seed` >= 0, by the transform of Box
    !> and Muller. Each `series` (0 ... 2^32 - 1) of a seed gives others.
@@ -285,8 +301,9 @@ contains
       uniform = (real(ior(shiftl(first, 20), shiftr(second, 12)), wp) + 0.5_wp)*2.0_wp**(-52)
    end function uniform
 
-   !> Prepares a profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart: of
-   !> piece 0 skewness and kurtosis, of each the rms height. Errors: as in `synthetic_heights`.
+   !> Prepares a profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart.
+   !> Skewness and kurtosis are those of piece 0; the rms height is that of each piece. Errors
+   !> (input_error): as in `synthetic_heights`.
    subroutine new_synthetic_pieces(source, wanted, spacing, half, halves, error)
       type(synthetic_pieces_t), intent(out) :: source
       type(synthesis_t), intent(in) :: wanted
