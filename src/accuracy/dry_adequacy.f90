@@ -92,8 +92,7 @@ contains
       harmonics = 0
       can_yield = record%sweep%loads%hardness < no_hardness
       is_open = record%sweep%grid%kernel == kernel_open
-      if (.not. (has_parabola .or. is_open)) call count_harmonics(record%sweep, harmonics, error)
-      if (allocated(error)) return
+      if (.not. (has_parabola .or. is_open)) harmonics = count_harmonics(record%sweep)
       ! images need another kernel, with them and without
       adequacy%ratio = affordable_ratio(record, heaviest, count([can_yield .and. &
          yields(record%outcome%rows(heaviest)), harmonics > 0, has_parabola, has_parabola]))
@@ -270,20 +269,16 @@ contains
       end associate
    end subroutine judge
 
-   !> The last significant harmonic along x in some rows of an area; 0: too few to halve. Fails
-   !> (internal_error) if FFTW does.
-   subroutine count_harmonics(sweep, harmonics, error)
+   !> The last significant harmonic along x in some rows of an area; 0: too few to halve.
+   integer function count_harmonics(sweep) result(harmonics)
       type(dry_sweep_t), intent(in) :: sweep
-      integer, intent(out) :: harmonics
-      type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: power(:), rows(:, :)
       real(wp) :: beyond, most
 
       harmonics = 0
       rows = reshape(sweep%height, [sweep%grid%nx, sweep%grid%ny])
       rows = rows(:, ::(sweep%grid%ny - 1)/max_rows + 1)
-      call power_spectrum(rows, power, error)
-      if (allocated(error)) return
+      call power_spectrum(rows, power)
       beyond = 0.0_wp
       most = negligible_power*sum(power)
       do harmonics = size(power), min_harmonics, -1
@@ -291,7 +286,7 @@ contains
          if (beyond > most) return
       end do
       harmonics = 0
-   end subroutine count_harmonics
+   end function count_harmonics
 
    !> Spacing, relative to the result, of the finer of two grids on which this many `parts` can be
    !> left out under the `heaviest` load within the budget; the other grid has twice the spacing.

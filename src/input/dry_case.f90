@@ -202,7 +202,6 @@ contains
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
       real(wp), allocatable, intent(out) :: z(:)
-      type(error_t), allocatable :: error
       character(:), allocatable :: fault
       real(wp) :: length
       integer :: k
@@ -223,8 +222,7 @@ contains
             // ' as in the other surface'
          if (fault == '') then
             z = file%z
-            if (any(file%grid /= nodes)) call resample_heights(file%grid, nodes, z, error)
-            if (allocated(error)) fault = error%message
+            if (any(file%grid /= nodes)) call resample_heights(file%grid, nodes, z)
          end if
       end associate
       if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
@@ -245,10 +243,12 @@ contains
          call begin_activity('making the surface')
          call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), &
             z, error)
-         if (.not. allocated(error) .and. any(nodes /= first)) call resample_heights(first, nodes, &
-            z, error, at_centres=.not. dry%is_periodic)
+         if (allocated(error)) then
+            call dry%values%refuse(group, 'shape', error%message)
+         else if (any(nodes /= first)) then
+            call resample_heights(first, nodes, z, at_centres=.not. dry%is_periodic)
+         end if
       end associate
-      if (allocated(error)) call dry%values%refuse(group, 'shape', error%message)
    end subroutine add_synthetic
 
 end module dry_case

@@ -241,7 +241,6 @@ contains
       character(*), intent(in) :: group
       logical, intent(in) :: is_periodic
       type(heights_t), intent(inout) :: heights
-      type(error_t), allocatable :: error
       real(wp), allocatable :: whole(:)
       real(wp) :: cutoff(2), least, most
       logical :: repeats
@@ -270,11 +269,7 @@ contains
          if (.not. values%is_given(group, cutoffs(i))) cycle
          whole = heights%z
          call smooth_heights(grid, cutoff(i)/max(heights%spacing, tiny(1.0_wp)*cutoff(i)), &
-            repeats, heights%z, error)
-         if (allocated(error)) then
-            call values%refuse(group, cutoffs(i), error%message)
-            return
-         end if
+            repeats, heights%z)
          if (i == 2) heights%z = whole - heights%z
       end do
       heights%sums = height_sums_t(int(grid, int64))
