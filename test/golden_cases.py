@@ -244,7 +244,6 @@ ONE = {
     + "&surface_2 shape = 'file', file = 'a.csv', entry_length = 0.5, cutoff_short = 2e-5, x_unit = 'um' /\n"
     + time(0.4, 0.05)
     + NO_ADEQUACY,
-    # heat, other laws, other ways of a start
     "warm": PLAIN + "&thermal temperature = 40, inlet_heating = .true. /\n",
     "warm_barus": SHORTER.replace("roelands_z = 0.6, roelands_p0 = 1.98e8", "viscosity_law = 'barus', pressure_viscosity = 1.8e-8")
     + "&thermal temperature = 40 /\n&supply film = 2e-7 /\n&asperities law = 'greenwood_tripp', rms_height = 2e-7,"
@@ -470,6 +469,7 @@ void *memalign(size_t alignment, size_t size) {
    else if (getenv("STOPS") && is_counted && number > atoi(getenv("STOPS"))) dprintf(2, "array %d\\n", number);
    return fails("FAILS", is_counted) ? NULL : aligned_alloc(alignment, size);
 }
+int setitimer(int which, const void *next, void *last) { return 0; }
 #define OF(type, name, given, passed, is_lost) type name given { \\
    if (is_lost) return errno = EIO, -1; \\
    return ((type (*) given)dlsym(RTLD_NEXT, #name)) passed; }
