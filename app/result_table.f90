@@ -112,8 +112,9 @@ contains
       columns = 0
       do k = 1, size(profiles)
          path = '/solution/'//trim(profiles(k))
-         if (.not. reader%has(path)) cycle
+         if (k > 1 .and. .not. reader%has(path)) cycle
          associate (column => reader%reals(path)*reader%number_of(path, 'si_scale', 1.0_wp))
+            if (allocated(reader%failure)) exit
             if (k == 1) allocate (values(size(column), size(profiles)))
             columns = columns + 1
             values(:, columns) = column

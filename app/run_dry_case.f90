@@ -63,18 +63,16 @@ contains
                adequacy)
             call move_alloc(record%error, error)   ! error: handed up
          end if
-         if (.not. allocated(error)) then
-            call note_unusual(case, words)
-            if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
-            if (allocated(words)) call move_alloc(words, report%note)
-            call list_dry(case)
-            call result%begin_end(case)
-            call write_dry_result(result%file, case%dry, outcome, error)
-         end if
          if (allocated(error)) then
             call result%discard()
             return
          end if
+         call note_unusual(case, words)
+         if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
+         if (allocated(words)) call move_alloc(words, report%note)
+         call list_dry(case)
+         call result%begin_end(case)
+         call write_dry_result(result%file, case%dry, outcome)
          call write_dry_adequacy(result%file, adequacy)
          call result%publish(report, error)
          if (allocated(error)) return

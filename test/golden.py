@@ -50,7 +50,8 @@ DURATION = re.compile(r"\b[0-9.]+(E[-+]\d+)? (ms|s|min|h|d|kB|MB|GB)\b( \d+ (s|m
 def printed(text, folder):
     """What is printed, without clocks, places, and lines that appear only if it takes long."""
     text = text.replace(str(folder), "")
-    lines = [line for line in text.splitlines() if not re.search(r": (cycle|step|time step) \d+ .*|\bleft$|version", line)]
+    late = r": (cycle|step|time step) \d+ .*|\bleft$|version|x \d+ step (?!(1|2|4|8|16|32|64|128) )"
+    lines = [line for line in text.splitlines() if not re.search(late, line)]
     return [DURATION.sub("TIME", line.rstrip()) for line in lines]
 
 
@@ -102,7 +103,9 @@ def stop(program, folder, name):
 def run(program, folder, command):
     if command.startswith("stop "):
         return stop(program, folder, command.removeprefix("stop "))
-    script = f'ulimit -t {PROCESSOR_SECONDS}\nasperity() {{ {shlex.quote(program)} "$@"; }}\n{command}'
+    names = {"asperity": program, "python": sys.executable}
+    calls = [f'{name}() {{ {shlex.quote(path)} "$@"; }}' for name, path in names.items()]
+    script = "\n".join([f"ulimit -t {PROCESSOR_SECONDS}", *calls, command])
     done = subprocess.run(["sh", "-c", script], cwd=folder, capture_output=True, text=True, check=False)
     return {
         "status": done.returncode,

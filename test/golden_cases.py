@@ -1,7 +1,7 @@
 """The cases of golden.py: small namelists whose results, texts and statuses are stored in full.
 
-Each case is a list of steps in an empty folder. A step is a line of shell, in which `asperity` is the program, or
-`stop NAME.nml`: run it, and end it by SIGTERM after its first checkpoint. `files` are written before.
+Each case is a list of steps in an empty folder. A step is a line of shell, in which `asperity` is the program and `python` this
+one, or `stop NAME.nml`: run it, and end it by SIGTERM after its first checkpoint. `files` are written before.
 """
 
 import math
@@ -100,6 +100,8 @@ NO_ADEQUACY = "&output adequacy = .false. /\n"
 GRADED = "&domain grid = 'graded' /\n" + NO_ADEQUACY
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
 LINE = "length = 2.56e-4, intervals = 128"
+ROUND = "length_x = 3.6e-4, length_y = 3e-4, intervals_x = 32, intervals_y = 32"
+SHORTER = PLAIN.replace("128", "64")
 AREA = "length_x = 1.6e-4, length_y = 1.2e-4, intervals_x = 32, intervals_y = 48"
 BUSY = (
     PLAIN.replace("128", "64")
@@ -242,6 +244,25 @@ ONE = {
     + "&surface_2 shape = 'file', file = 'a.csv', entry_length = 0.5, cutoff_short = 2e-5, x_unit = 'um' /\n"
     + time(0.4, 0.05)
     + NO_ADEQUACY,
+    "warm": PLAIN + "&thermal temperature = 40, inlet_heating = .true. /\n",
+    "warm_barus": SHORTER.replace("roelands_z = 0.6, roelands_p0 = 1.98e8", "viscosity_law = 'barus', pressure_viscosity = 1.8e-8")
+    + "&thermal temperature = 40 /\n&supply film = 2e-7 /\n&asperities law = 'greenwood_tripp', rms_height = 2e-7,"
+    + " density_radius_height = 0.05, height_over_radius = 1e-3, flow = 'patir_cheng' /\n",
+    "line_smoother": SHORTER + "&solver method = 'fas_block_jacobi', smoother = 'line' /\n" + NO_BARS,
+    "coarse": PLAIN.replace("128", "16").replace("1e5", "4e5"),
+    "stokes_hard": STOKES.replace("1e5", "4e5") + NO_BARS + NO_ADEQUACY,
+    "random_forever": SHORTER
+    + "&surface_2 shape = 'synthetic', seed = 3, rms_height = 2e-8, wavelength_long = 8e-6, wavelength_short = 2e-6, skewness=0.3 /"
+    + time(900.0, 450.0)
+    + NO_ADEQUACY,
+    "series_in_oil": SHORTER + "&surface_2 shape = 'file', file = 'a.csv', harmonics = 5 /\n" + time(0.2, 0.1) + NO_ADEQUACY,
+    "all_plastic": dry("dry_line", "mean_pressure = 1e9", LINE, WAVES, bodies=", hardness = 1e9"),
+    "near_plastic": dry("dry_area", "separation = 2e-7, 1e-8, 1e-10", AREA, WAVES, NO_ADEQUACY, ", hardness = 5e8"),
+    "images": dry("dry_area", "mean_pressure = 1e8", ROUND, "'parabola'", bodies=", reduced_radius = 0.005"),
+    "no_room": dry("dry_area", "load = 300.0", ROUND + ", periodic = .false.", "'parabola'", bodies=", reduced_radius = 0.005"),
+    "open_waves": dry("dry_line", "mean_pressure = 3e8", LINE + ", periodic = .false.", WAVES),
+    "point_moes": MOES.format(m=20.0, l=5.0, velocity="sum").replace("line", "point") + "&domain intervals_x = 32 /\n",
+    "point_passages": DENTED[: DENTED.index("&domain")] + time(0.2, None) + TARGET.replace("0.02", "0.1"),
     # refused
     "refused": PLAIN.replace("load_per_length = 1e5", "load_per_length = -1e5, lod = 3").replace("128", "100")
     + feature(2).replace("'feature'", "'ridge'")
@@ -268,43 +289,25 @@ MORE = {
     ),
     "texts": (
         {},
-        [
-            "asperity --help",
-            "asperity --keys",
-            "asperity --template ehl_line",
-            "asperity --template dry_line",
-            "asperity --template dry_area",
-            "asperity",
-            "asperity none.nml --nothing",
-        ],
+        [f"asperity --{words}" for words in ("help", "keys", "template ehl_line", "template dry_line", "template dry_area")]
+        + ["asperity", "asperity none.nml --nothing"],
     ),
-    "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet --threads 2"]),
-    "stopped_point": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_point_not": ({"a.nml": DENTED + time(3.0, 0.05) + SAVING}, ["asperity a.nml --quiet"]),
-    "stopped_point_history": ({"a.nml": VARYING, "h.csv": LOADS}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "point_history": ({"a.nml": VARYING, "h.csv": LOADS}, ["asperity a.nml --quiet"]),
-    "stopped_leaving": (
-        {
-            "a.nml": PLAIN.replace("128", "64")
-            + feature(2, position=0.95)
-            + time(2.0, 0.01, ", statistics_from = 0.0")
-            + NO_BARS
-            + SAVING
-        },
-        ["stop a.nml", "asperity a.nml --resume --quiet"],
-    ),
-    "stopped_target": (
-        {
-            "a.nml": ONE["target_in_time"].replace("end_time = 0.3", "end_time = 1.5")
-            + SAVING.replace(" /", ", adequacy = .false. /")
-        },
-        ["stop a.nml", "asperity a.nml --resume --quiet"],
-    ),
-    "stopped_momentum": (
-        {"a.nml": MOVING.replace("0.05", "0.005") + "&film layers = 5 /\n" + SAVING + NO_BARS},
-        ["stop a.nml", "asperity a.nml --resume --quiet"],
-    ),
+}
+LEAVING = SHORTER + feature(2, position=0.95) + time(2.0, 0.01, ", statistics_from = 0.0") + NO_BARS + SAVING
+STOPPED = {
+    "": BUSY,
+    "_point": DENTED + time(3.0, 0.05) + SAVING,
+    "_point_history": VARYING,
+    "_leaving": LEAVING,
+    "_target": ONE["target_in_time"].replace("time = 0.3", "time = 1.5") + SAVING.replace(" /", ", adequacy = .false. /"),
+    "_momentum": MOVING.replace("0.05", "0.005") + "&film layers = 5 /\n" + SAVING + NO_BARS,
+}
+MORE |= {
+    f"stopped{name}": ({"a.nml": text, "h.csv": LOADS}, ["stop a.nml", "asperity a.nml --resume --quiet"])
+    for name, text in STOPPED.items()
 }
 
 SMALL = PLAIN.replace("128", "64") + NO_BARS + NO_ADEQUACY
@@ -386,24 +389,154 @@ MORE |= {
     ),
 }
 
-# Memory that FFTW does not get, at the first, third ... array of a case, up to the last one.
-FAILS = """#include <stdlib.h>
-void *memalign(size_t alignment, size_t size) {
-   static int number;
-   return (size % 512 == 0 || size % 1152 == 0) && ++number == atoi(getenv("FAILS")) ? NULL : aligned_alloc(alignment, size);
-}
+# Heights in HDF5: spacings, positions, units and scales of all forms, and what is refused.
+MAKE = """import h5py, numpy as np
+x = 2e-6 * np.arange(64)
+z = sum(2e-7 / k * np.cos(2 * np.pi * k * np.arange(64) / 64 + k**2) for k in (1, 3, 5))
+f = h5py.File("h.h5", "w")
+def put(name, values, **attributes):
+    f.create_dataset(name, data=values).attrs.update(attributes)
+def both(name, x, of_x, z, of_z):
+    put(f"{name}/x", x, **of_x)
+    put(f"{name}/z", z, **of_z)
+put("a", z, spacing=2e-6)
+put("b", 1e9 * z, spacing_x=2.0, spacing_units="um", unit="nm")
+put("c", (1e9 * z).astype("i4"), si_scale=1e-9, spacing=2e-6)
+both("d", -1e3 * x, {"units": "mm"}, 1e6 * z, {"units": "um"})
+put("e", 1e6 * z, units="um")
+put("scale", 1e6 * x, units="um")
+f["scale"].make_scale("x")
+f["e"].dims[0].attach_scale(f["scale"])
+area = z + z[::2, None]
+put("f", area, spacing_x=2e-6, spacing_y=4e-6, units="m")
+put("g/y", 4e-6 * np.arange(32)[::-1], units="m")
+both("g", x[::-1], {"units": "m"}, area, {"units": "m"})
+both("h", x**2, {"units": "m"}, z, {"units": "m"})
+put("j", "text")
+put("k", z.reshape(4, 4, 4))
+put("l", np.where(x > 1e-5, np.nan, z), spacing=1e-6)
+put("m", 1e9 * z, si_scale=1e-3, units="um", spacing=1e-6)
+put("o", z, spacing="two")
+f.create_dataset("r", 10**9, "f4", chunks=(10**6,))
+f.create_dataset("s", 64, "f8", external=[("a.csv", 0, 512)])
+both("t", x * np.nan, {"units": "m"}, z, {"units": "m"})
 """
-STARVED = "smooth 18 ridge_slow 50 full 52 auto_lean 40 auto_rest 22 target_in_time 36 stokes 26 moving_lower 38 outlet_cut 14"
-STARVED += " graded_cut 20 area_plastic 76 sphere 60 point 10 point_passage 10 point_target 20"
+OF = "--set surface_1.dataset=\"'/$i'\""
+MORE["hdf5_heights"] = (
+    {
+        "line.nml": dry("dry_line", "mean_pressure = 1e8", "periodic = .true.", "'file', file = 'h.h5'", NO_ADEQUACY),
+        "area.nml": dry("dry_area", "mean_pressure = 1e8", "periodic = .true.", "'file', file = 'h.h5'", NO_ADEQUACY),
+        "make.py": MAKE,
+    },
+    [
+        f"python -W ignore make.py; for i in b c d/z e; do asperity line.nml {OF}; mv line.h5 ${{i%/z}}.h5; done",
+        f"for i in f g/z; do asperity area.nml {OF} --quiet; mv area.h5 ${{i%/z}}.h5; done",
+        f"for i in a f h/z j k l m o r s t/z u; do asperity --check line.nml {OF} 2>&1; done",
+        f"for i in a b e; do asperity --check line.nml {OF} --set surface_1.z_unit=\"'um'\" 2>&1; done; rm h.h5",
+    ],
+)
+
+# What changes in time: an oil that flows back, with heat, and a law of asperities from a table.
+TURNING = SHORTER[: SHORTER.index("&load")].replace(", speed_1 = 0.1, speed_2 = 1.1", "") + LUBRICANT
+TURNING += "&domain intervals = 64 /\n&history file = 'h.csv' /\n&time transient = .true. /\n"
+UNITS = "time [s],load_per_length [N/m],speed_1 [m/s],speed_2 [m/s]\n"
+MORE["line_histories"] = (
+    {
+        "a.nml": TURNING + "&asperities rms_height = 2e-7, law = 'table', file = 'law.csv' /\n&supply film = 6e-7 /\n",
+        "b.nml": TURNING.replace("h.csv", "i.csv") + "&thermal temperature = 40 /\n",
+        "h.csv": f"{UNITS}0,1e5,0.5,0.8\n2e-4,8e4,0.1,0.2\n4e-4,1e5,-0.6,-0.9\n",
+        "i.csv": f"{UNITS}0,1e5,0.5,0.8\n2e-4,8e4,0.6,1.2\n",
+        "law.csv": "gap [m],pressure [Pa]\n0,2e8\n1e-7,5e7\n4e-7,1e6\n1e-6,1e3\n",
+    },
+    ["asperity a.nml b.nml", "sed -i 's/^4e-7,1e6/4e-7,1e8/' law.csv; asperity --check a.nml"],
+)
+
+# FAILS: which array of FFTW gets no memory; STOPS: with which one SIGTERM comes; LOST: which operation on files fails.
+FAILS = """#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+static int number;
+static int fails(const char *name, int is_counted) {
+   return getenv(name) && is_counted && ++number == atoi(getenv(name));
+}
+void *memalign(size_t alignment, size_t size) {
+   int is_counted = size % 512 == 0 || size % 1152 == 0;
+   if (fails("STOPS", is_counted)) raise(SIGTERM);
+   else if (getenv("STOPS") && is_counted && number > atoi(getenv("STOPS"))) dprintf(2, "array %d\\n", number);
+   return fails("FAILS", is_counted) ? NULL : aligned_alloc(alignment, size);
+}
+int setitimer(int which, const void *next, void *last) { return 0; }
+#define OF(type, name, given, passed, is_lost) type name given { \\
+   if (is_lost) return errno = EIO, -1; \\
+   return ((type (*) given)dlsym(RTLD_NEXT, #name)) passed; }
+OF(int, open, (const char *p, int how, int mode), (p, how, mode), getenv("LOST") && !strncmp(p, "/proc", 5) || fails("LOST", 1))
+OF(long, read, (int f, void *b, size_t n), (f, b, n), fails("LOST", 1))
+OF(long, write, (int f, const void *b, size_t n), (f, b, n), fails("LOST", f > 2))
+OF(long, pread, (int f, void *b, size_t n, long o), (f, b, n, o), fails("LOST", 1))
+OF(long, pwrite, (int f, const void *b, size_t n, long o), (f, b, n, o), fails("LOST", 1))
+OF(int, fsync, (int f), (f), fails("LOST", 1))
+OF(int, rename, (const char *a, const char *b), (a, b), fails("LOST", 1))
+"""
+ONCE = "asperity a.nml --quiet 2>&1 | grep -a '^a' || echo none; rm -f *.h5*"
+GCC = "gcc -w -shared -fPIC fails.c -o fails.so"
+STARVED = """smooth 1 2 18 ridge_slow 1 2 50 full 1 2 52 auto_lean 1 2 40 auto_rest 1 2 22 target_in_time 1 2 36 stokes 1 2 26
+moving_lower 1 2 38 outlet_cut 1 2 14 graded_cut 1 2 20 area_plastic 1 2 76 sphere 1 2 60 random_forever 1 5 60 point 11 16
+point_passage 5 10 point_target 11 9 164 line 1 6 38 tilted_files 7 5 40 area_separation 1 3 88"""
 MORE |= {
     f"starved_{name}": (
         {"a.nml": ONE[name], "fails.c": FAILS},
         [
-            "gcc -shared -fPIC fails.c -o fails.so; export LD_PRELOAD=./fails.so FAILS; for FAILS in $(seq 1 2 "
-            f"{last}); do asperity a.nml --quiet 2>&1 | grep -a '^asperity:' || echo none; done; rm -f fails.so *.h5*"
+            f"{GCC}; export LD_PRELOAD=./fails.so FAILS STOPS; for FAILS in $(seq {numbers}); do {ONCE}; done; "
+            f"unset FAILS; for STOPS in $(seq {numbers}); do {ONCE}; done; rm fails.so"
         ],
     )
-    for name, last in re.findall(r"(\w+) (\d+)", STARVED)
+    for name, numbers in re.findall(r"([a-z_]+) ([ 0-9]+)", STARVED)
+}
+
+
+def losing(numbers, words, before=":", after=":"):
+    """A case over and over, without its operation on a file of another number each time."""
+    one = f"(export LOST=$i LD_PRELOAD=./fails.so; asperity {words} 2>&1); echo $? *.h5* *.xdmf; {after}; rm -f *.h5* *.xdmf"
+    return f"for i in $(seq {numbers}); do {before}; {one}; done"
+
+
+SHORT = BUSY.replace("3.0, time_step", "0.03, time_step").replace("interval = 0.0", "interval = 0.0, adequacy=.false., xdmf=.true.")
+READS = {
+    "a.nml": ONE["file_in_oil"].replace("'a.csv'", "'line.h5', dataset = '/solution/height_undeformed'")
+    + "&asperities rms_height = 2e-7, law = 'table', file = 'row.h5' /\n",
+    "line.nml": ONE["line"],
+    "c.nml": ONE["tilted_files"],
+    "row.nml": ONE["line"].replace("5e7, 3e8, 1e8", "3e8, 1e8, 5e7"),
+    "b.nml": VARYING,
+    "h.csv": LOADS,
+    "fails.c": FAILS,
+}
+MORE |= {
+    "lost_steps": (
+        {"a.nml": SHORT, "fails.c": FAILS},
+        [
+            GCC,
+            losing("1 8 452", "a.nml --quiet", after="asperity a.nml --resume --quiet 2>&1"),
+            "(export LOST=300 LD_PRELOAD=./fails.so; asperity a.nml --quiet 2>&1); mkdir b; mv a.h5* b",
+            losing("1 4 332", "a.nml --resume --quiet", before="cp b/* ."),
+            "rm -r b fails.so",
+        ],
+    ),
+    "lost_files": (
+        READS,
+        [
+            f"{GCC}; asperity line.nml row.nml --quiet; mkdir b; mv *.h5 b",
+            losing("2 2 190", "a.nml --quiet", before="cp b/* ."),
+            losing("1 2 70", "table line.h5 --profiles", before="cp b/line.h5 ."),
+            losing("8", "--check b.nml"),
+            losing("24", "--check c.nml"),
+            "rm -r b fails.so",
+        ],
+    ),
 }
 
 

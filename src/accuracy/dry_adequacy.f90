@@ -245,7 +245,7 @@ contains
 
    !> The last significant harmonic along x in some rows of an area; 0: too few to halve.
    integer function harmonics_of(record) result(harmonics)
-      type(dry_record_t), intent(inout) :: record
+      type(dry_record_t), intent(in) :: record
       real(wp), allocatable :: power(:), rows(:, :)
       real(wp) :: beyond, most
 
@@ -254,8 +254,7 @@ contains
          rows = reshape(sweep%height, [sweep%grid%nx, sweep%grid%ny])
          rows = rows(:, ::(sweep%grid%ny - 1)/max_rows + 1)
       end associate
-      call power_spectrum(rows, power, record%error)
-      if (allocated(record%error)) return
+      call power_spectrum(rows, power)
       beyond = 0.0_wp
       most = negligible_power*sum(power)
       do harmonics = size(power), min_harmonics, -1

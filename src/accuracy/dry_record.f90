@@ -125,15 +125,12 @@ contains
          if (is_resampled) then
             grid%nx = other_count(old%nx, setting%ratio)
             grid%ny = other_count(old%ny, setting%ratio)
-            call resample_field(old, grid, sweep%height, error)
-            if (allocated(error)) return
+            call resample_field(old, grid, sweep%height)
          end if
          if (setting%without < without_images) then
             associate (pressures => self%outcome%pressures(:, first:last))
                if (.not. is_resampled) settings%starts = pressures
-               if (is_resampled) call resample_pressures(old, grid, pressures, settings%starts, &
-                  error)
-               if (allocated(error)) return
+               if (is_resampled) call resample_pressures(old, grid, pressures, settings%starts)
             end associate
          end if
          select case (setting%without)
@@ -179,26 +176,24 @@ contains
       nodes = merge(grid%nx, min(grid%nx, grid%ny), grid%ny == 1)
    end function shorter_side
 
-   !> Resamples `field` (nx*ny) from the grid `old` to `new`. Fails (internal_error) if FFTW does.
-   subroutine resample_field(old, new, field, error)
+   !> Resamples `field` (nx*ny) from the grid `old` to `new`.
+   subroutine resample_field(old, new, field)
       type(dry_grid_t), intent(in) :: old, new
       real(wp), allocatable, intent(inout) :: field(:)
-      type(error_t), allocatable, intent(out) :: error
 
       if (old%kernel == kernel_open) then
          call interpolate_heights([old%nx, old%ny], [new%nx, new%ny], field)
       else
-         call resample_heights([old%nx, old%ny], [new%nx, new%ny], field, error)
+         call resample_heights([old%nx, old%ny], [new%nx, new%ny], field)
       end if
    end subroutine resample_field
 
    !> Resamples the `pressures` (nx*ny, loads) of the grid `old` to `new` as `starts`: zero where
-   !> they ripple about 0, with the same loads. Fails (internal_error) if FFTW does.
-   subroutine resample_pressures(old, new, pressures, starts, error)
+   !> they ripple about 0, with the same loads.
+   subroutine resample_pressures(old, new, pressures, starts)
       type(dry_grid_t), intent(in) :: old, new
       real(real32), intent(in) :: pressures(:, :)
       real(real32), allocatable, intent(out) :: starts(:, :)
-      type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: p(:)
       real(wp) :: least, total
       integer :: i
@@ -208,8 +203,7 @@ contains
          p = pressures(:, i)
          total = sum(p)
          least = least_pressure*total/max(count(p > 0.0_wp), 1)
-         call resample_field(old, new, p, error)
-         if (allocated(error)) return
+         call resample_field(old, new, p)
          where (p < least) p = 0.0_wp
          ! a contact lost between nodes starts from the mean
          if (sum(p) <= 0.0_wp) p = 1.0_wp

@@ -101,6 +101,7 @@ contains
       if (file_fault(path) /= '') return
       call start_hdf5(status)
       if (status >= 0) call h5fis_hdf5_f(path, is_hdf5, status)
+      is_hdf5 = is_hdf5 .and. status >= 0   ! a file that cannot be read is none
    end function is_hdf5
 
    !> Keeps "found ..., expected ..." about `name`, unless empty, as the first failure.

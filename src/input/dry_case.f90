@@ -162,10 +162,12 @@ contains
          call begin_activity('making the surface')
          call synthetic_heights(wanted, dry%first_nodes, dry%lengths(1), max(dry%lengths(2), &
             tiny(1.0_wp)), z, error)
-         if (.not. allocated(error) .and. any([dry%grid%nx, dry%grid%ny] /= dry%first_nodes)) call &
-            resample_heights(dry%first_nodes, [dry%grid%nx, dry%grid%ny], z, error, &
-            at_centres=.not. dry%is_periodic)
-         if (allocated(error)) call dry%values%refuse(surfaces(i), 'shape', error%message)
+         if (allocated(error)) then
+            call dry%values%refuse(surfaces(i), 'shape', error%message)
+         else if (any([dry%grid%nx, dry%grid%ny] /= dry%first_nodes)) then
+            call resample_heights(dry%first_nodes, [dry%grid%nx, dry%grid%ny], z, &
+               at_centres=.not. dry%is_periodic)
+         end if
       case ('parabola')
          z = parabola_heights(dry%radius, x, y, dry%lengths, dry%is_periodic)
       case ('feature', 'sinusoid')
@@ -197,7 +199,6 @@ contains
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
       real(wp), allocatable, intent(out) :: z(:)
-      type(error_t), allocatable :: error
       character(:), allocatable :: fault
       real(wp) :: length
       integer :: k
@@ -218,8 +219,7 @@ contains
             // ' as in the other surface'
          if (fault == '') then
             z = file%z
-            if (any(file%grid /= nodes)) call resample_heights(file%grid, nodes, z, error)
-            if (allocated(error)) fault = error%message
+            if (any(file%grid /= nodes)) call resample_heights(file%grid, nodes, z)
          end if
       end associate
       if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)

@@ -244,7 +244,6 @@ contains
       character(*), intent(in) :: group
       logical, intent(in) :: is_periodic
       type(heights_t), intent(inout) :: heights
-      type(error_t), allocatable :: error
       real(wp), allocatable :: whole(:)
       real(wp) :: cutoff(2), least, most
       logical :: is_given(2), repeats
@@ -272,11 +271,7 @@ contains
          if (.not. is_given(i)) cycle
          whole = heights%z
          call smooth_heights(grid, cutoff(i)/max(heights%spacing, tiny(1.0_wp)*cutoff(i)), &
-            repeats, heights%z, error)
-         if (allocated(error)) then
-            call values%refuse(group, cutoffs(i), error%message)
-            return
-         end if
+            repeats, heights%z)
          if (i == 2) heights%z = whole - heights%z
       end do
       heights%sums = height_sums_t(int(grid, int64))

@@ -1,12 +1,11 @@
 !> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for use once, and
-!> numbers of nodes that suit it: even, with fast transforms and coarse grids below.
+!> numbers of nodes that suit it: even, with fast transforms and coarse grids below. FFTW's basic
+!> interface guarantees a plan for every grid.
 module grid_transform
-   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr
-   use errors, only: error_t, fail, internal_error
+   use, intrinsic :: iso_c_binding, only: c_int, c_ptr
    use fftw, only: fftw_destroy_plan, fftw_estimate, fftw_execute_dft, fftw_execute_dft_c2r, &
       fftw_execute_dft_r2c, fftw_forward, fftw_plan_dft_1d, fftw_plan_dft_c2r, fftw_plan_dft_r2c
    use kinds, only: wp
-   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -19,48 +18,41 @@ contains
 
    !> Computes spectrum(k, l) = sum of z exp(-2 pi i (k m/nx + l n/ny)) over the nodes (m, n) of
    !> `grid` = nx, ny (ny = 1: a line), for k = 0 ... nx/2, l = 0 ... ny - 1. `z` (nx*ny), x
-   !> fastest. Fails (internal_error) if FFTW does.
-   subroutine transform_field(grid, z, spectrum, error)
+   !> fastest.
+   subroutine transform_field(grid, z, spectrum)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: z(:)
       complex(wp), allocatable, intent(out) :: spectrum(:, :)
-      type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: copy(:)
       type(c_ptr) :: plan
 
       allocate (spectrum(0:grid(1)/2, 0:grid(2) - 1), copy(size(z)))
       plan = fftw_plan_dft_r2c(2_c_int, int(grid(2:1:-1), c_int), copy, spectrum, fftw_estimate)
-      call check_plan(plan, grid, error)
-      if (allocated(error)) return
       copy = z
       call fftw_execute_dft_r2c(plan, copy, spectrum)
       call fftw_destroy_plan(plan)
    end subroutine transform_field
 
    !> Computes z = sum of spectrum exp(+2 pi i ...) over all k and l: `transform_field` and back
-   !> multiplies by nx ny. Fails (internal_error) if FFTW does.
-   subroutine transform_back(grid, spectrum, z, error)
+   !> multiplies by nx ny.
+   subroutine transform_back(grid, spectrum, z)
       integer, intent(in) :: grid(2)
       complex(wp), intent(inout) :: spectrum(0:, 0:)
       real(wp), allocatable, intent(out) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
       type(c_ptr) :: plan
 
       allocate (z(grid(1)*grid(2)))
       plan = fftw_plan_dft_c2r(2_c_int, int(grid(2:1:-1), c_int), spectrum, z, fftw_estimate)
-      call check_plan(plan, grid, error)
-      if (allocated(error)) return
       call fftw_execute_dft_c2r(plan, spectrum, z)
       call fftw_destroy_plan(plan)
    end subroutine transform_back
 
    !> Computes the mean over all rows z(:, j) of |sum of z exp(-2 pi i k m/nx)|^2 for k = 0 ...
    !> nx/2. Two rows are one complex row, whose squares at k and -k add up to twice theirs.
-   !> Thread-safe. Fails (internal_error) if FFTW does.
-   subroutine power_of_rows(z, power, error)
+   !> Thread-safe.
+   subroutine power_of_rows(z, power)
       real(wp), intent(in) :: z(:, :)
       real(wp), allocatable, intent(out) :: power(:)
-      type(error_t), allocatable, intent(out) :: error
       complex(wp), allocatable :: rows(:), spectrum(:)
       type(c_ptr) :: plan
       integer :: j, k, n
@@ -71,8 +63,6 @@ contains
       !$omp critical (planning)
       plan = fftw_plan_dft_1d(int(n, c_int), rows, spectrum, fftw_forward, fftw_estimate)
       !$omp end critical (planning)
-      call check_plan(plan, [n, 1], error)
-      if (allocated(error)) return
       do j = 1, size(z, 2), 2
          rows%re = z(:, j)
          rows%im = 0.0_wp
@@ -90,16 +80,6 @@ contains
       call fftw_destroy_plan(plan)
       !$omp end critical (planning)
    end subroutine power_of_rows
-
-   !> Fails (internal_error) if FFTW has given no plan.
-   subroutine check_plan(plan, grid, error)
-      type(c_ptr), intent(in) :: plan
-      integer, intent(in) :: grid(2)
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. c_associated(plan)) call fail(error, internal_error, &
-         'FFTW: no plan for a transform of ' // to_text(grid(1)) // ' x ' // to_text(grid(2)))
-   end subroutine check_plan
 
    !> Fewest nodes in one direction not below `least`, or the most not above `most`; 0: none.
    pure elemental function even_nodes(least, most) result(nodes)

@@ -76,8 +76,7 @@ contains
          end do
          if (j > 0) values(mx*(my - j) + 1:mx*(my - j + 1)) = values(mx*j + 1:mx*(j + 1))
       end do
-      call transform_field([mx, my], values, spectrum, error)
-      if (allocated(error)) return
+      call transform_field([mx, my], values, spectrum)
       deallocate (values)
       call plan_as_wanted(self, [nx, ny], [mx, my], spectrum%re, threads, error, is_single)
    end subroutine new_convolution

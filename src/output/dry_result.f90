@@ -12,7 +12,6 @@ module dry_result
    use dry_problem, only: kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
       load, mean_pressure, mean_separation, p_max, plastic_area, separation
-   use errors, only: error_t
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_values
    use hdf5_file, only: hdf5_file_t
@@ -52,12 +51,11 @@ module dry_result
 contains
 
    !> Writes the quantities of every load of an `outcome` with their estimated errors and the
-   !> fields of the last. Fails (internal_error) if FFTW does.
-   subroutine write_dry_result(file, dry, outcome, error)
+   !> fields of the last.
+   subroutine write_dry_result(file, dry, outcome)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
-      type(error_t), allocatable, intent(out) :: error
       integer :: k
 
       associate (rows => outcome%rows)
@@ -101,7 +99,7 @@ contains
       call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
          'number of: size in x, in y, pairs in double, pairs in single precision')
       call name_axes(file, '/report/transforms', 'transform_column grid')
-      if (.not. allocated(file%row)) call write_surface(file, dry, outcome%fields, error)
+      if (.not. allocated(file%row)) call write_surface(file, dry, outcome%fields)
    end subroutine write_dry_result
 
    !> /solution.
@@ -248,13 +246,11 @@ contains
    end subroutine write_dry_adequacy
 
    !> /surface: slope, curvature, bearing curves, height density, spectrum, in all three states.
-   subroutine write_surface(file, dry, fields, error)
+   subroutine write_surface(file, dry, fields)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
-      type(error_t), allocatable, intent(out) :: error
       type(surface_state_t) :: of(size(states))
-      type(error_t), allocatable :: failure
       real(wp) :: highest, levels(bearing_levels), lowest
       real(wp), allocatable :: edges(:)
       integer :: i, k
@@ -274,34 +270,29 @@ contains
          + edges(:size(edges) - 1)), new_label('middle of the steps of the height densities', &
          'm'), '=')
       ! Two surfaces at a time: they share nothing.
-      !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static, 1) private(failure)
+      !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static, 1)
       do k = 1, size(states)
          if (k == 1) then
-            call find_state(dry, dry%height, levels, of(1), failure)
+            call find_state(dry, dry%height, levels, of(1))
          else if (k == 2) then
-            call find_state(dry, fields%height_loaded, levels, of(2), failure)
+            call find_state(dry, fields%height_loaded, levels, of(2))
          else if (allocated(fields%height_unloaded)) then
-            call find_state(dry, fields%height_unloaded, levels, of(3), failure)
+            call find_state(dry, fields%height_unloaded, levels, of(3))
          end if
-         !$omp critical (surface_failure)
-         if (allocated(failure)) error = failure
-         !$omp end critical (surface_failure)
       end do
       !$omp end parallel do
-      if (allocated(error)) return
       if (.not. allocated(fields%height_unloaded)) of(3) = of(1)
       call write_state(file, 'undeformed', of(1))
       call write_state(file, 'unloaded', of(3))
       call write_state(file, 'loaded', of(2))
    end subroutine write_surface
 
-   !> What is stored of the heights `z` (nx*ny) of a state. Error (internal_error): FFTW.
-   subroutine find_state(dry, z, levels, state, error)
+   !> What is stored of the heights `z` (nx*ny) of a state.
+   subroutine find_state(dry, z, levels, state)
       type(dry_case_t), intent(in) :: dry
       real(wp), contiguous, target, intent(in) :: z(:)
       real(wp), intent(in) :: levels(:)
       type(surface_state_t), intent(out) :: state
-      type(error_t), allocatable, intent(out) :: error
       real(wp), contiguous, pointer :: area(:, :)
       real(wp) :: dx, dy
 
@@ -315,7 +306,7 @@ contains
       area(1:dry%grid%nx, 1:dry%grid%ny) => z
       state%rms_slope = rms_slope(area, dx, dy)
       state%rms_curvature = rms_curvature(area, dx, dy)
-      call power_spectrum(area, state%power, error)   ! error: the caller returns
+      call power_spectrum(area, state%power)
    end subroutine find_state
 
    !> One state of the surface: '/surface/<quantity>_<name>'.

@@ -9,7 +9,6 @@
 !> and the weights that lie on the heights are scaled to a sum of one, so that a constant stays
 !> constant. This changes the mean line over about half a cut-off at each end.
 module gauss_filter
-   use errors, only: error_t
    use grid_transform, only: transform_back, transform_field
    use kinds, only: wp
    implicit none (type, external)
@@ -26,27 +25,24 @@ contains
 
    !> Replaces heights on `grid` = nx, ny nodes (ny = 1: a profile), x fastest, by their mean line
    !> or surface. `cutoff` is the cut-off wavelength in spacings in x and y, at least `least_nodes`.
-   !> If `is_periodic` the heights repeat. Fails (internal_error) if FFTW does.
-   subroutine smooth_heights(grid, cutoff, is_periodic, z, error)
+   !> If `is_periodic` the heights repeat.
+   subroutine smooth_heights(grid, cutoff, is_periodic, z)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: cutoff(2)
       logical, intent(in) :: is_periodic
       real(wp), intent(inout) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: line(:), weights(:)
       integer :: d, first, i, last, step
 
       do d = 1, merge(2, 1, grid(2) > 1)
          allocate (weights(grid(d)), source=1.0_wp)   ! the sums of those that lie on the heights
-         if (.not. is_periodic) call convolve(cutoff(d), is_periodic, weights, error)
-         if (allocated(error)) return
+         if (.not. is_periodic) call convolve(cutoff(d), is_periodic, weights)
          do i = 1, grid(3 - d)
             step = merge(1, grid(1), d == 1)
             first = merge((i - 1)*grid(1) + 1, i, d == 1)
             last = first + (grid(d) - 1)*step
             line = z(first:last:step)
-            call convolve(cutoff(d), is_periodic, line, error)
-            if (allocated(error)) return
+            call convolve(cutoff(d), is_periodic, line)
             z(first:last:step) = line/weights
          end do
          deallocate (weights)
@@ -54,11 +50,10 @@ contains
    end subroutine smooth_heights
 
    !> Convolves a line with the weights.
-   subroutine convolve(cutoff, is_periodic, line, error)
+   subroutine convolve(cutoff, is_periodic, line)
       real(wp), intent(in) :: cutoff
       logical, intent(in) :: is_periodic
       real(wp), intent(inout) :: line(:)
-      type(error_t), allocatable, intent(out) :: error
       complex(wp), allocatable :: spectrum(:, :)
       real(wp), allocatable :: padded(:)
       real(wp), parameter :: largest_ratio = 30.0_wp
@@ -69,16 +64,14 @@ contains
       if (.not. is_periodic) n = n + ceiling(zeros*cutoff)
       allocate (padded(n), source=0.0_wp)
       padded(:size(line)) = line
-      call transform_field([n, 1], padded, spectrum, error)
-      if (allocated(error)) return
+      call transform_field([n, 1], padded, spectrum)
       do k = 0, n/2
          ratio = cutoff*k/n
          share = 0.0_wp   ! of the wave that passes
          if (ratio < largest_ratio) share = exp(-log(2.0_wp)*ratio**2)
          spectrum(k, 0) = spectrum(k, 0)*(share/n)
       end do
-      call transform_back([n, 1], spectrum, padded, error)
-      if (allocated(error)) return
+      call transform_back([n, 1], spectrum, padded)
       line = padded(:size(line))
    end subroutine convolve
 

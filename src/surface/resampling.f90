@@ -1,7 +1,6 @@
 !> Resamples heights to another number of nodes: periodic ones by the same Fourier series, as far as
 !> both grids can carry it; those of an open surface, given at cell centres, by cubics.
 module resampling
-   use errors, only: error_t
    use grid_transform, only: transform_back, transform_field
    use kinds, only: pi, wp
    implicit none (type, external)
@@ -17,11 +16,10 @@ contains
    !>
    !> More nodes interpolate: heights at shared nodes stay. Fewer nodes drop the harmonics from half
    !> their number on. The highest harmonic of an even number of old nodes is treated as a cosine,
-   !> half of it at +n/2 and half at -n/2. Fails (internal_error) if FFTW does.
-   subroutine resample_heights(old, new, z, error, at_centres)
+   !> half of it at +n/2 and half at -n/2.
+   subroutine resample_heights(old, new, z, at_centres)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
       logical, intent(in), optional :: at_centres
       complex(wp), allocatable :: coarse(:, :), spectrum(:, :)
       real(wp) :: angle, nodes, share_x, share_y, shift(2)
@@ -30,8 +28,7 @@ contains
       ! Periods from the first old node to the first new one.
       shift = 0.0_wp
       if (present(at_centres)) shift = merge(0.5_wp/new - 0.5_wp/old, 0.0_wp, at_centres)
-      call transform_field(old, z, coarse, error)
-      if (allocated(error)) return
+      call transform_field(old, z, coarse)
       nodes = real(old(1), wp)*real(old(2), wp)
       allocate (spectrum(0:new(1)/2, 0:new(2) - 1))
       do l = 0, new(2) - 1
@@ -46,7 +43,7 @@ contains
                sin(angle), wp)
          end do
       end do
-      call transform_back(new, spectrum, z, error)
+      call transform_back(new, spectrum, z)
    end subroutine resample_heights
 
    !> Share of the old harmonic `k` that goes to the new one.

@@ -179,18 +179,16 @@ contains
    end function rms_curvature
 
    !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny),
-   !> averaged over y: its sum is the variance of the profiles. Fails (internal_error) if FFTW does.
-   subroutine power_spectrum(z, power, error)
+   !> averaged over y: its sum is the variance of the profiles.
+   subroutine power_spectrum(z, power)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), allocatable, intent(out) :: power(:)
-      type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: rows(:)
       integer :: n
 
       n = size(z, 1)
       allocate (power(n/2))
-      call power_of_rows(z, rows, error)
-      if (allocated(error)) return
+      call power_of_rows(z, rows)
       power = 2*rows(1:n/2)/real(n, wp)**2
       if (modulo(n, 2) == 0) power(n/2) = 0.5_wp*power(n/2)
    end subroutine power_spectrum

@@ -129,7 +129,8 @@ contains
       bytes = huge(bytes)
       open (newunit=unit, file=root//'/proc/self/cgroup', action='read', status='old', &
          iostat=status)
-      do while (status == 0)
+      if (status /= 0) return   ! without a unit that could be closed
+      do
          ! number:controllers:path
          read (unit, '(a)', iostat=status) line
          if (status /= 0) exit
@@ -176,7 +177,8 @@ contains
       inquire (file=file, exist=is_number)
       if (.not. is_number) return
       open (newunit=unit, file=file, action='read', status='old', iostat=status)
-      do while (status == 0)
+      if (status /= 0) return
+      do
          read (unit, '(a)', iostat=status) line
          if (status /= 0) exit
          if (index(line, label) /= 1) cycle
