@@ -171,12 +171,12 @@ def draw(rows: pd.DataFrame, path: Path) -> None:
         shape = {"linestyle": "none", "marker": marker, "markersize": 3.5, "color": series["color"], "alpha": 0.8}
         times.loglog(1e3 * own["full_seconds"], 1e3 * own["auto_seconds"], label=label, **shape)
         errors.loglog(*(100 * own[key].abs().clip(lower=1e-6) for key in ("full_error", "auto_error")), **shape)
+    errors.axhline(100 * TARGET, color="0.3", linestyle="--", linewidth=0.8, zorder=0, label="target")
     for axes in (times, errors):
         ends = [min(axes.get_xlim()[0], axes.get_ylim()[0]), max(axes.get_xlim()[1], axes.get_ylim()[1])]
         axes.plot(ends, ends, color="0.6", linewidth=0.7, zorder=0)
         axes.set(xlim=ends, ylim=ends)
     times.set(xlabel="Processor time with model = 'full' [ms]", ylabel="Processor time with model = 'auto' [ms]")
-    errors.axhline(100 * TARGET, color="0.3", linestyle="--", linewidth=0.8, zorder=0, label="target")
     errors.set(xlabel="Error of h_min with model = 'full' [%]", ylabel="Error of h_min with model = 'auto' [%]")
     style.legend_below(figure, [*times.get_legend_handles_labels()[0], *errors.get_legend_handles_labels()[0]], 3)
     style.save_figure(figure, [path])
