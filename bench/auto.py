@@ -201,7 +201,7 @@ def main() -> int:
     for row in side_by_side(judge, left, options.processes):
         rows = pd.concat([rows, pd.DataFrame([row])], ignore_index=True)
         save(path, rows)
-    rows[words] = rows[words].fillna("")
+    rows[words] = rows[words].astype(object).fillna("")
     judged = rows[rows["unjudged"] == ""]
     if judged.empty:
         sys.exit(f"auto.py: {path}: no scene is judged")
