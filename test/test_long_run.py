@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import HANGING, STEADY, TRANSIENT, called, contents, ended, members, same_bits, write
-from dry_cases import case_text
+from dry_cases import case_text, write_profile
 from kill_and_resume import BUSY, busy, different, killed_at_last, read_part, start, undisturbed, wait_for
 
 STEP = 0.01
@@ -186,6 +186,23 @@ def call(program, folder, text, kinds=(), limit=0.0, **env):
     return called([program, "case.nml", "--quiet"], cwd=folder, env=os.environ | env, preexec_fn=restrict)
 
 
+def memory_of(program, folder):
+    """Largest memory of a case [MB]."""
+    done = called([sys.executable, "-S", "-E", "-c", MEASURE, program, "case.nml", "--quiet"], cwd=folder)
+    assert done.returncode in (0, 2), done.stderr
+    return int(done.stdout) * 1024 / MEGABYTE
+
+
+def test_memory_does_not_grow_with_a_profile(program, tmp_path):
+    surface = "&surface_2 shape = 'file', file = 'z.csv', x_unit = 'm', z_unit = 'm' /\n"
+    write(tmp_path, "case.nml", STEADY + surface + "&time transient = .true., end_time = 0.5, time_step = 0.05 /\n")
+    memory = []
+    for rows in 4000, 400000:  # one that was held took 200 MB, by copies of its contact
+        write_profile(tmp_path / "z.csv", 1e-8 * np.sin(0.05 * np.arange(rows)), 5e-6)
+        memory.append(memory_of(program, tmp_path))
+    assert memory[1] - memory[0] < 4
+
+
 @pytest.mark.parametrize(("text", "mapped"), CASES.values(), ids=CASES)
 def test_what_is_predicted_is_enough_and_asked_for(program, tmp_path, text, mapped):
     refused = call(program, tmp_path, text, [resource.RLIMIT_DATA], 30.0)
@@ -194,9 +211,7 @@ def test_what_is_predicted_is_enough_and_asked_for(program, tmp_path, text, mapp
     assert found, refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
     predicted = float(found[1])
-    done = called([sys.executable, "-S", "-E", "-c", MEASURE, program, "case.nml", "--quiet"], cwd=tmp_path)
-    assert done.returncode in (0, 2), done.stderr
-    assert int(done.stdout) * 1024 / MEGABYTE <= predicted - mapped
+    assert memory_of(program, tmp_path) <= predicted - mapped
     for kind, most in (resource.RLIMIT_DATA, predicted), (resource.RLIMIT_AS, predicted + 100):
         done = call(program, tmp_path, text, [kind], most + 1)
         assert done.returncode in (0, 2), done.stderr

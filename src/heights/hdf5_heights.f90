@@ -51,7 +51,8 @@ contains
    !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in its
    !> dimension scales or in the datasets x and y beside it, in theirs; 0 where there are none.
    !> Errors (input_error): no such file or dataset, another number of dimensions; units that are
-   !> unknown, contradict each other or are said of one only; uneven positions; the key positions.
+   !> unknown, contradict each other or are said of one only; positions that are uneven; the key
+   !> positions.
    subroutine open_hdf5_heights(source, request, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
       type(height_request_t), intent(in) :: request
@@ -95,7 +96,7 @@ contains
       if (fault /= '') call fail(error, input_error, source%file//': '//fault)
    end subroutine open_hdf5_heights
 
-   !> Spacing and scale of the dataset. Failures: attributes that are no single numbers or useless.
+   !> Spacing and scale of the dataset. Failures: attributes that are no single numbers or of no use.
    subroutine read_attributes(reader, source, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
@@ -152,8 +153,9 @@ contains
          ', expected the same of both')
    end subroutine find_scale
 
-   !> Spacings of the dimensions without one, from dimension scales or the datasets x and y, if they
-   !> hold a number for each node. Failures: no or uneven positions; only one of both has a unit.
+   !> Spacings of the dimensions that have none yet, from dimension scales or the datasets x and y
+   !> beside the heights, if they hold a number for each node. Failures: the positions are uneven or
+   !> no positions; only they or only the heights have a unit.
    subroutine find_positions(reader, source, extents, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
@@ -219,7 +221,7 @@ contains
       type(position_range_t), intent(out) :: range
       real(wp), allocatable :: x(:)
       character(:), allocatable :: fault
-      integer(int64) :: first, mark
+      integer(int64) :: first
       integer :: bad, i
 
       call find_scale(reader, path, wanted, 'x_unit', scale)
@@ -241,8 +243,8 @@ contains
          end do
          deallocate (x)
       end do
-      call range%find_fault(.false., fault, mark)
-      if (mark > 0) fault = 'node '//to_text(mark)//': '//fault
+      fault = range%fault(must_rise=.false.)
+      if (range%mark_of_fault() > 0) fault = 'node '//to_text(range%mark_of_fault())//': '//fault
       call reader%refuse(path, fault)
    end subroutine read_positions
 
@@ -292,8 +294,8 @@ contains
       if (falls(2)) z = z(:, extents(2):1:-1)
    end subroutine turn
 
-   !> Numbers of `dataset` from `offset` on, `extents` of them along each dimension, with attributes
-   !> of packing applied. Failures: a number is missing or not valid; bad attributes.
+   !> Numbers of `dataset` from `offset` on, `extents` of them along each of its dimensions, with the
+   !> attributes of packing applied. Failures: a number is missing or not valid; bad attributes.
    subroutine read_heights(reader, dataset, offset, extents, z)
       type(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: dataset

@@ -1,5 +1,7 @@
-!> Heights in a table of text, all of which are held. Such tables have one strict form: any other is
-!> refused with the command that converts it.
+!> Heights in a table of text, read a stretch at a time. Such tables have one strict form: any other
+!> is refused with the command that converts it.
+!>
+!> A first pass notes where every 4096th row begins, to find any row without holding the table.
 module height_table
    use errors, only: error_t, fail, input_error
    use profile, only: height_source_t
@@ -16,25 +18,28 @@ module height_table
    public :: conversion, height_table_t, next_row, open_table, shown, split
 
    character(*), parameter :: tab = achar(9), blanks = ' '//tab
-   !> The shortest row [bytes].
-   integer(int64), parameter :: least_bytes = 4_int64
+   !> Rows from one noted place to the next; the shortest row [bytes].
+   integer(int64), parameter :: block_rows = 4096_int64, least_bytes = 4_int64
 
-   !> The heights [m] (nodes or more), and the columns from which they are.
+   !> The columns of positions and heights. The file is open only while it is read.
    type, extends(height_source_t) :: height_table_t
-      real(wp), allocatable, private :: heights(:)
+      character(:), allocatable, private :: file
       !> Separator of fields, a blank for any number of blanks; decimal mark, a blank while unknown.
       character(len=1), private :: separator = ' ', decimal = '.'
       !> Number of columns; those of positions and heights, and their units in a metre.
       integer, private :: columns = 2, used(2) = [1, 2]
       real(wp), private :: per_metre(2) = 1.0_wp
+      !> First byte and line number of rows 0, block_rows, 2 block_rows, ... (2, n).
+      integer(int64), allocatable, private :: places(:, :)
    contains
       procedure :: get
    end type height_table_t
 
 contains
 
-   !> Reads a table with the `spacing` [m] of its rows. Errors (input_error), with the line: another
-   !> form; unknown units or against the keys; uneven positions; heights that no surface has.
+   !> Opens a table, reads it through and finds the `spacing` [m] of its rows. Errors (input_error),
+   !> with the line: another form; units that are unknown or contradict the keys; positions that do
+   !> not rise evenly; heights that cannot be those of a surface.
    subroutine open_table(table, request, spacing, error)
       type(height_table_t), intent(out) :: table
       type(height_request_t), intent(in) :: request
@@ -42,6 +47,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(text_lines_t) :: lines
 
+      table%file = request%file
       spacing = 0.0_wp
       call open_lines(lines, request%file, error)
       if (allocated(error)) return
@@ -50,15 +56,14 @@ contains
       call lines%close()
    end subroutine open_table
 
-   !> Reads the comments and the names, up to the first row of numbers, which is the present line.
+   !> Reads the comments and the names, up to the first row of numbers.
    subroutine read_head(table, lines, request, error)
       type(height_table_t), intent(inout) :: table
       type(text_lines_t), intent(inout) :: lines
       type(height_request_t), intent(in) :: request
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault, stated, unit
-      integer(int64) :: line
-      logical :: has_names, is_there
+      logical :: is_there
       integer :: place
 
       unit = ''
@@ -72,28 +77,24 @@ contains
          stated = unit_among(lines%line(:lines%length))
          if (unit == '') unit = stated
       end do
-      if (fault == '') call find_columns(table, lines%line(:lines%length), unit, request, &
-         has_names, fault)
-      if (fault /= '') then
-         call refuse(lines, lines%number, 1, fault, error)
-      else if (has_names) then
-         call next_row(lines, line, error)   ! error: handed up
-      end if
+      if (fault == '') call find_columns(table, lines, unit, request, fault)
+      if (fault /= '') call refuse(lines, lines%number, 1, fault, error)
    end subroutine read_head
 
-   !> Separator, columns and units, from the first line that is no comment, which has names or
-   !> numbers. `unit` is one in a comment. `fault`: "found ..., expected ..." if they are unclear.
-   subroutine find_columns(table, line, unit, request, has_names, fault)
+   !> Separator, columns and units, from the present line, the first that is no comment: names, or
+   !> numbers, which are read again. `unit` is one in a comment. `fault`: "found ..., expected ..."
+   !> where they are not clear.
+   subroutine find_columns(table, lines, unit, request, fault)
       type(height_table_t), intent(inout) :: table
-      character(*), intent(in) :: line, unit
+      type(text_lines_t), intent(inout) :: lines
+      character(*), intent(in) :: unit
       type(height_request_t), intent(in) :: request
-      logical, intent(out) :: has_names
       character(:), allocatable, intent(inout) :: fault
       character(:), allocatable :: row
       integer, allocatable :: bounds(:, :)
       integer :: i, numbers
 
-      row = line
+      row = lines%line(:lines%length)
       if (index(row, ',') > 0) table%separator = ','
       if (index(row, ';') > 0) table%separator = ';'
       if (index(row, tab) > 0) table%separator = tab
@@ -106,7 +107,6 @@ contains
       bounds = bounds(:, :table%columns)
       numbers = count([(scan(row(bounds(1, i):bounds(2, i)), '+-.0123456789') == 1, i=1, &
          table%columns)])
-      has_names = numbers == 0
       if (table%columns == 1) then
          fault = 'found one column, expected two, positions and heights'
       else if (index(row, '"') > 0 .or. numbers > 0 .and. numbers < table%columns) then
@@ -118,9 +118,10 @@ contains
       else if (numbers > 0 .and. request%dataset//request%positions /= '') then
          fault = 'found no names, expected those of the keys positions and dataset'
       else
-         call settle_columns(table, row, bounds(:, :merge(table%columns, 0, has_names)), unit, &
+         call settle_columns(table, row, bounds(:, :merge(0, table%columns, numbers > 0)), unit, &
             request, fault)
       end if
+      if (numbers > 0 .and. fault == '') call lines%seek(lines%place, lines%number)
    end subroutine find_columns
 
    !> The two wanted columns and their units; `bounds` (2, n) are those of the names in `row`.
@@ -181,7 +182,7 @@ contains
          quoted(wanted)//' in the names '//shown(row)//', expected one'
    end subroutine find_name
 
-   !> Reads all rows from the present line on and checks their positions and heights.
+   !> Reads all rows, notes where they are and checks their positions and heights.
    subroutine read_rows(table, lines, spacing, error)
       type(height_table_t), intent(inout) :: table
       type(text_lines_t), intent(inout) :: lines
@@ -192,43 +193,56 @@ contains
       character(:), allocatable :: fault
       real(wp) :: numbers(2)
       integer(int64) :: line
-      integer :: mark, status
+      integer :: mark
 
       spacing = 0.0_wp
-      allocate (table%heights(lines%bytes/least_bytes + 1), stat=status)
-      if (status /= 0) then
-         call fail(error, input_error, lines%file//': found '//to_text(lines%bytes)//' bytes, '// &
-            'for whose heights there is no memory')
-         return
-      end if
-      line = merge(lines%number, 0_int64, is_row(lines))
-      do while (line > 0)
+      allocate (table%places(2, lines%bytes/(block_rows*least_bytes) + 1))
+      do
+         call next_row(lines, line, error)
+         if (allocated(error)) return
+         if (line == 0) exit
+         if (modulo(table%nodes, block_rows) == 0) table%places(:, table%nodes/block_rows + 1) = &
+            [lines%place, line]
          mark = 0
          if (table%decimal == ' ') mark = scan(lines%line(:lines%length), '.,')
          if (mark > 0) table%decimal = lines%line(mark:mark)
-         call read_row(table, lines, numbers, error)
+         call read_row(table, lines, 1, numbers, error)
          if (allocated(error)) return
          call positions%add(numbers(1)/table%per_metre(1), line)
          call heights%add(numbers(2:), line)
          table%nodes = table%nodes + 1
-         table%heights(table%nodes) = numbers(2)/table%per_metre(2)
-         call next_row(lines, line, error)
-         if (allocated(error)) return
       end do
-      call positions%find_fault(.true., fault, line)
+      line = positions%mark_of_fault()
+      fault = positions%fault(must_rise=.true.)
       if (fault == '') call heights%find_fault(.true., fault, line)
       if (fault == '') spacing = positions%distance()
       if (fault /= '') call refuse(lines, merge(line, lines%number - 1, line > 0), 1, fault, error)
    end subroutine read_rows
 
-   !> Heights from row number `first` on.
+   !> Heights from row number `first` on. Error: fewer rows than before, or others.
    subroutine get(self, first, z, error)
       class(height_table_t), intent(in) :: self
       integer(int64), intent(in) :: first
       real(wp), contiguous, intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
+      type(text_lines_t) :: lines
+      real(wp) :: numbers(2)
+      integer(int64) :: block, line, row
 
-      z = self%heights(first + 1:first + size(z))
+      z = 0.0_wp
+      block = first/block_rows + 1
+      call open_lines(lines, self%file, error)
+      if (allocated(error)) return
+      call lines%seek(self%places(1, block), self%places(2, block))
+      do row = (block - 1)*block_rows, first + size(z) - 1
+         call next_row(lines, line, error)
+         if (allocated(error)) exit
+         if (line == 0) call fail(error, input_error, self%file//' has fewer rows than before')
+         if (line > 0 .and. row >= first) call read_row(self, lines, 2, numbers, error)
+         if (allocated(error)) exit
+         if (row >= first) z(row - first + 1) = numbers(2)/self%per_metre(2)
+      end do
+      call lines%close()
    end subroutine get
 
    !> Goes to the next row, in line number `line`; 0: there is none. Errors: those of reading.
@@ -257,11 +271,13 @@ contains
       if (is_row) is_row = scan(lines%line(first:first), '#%') == 0
    end function is_row
 
-   !> Position and height in the present line, as they are written. Errors, with line and byte: no
-   !> numbers, or none that can be; another number of fields than in the first row.
-   subroutine read_row(table, lines, numbers, error)
+   !> The `numbers` of the present line as they are written: the height, and with `first` = 1 the
+   !> position before it. Errors, with line and byte: no numbers, or none that can be; another
+   !> number of fields than in the first row.
+   subroutine read_row(table, lines, first, numbers, error)
       type(height_table_t), intent(in) :: table
       type(text_lines_t), intent(in) :: lines
+      integer, intent(in) :: first
       real(wp), intent(out) :: numbers(2)
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault
@@ -276,7 +292,7 @@ contains
          if (fields /= table%columns) call refuse(lines, lines%number, 1, 'found '// &
             counted(fields, 'field')//', expected the '//to_text(table%columns)// &
             ' of the first row', error)
-         do k = 1, merge(0, 2, allocated(error))
+         do k = first, merge(0, 2, allocated(error))
             associate (field => row(bounds(1, table%used(k)):bounds(2, table%used(k))))
                number = field
                mark = index(field, table%decimal)   ! a blank: there is none

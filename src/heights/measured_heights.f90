@@ -5,13 +5,14 @@
 module measured_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use height_form, only: height_sums_t
-   use kinds, only: int64, wp
+   use kinds, only: are_finite, int64, wp
    use text, only: counted, to_text
    implicit none (type, external)
    private
 
-   public :: height_fault, height_range_t, height_request_t, heights_t, is_height, is_position, &
-      place_words, position_fault, position_range_t, range_fault, scale_fault, spacing_fault
+   public :: are_heights, height_fault, height_range_t, height_request_t, heights_t, is_height, &
+      is_position, place_words, position_fault, position_range_t, range_fault, scale_fault, &
+      spacing_fault
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
@@ -71,7 +72,7 @@ module measured_heights
       !> Marks of the positions that set the bounds.
       integer(int64), private :: low_mark = 0_int64, high_mark = 0_int64
    contains
-      procedure :: add => add_position, find_fault => find_position_fault, distance
+      procedure :: add => add_position, fault, mark_of_fault, distance
    end type position_range_t
 
 contains
@@ -82,6 +83,15 @@ contains
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
+
+   !> Whether all `z` [m] can be heights.
+   pure logical function are_heights(z)
+      real(wp), contiguous, intent(in) :: z(:)
+
+      are_heights = are_finite(z)
+      if (are_heights) are_heights = count((abs(z) >= tiny(z) .or. abs(z) <= 0.0_wp) &
+         .and. abs(z) <= largest_height) == size(z)
+   end function are_heights
 
    !> Whether `x` [m] can be a position.
    pure elemental logical function is_position(x)
@@ -258,32 +268,39 @@ contains
       if (self%falls) distance = -distance
    end function distance
 
-   !> "found ..., expected ..." where positions are not uniform, or fall though they `must_rise`,
-   !> else empty; and the mark of the position that does not fit the others, 0: all do.
-   pure subroutine find_position_fault(self, must_rise, fault, mark)
+   !> "found ..., expected ..." where the positions are not those of a uniform grid, or fall though
+   !> they `must_rise`; else empty.
+   pure function fault(self, must_rise)
       class(position_range_t), intent(in) :: self
       logical, intent(in) :: must_rise
-      character(:), allocatable, intent(out) :: fault
-      integer(int64), intent(out) :: mark
-      real(wp) :: distance
+      character(:), allocatable :: fault
 
-      mark = 0_int64
-      distance = 0.0_wp
-      if (self%count > 1) distance = self%distance()
-      if (distance > self%high) mark = self%high_mark
-      if (distance < self%low) mark = self%low_mark
-      if (.not. distance > 0.0_wp) mark = 0_int64
       if (self%count < 2) then
          fault = 'found '//counted(int(self%count), 'row')//' of numbers, expected at least 2'
       else if (self%falls .and. must_rise) then
          fault = 'found falling positions, expected rising ones'
-      else if (.not. distance > 0.0_wp) then
+      else if (.not. self%distance() > 0.0_wp) then
          fault = 'found positions that neither rise nor fall, expected those of a uniform grid'
-      else if (mark > 0) then
+      else if (self%mark_of_fault() > 0) then
          fault = 'found uneven positions, expected a uniform grid'
       else
-         fault = spacing_fault(distance)
+         fault = spacing_fault(self%distance())
       end if
-   end subroutine find_position_fault
+   end function fault
+
+   !> Mark of the position that does not fit the others; 0: all do.
+   pure function mark_of_fault(self) result(mark)
+      class(position_range_t), intent(in) :: self
+      integer(int64) :: mark
+
+      mark = 0_int64
+      if (self%count < 2) return
+      if (.not. self%distance() > 0.0_wp) return
+      if (self%distance() < self%low) then
+         mark = self%low_mark
+      else if (self%distance() > self%high) then
+         mark = self%high_mark
+      end if
+   end function mark_of_fault
 
 end module measured_heights

@@ -14,8 +14,8 @@ module file_heights
    use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: dry_area, has_word, point
    use kinds, only: int64, wp
-   use measured_heights, only: height_fault, height_range_t, height_request_t, heights_t, &
-      is_height, place_words, range_fault
+   use measured_heights, only: are_heights, height_fault, height_range_t, height_request_t, &
+      heights_t, is_height, place_words, range_fault
    use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
@@ -298,7 +298,7 @@ contains
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
-            bad = findloc(is_height(piece), .false., 1)
+            if (.not. are_heights(piece)) bad = findloc(is_height(piece), .false., 1)
             if (bad > 0) fault = height_fault(piece(bad))
             if (bad > 0) bad = first + bad
             if (bad > 0) exit

@@ -1,5 +1,5 @@
 !> Text files: a whole one as one string, the check that it is text at all, and the lines of one of
-!> any length, one after another. Lines end with LF, CR or CRLF.
+!> any length, one after another from any place on. Lines end with LF, CR or CRLF.
 module text_file
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: file_fault
@@ -32,7 +32,7 @@ module text_file
       character(len=longest_line + 2), private :: buffer = ''
       integer, private :: filled = 0, used = 0
    contains
-      procedure :: next
+      procedure :: seek, next
       procedure :: close => close_lines
       procedure, private :: refill
    end type text_lines_t
@@ -157,6 +157,17 @@ contains
       if (.not. allocated(error)) call lines%refill(error)   ! error: handed up
       if (lines%buffer(:3) == char(239)//char(187)//char(191)) lines%used = 3
    end subroutine open_lines
+
+   !> Goes to byte `place` (1 = the first), where line `number` begins.
+   subroutine seek(self, place, number)
+      class(text_lines_t), intent(inout) :: self
+      integer(int64), intent(in) :: place, number
+
+      self%base = place
+      self%filled = 0
+      self%used = 0
+      self%number = number - 1
+   end subroutine seek
 
    !> The next line without its end; `is_there` is false at the end. Errors: unreadable; too long.
    subroutine next(self, is_there, error)
