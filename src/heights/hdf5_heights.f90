@@ -96,7 +96,7 @@ contains
       if (fault /= '') call fail(error, input_error, source%file//': '//fault)
    end subroutine open_hdf5_heights
 
-   !> Spacing and scale of the dataset. Failures: attributes that are no single numbers or of no use.
+   !> Spacing and scale of the dataset. Failures: attributes no single numbers, or of no use.
    subroutine read_attributes(reader, source, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
@@ -294,7 +294,7 @@ contains
       if (falls(2)) z = z(:, extents(2):1:-1)
    end subroutine turn
 
-   !> Numbers of `dataset` from `offset` on, `extents` of them along each of its dimensions, with the
+   !> Numbers of `dataset` from `offset` on, `extents` of them along each dimension, with the
    !> attributes of packing applied. Failures: a number is missing or not valid; bad attributes.
    subroutine read_heights(reader, dataset, offset, extents, z)
       type(hdf5_input_t), intent(inout) :: reader
