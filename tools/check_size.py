@@ -17,7 +17,7 @@ spikes of points: 58, 32, how sure 15;
 a further case in fewer instructions: 83, 1, 12 words, how sure 1; adequacy in half of them: 75, 23, how sure 82;
 areas in fewer: 82, 9; lines of points in fewer: 37; bars of points from few grids: 53, 41, how sure 3, 56 words;
 the far field of points that cavitates, their smooth crests, families in time: 55, 26, bench 55, 47 words;
-bars of points in time: 40, 11, 43 words; golden cases against planted faults: tests 270)."""
+bars of points in time: 40, 11, 43 words; golden cases against planted faults: tests 276)."""
 
 import pathlib
 import re
@@ -32,7 +32,7 @@ SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dr
 BOUNDS = {
     "sources": 46_881,
     "how sure": 5_199,
-    "tests": 31_971,
+    "tests": 31_977,
     "bench": 4_272,
     "words of pages": 44_968,
     "imports of a file": 20,

@@ -135,7 +135,7 @@ contains
          // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
-   !> Findings: two parabolas; an open domain shorter than the contact of Hertz (what yields is
+   !> Findings are two parabolas; an open domain shorter than the contact of Hertz (what yields is
    !> wider still). Note: what periodic images do.
    subroutine check_parabola(dry)
       type(dry_case_t), intent(inout) :: dry
@@ -285,7 +285,7 @@ contains
 
    !> `nodes` with which the search begins, as many in every wave as a contact area needs: even, or
    !> those of a periodic file (`in_file`) times a power of two; an open file stays on its own.
-   !> Finding: a synthetic surface whose shortest waves would be those of the grid.
+   !> A finding is a synthetic surface whose shortest waves would be those of the grid.
    subroutine choose_first_grid(dry, in_file, directions, nodes)
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: in_file(2), directions
