@@ -152,7 +152,7 @@ bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: short
 	$(PYTHON) bench/run.py $(ARGS)
 
 bench-dry: build ## dry areas against other programs (ARGS="--peers PYTHON": the python of an environment with tamaas, ContactMechanics)
-	$(PYTHON) bench/dry.py $(ARGS)
+	$(PYTHON) bench/dry_areas.py $(ARGS)
 
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
 	$(PYTHON) bench/chart.py $(ARGS)

@@ -9,7 +9,7 @@ is the setting of the thesis. Writes chart.png, .pdf, .csv and conclusion.txt fr
 
 --dry: dry_chart.png, .pdf and .csv, of a profile and an area. The error is that of the mean separation against a much finer grid
 of the same surface (Fourier resampling); every solution has a violation of the contact conditions of at most 1e-6 and at most 3000
-iterations. Time is processor time. --peers PYTHON also solves the area by other programs (bench/dry.py), each with the loosest
+iterations. Time is processor time. --peers PYTHON also solves the area by other programs (dry_areas.py), each with the loosest
 of a ladder of tolerances that reaches 1e-6.
 """
 
@@ -23,7 +23,7 @@ from functools import partial
 from pathlib import Path
 
 import bench_program
-import dry
+import dry_areas
 import h5py
 import namelists
 import numpy as np
@@ -74,7 +74,7 @@ NODES = {
 }
 FINEST = {"profile": 65536, "area": 2048}
 DRY_PANELS = {"profile": ("Profile C", "mean separation"), "area": ("Rough area", "mean separation")}
-LOOKS |= dict(zip(("conjugate_gradient", "steepest_descent", *dry.PEERS), style.SERIES, strict=False))
+LOOKS |= dict(zip(("conjugate_gradient", "steepest_descent", *dry_areas.PEERS), style.SERIES, strict=False))
 # Nothing larger is tried: their cost grows with the cube and faster.
 LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
 # No line smoother in time: it diverges with the squeeze term.
@@ -258,10 +258,10 @@ def dry_points(folder: Path, quick: bool, peers: str | None) -> Iterator[dict[st
         times = {"seconds": first["cpu_seconds"], "seconds_high": last["cpu_seconds"], "kkt": first["kkt"]}
         yield head | times | {"converged": first.converged, "error": abs(first["mean_separation"] / best[kind] - 1)}
     # the area by other programs, resampled as ours does it; a grid on which one fails is left out
-    for peer, nodes in itertools.product(dry.PEERS if peers else (), grids["area", "conjugate_gradient"]):
+    for peer, nodes in itertools.product(dry_areas.PEERS if peers else (), grids["area", "conjugate_gradient"]):
         fine = heights(np.fft.fft2(z) / z.size, nodes) / LENGTH
-        runs = dry.peer_runs(peer, peers, dry.Contact(fine, PRESSURE / (0.5 * MODULUS)))
-        runs = sorted((run for run in runs if run.error <= 2 * dry.WANTED), key=lambda run: run.seconds)
+        runs = dry_areas.peer_runs(peer, peers, dry_areas.Contact(fine, PRESSURE / (0.5 * MODULUS)))
+        runs = sorted((run for run in runs if run.error <= 2 * dry_areas.WANTED), key=lambda run: run.seconds)
         if runs:
             head = {"panel": "area", "method": peer, "intervals": nodes, "kkt": runs[0].error, "converged": True}
             times = {"seconds": runs[0].seconds, "seconds_high": runs[-1].seconds}

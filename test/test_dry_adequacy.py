@@ -1,42 +1,68 @@
 """Dry models: verdicts of random surfaces beside runs that leave the ingredient out; grids for a wanted accuracy."""
 
 import contextlib
-import random
 
-import adequacy_dry
-import bench_program
 import h5py
-import ingredients
-import namelists
 import numpy as np
 import pytest
 from cases import called, contents, ended, text, write
-from dry_cases import HARD, HEIGHTS, case_text, profile, write_heights
+from dry_cases import HARD, HEIGHTS, LEAN, case_text, profile, write_heights
 
 BELOW = "matters below the accuracy"
 QUANTITIES = ("contact_area_fraction", "mean_separation", "p_max")
 
 
-def test_verdicts_of_random_surfaces(program, monkeypatch):
+def random_surface(rng, is_area):
+    """A rough surface that yields at some of its asperities, as namelist with places for what is left out; its mean pressure."""
+    nodes, in_wave = int(rng.choice([64, 96] if is_area else [256, 512])), int(rng.choice([4, 8]))
+    short, rms = 1e-3 / nodes * in_wave, 10 ** rng.uniform(-7, -5.7)
+    pressure = 10 ** rng.uniform(-2.5, -0.8) * 231e9 / 4 * rms / short
+    domain = "length = 1e-3, intervals = {0}"
+    if is_area:
+        domain = "length_x = 1e-3, length_y = 1e-3, intervals_x = {0}, intervals_y = {0}"
+    surface = f"shape = 'synthetic', rms_height = {rms:.6e}, wavelength_short = {short:.6e}, hurst = {rng.uniform(0.3, 0.95):.3f}"
+    surface += f", seed = {rng.integers(10**6)}{{surface}}"
+    more = f"&domain {domain.format(nodes)} /\n{{more}}"
+    return case_text(surface, [pressure], "{bodies}", more, "dry_area" if is_area else "dry_line"), pressure
+
+
+def values(path):
+    with h5py.File(path) as file:
+        return np.array([file["sweep"][name][0] for name in QUANTITIES])
+
+
+def test_verdicts_of_random_surfaces(asperity, tmp_path):
     """Beside runs without the ingredient: of 72 verdicts on other seeds no "needed" was wrong, and one of the others."""
-    monkeypatch.setattr(bench_program, "ASPERITY", program)
+    rng = np.random.default_rng(7)
     wrong, known, misses, changes = [], 0, 0, 0
     for i in range(12):
-        groups = adequacy_dry.rough(random.Random(i), lines=1 + i % 2)
-        said = ingredients.run(groups, adequacy_dry.told)
-        for name in {"plasticity", "harmonics"} & said["rows"].keys():
-            row = said["rows"][name]
-            lean = ingredients.bare(adequacy_dry.without(groups, name, row["instead"]))
-            truth = ingredients.change_of(ingredients.run(lean, adequacy_dry.values), said["values"], QUANTITIES)
-            verdict, right = row["verdict"], ingredients.verdict_of(truth.values(), said["accuracy"])
-            assert verdict != "needed" or right == "needed", (i, name, truth)
+        case, pressure = random_surface(rng, is_area=i % 2 == 0)
+        yields = f", hardness = {pressure * 10 ** rng.uniform(0.5, 2.0):.6e}"
+        write(tmp_path, "full.nml", case.format(bodies=yields, surface="", more=""))
+        assert asperity("full.nml", "--quiet").returncode == 0
+        with h5py.File(tmp_path / "full.h5") as file:
+            accuracy, said = file["adequacy"].attrs["accuracy"], contents(tmp_path / "full.h5")
+        for name in ("plasticity", "harmonics"):
+            if f"adequacy/{name}@verdict" not in said:
+                continue
+            left = {"bodies": "", "surface": ""}
+            if name == "harmonics":
+                half = said[f"adequacy/{name}@instead"].decode().split()[4]
+                left = {"bodies": yields, "surface": f", harmonics = {half}"}
+            write(tmp_path, "lean.nml", case.format(**left, more=LEAN))
+            assert asperity("lean.nml", "--quiet").returncode == 0
+            truth = values(tmp_path / "lean.h5") / values(tmp_path / "full.h5") - 1
+            largest, verdict = np.abs(truth).max(), said[f"adequacy/{name}@verdict"].decode()
             known += verdict != "not known"
-            if (verdict, right) in (("irrelevant", BELOW), ("irrelevant", "needed"), (BELOW, "needed")):
-                wrong.append((i, name, verdict, truth))
-            for quantity in {"contact_area_fraction", "mean_separation"} & row["changes"].keys():
-                change, error = row["changes"][quantity]
-                changes += 1
-                misses += abs(change - truth[quantity]) > error + 1e-9
+            bounds = {"needed": largest > accuracy, BELOW: largest <= accuracy, "irrelevant": largest < 0.1 * accuracy}
+            assert verdict != "needed" or bounds["needed"], (i, name, truth)
+            if not bounds.get(verdict, True):
+                wrong.append((i, name, verdict, largest, accuracy))
+            for change, quantity in zip(truth[:2], QUANTITIES, strict=False):
+                path = f"adequacy/{name}/{quantity}"
+                if path in said:
+                    changes += 1
+                    misses += abs(said[path] - change) > said[f"{path}@error_estimate"] + 1e-9
     assert known >= 13, known
     assert len(wrong) <= 1, wrong
     assert misses <= 0.15 * changes
@@ -85,10 +111,9 @@ def test_a_grooved_area_is_a_line(run_case, tmp_path):
 
 def test_profiles_that_all_yield_tell_nothing_of_others(solved_case):
     """The largest pressure of each of 16 profiles is the hardness: no spread, which is no error bar; the other changes have one."""
-    surface = {"shape": "synthetic", "rms_height": 5e-7, "wavelength_short": 1e-4, "hurst": 0.8, "seed": 3}
-    groups = adequacy_dry.contact(2, 64, {"hardness": 4e7}, {"mean_pressure": 1e7}, surface)
-    with solved_case(namelists.namelist(groups)) as file:
-        assert file["sweep/p_max"][0] == pytest.approx(4e7, rel=1e-6)
+    case, pressure = random_surface(np.random.default_rng(3), is_area=True)
+    with solved_case(case.format(bodies=f", hardness = {4 * pressure}", surface="", more="")) as file:
+        assert file["sweep/p_max"][0] == pytest.approx(4 * pressure, rel=1e-6)
         row = file["adequacy/area"]
         assert "p_max" not in row
         assert row.attrs["not_known"].decode().startswith("p_max: all profiles have the same")

@@ -174,7 +174,7 @@ def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Run:
     words = namelist(groups | BARE), read, files, ("--threads", threads)
     done = [run_program(*words, environment=ONE_THREAD) for _ in range(runs)]
     if any(run.status for run in done):
-        sys.exit(f"dry.py: {done[0].words}")
+        sys.exit(f"dry_areas.py: {done[0].words}")
     return min(done, key=lambda run: run.found["cpu_seconds"])
 
 
