@@ -6,11 +6,9 @@ module ehl_line_steady
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-
    use line_contact, only: line_contact_t, solver_settings_t
    use line_hierarchy, only: line_hierarchy_t, method_fas, new_hierarchy, &
       pose_coarser_levels, pose_steady_problem, relaxation_t
-
    use nested_start, only: bump_start, full_multigrid_start, graded_start
    use listener, only: relay_t, listener_t
    use solver_choice, only: adopt, note_choice, steady_attempts

@@ -13,8 +13,7 @@ module line_state
    implicit none (type, external)
    private
 
-   public :: all_finite, line_state_t, reynolds_limits_t, turned, &
-      unknown_limits, widen_limits
+   public :: all_finite, line_state_t, reynolds_limits_t, turned, unknown_limits, widen_limits
 
    !> Limits of one film, or the largest over several.
    type :: reynolds_limits_t
@@ -54,7 +53,6 @@ module line_state
       !> Largest temperature rise of the mean film and of surfaces 1 and 2 [K].
       real(wp) :: rise(3) = 0.0_wp
    end type friction_t
-
 
    !> Fields of rough surfaces and of mixed lubrication, each (nx).
    type :: mixed_fields_t

@@ -6,7 +6,7 @@ module column_table
    use kinds, only: int64, wp
    use number_text, only: read_real
    use text, only: counted, joined, to_text
-   use text_file, only: open_lines, text_lines_t
+   use text_file, only: encoding_fault, open_lines, text_lines_t
    implicit none (type, external)
    private
 
@@ -43,7 +43,7 @@ contains
       real(wp), allocatable :: numbers(:, :)
       integer, allocatable :: column(:)
       integer(int64) :: line
-      integer :: n
+      integer :: n, place
 
       call open_lines(lines, file, error)
       if (allocated(error)) return
@@ -53,7 +53,10 @@ contains
          call next_row(lines, line, error)
          if (allocated(error) .or. line == 0) exit
          n = n + 1
-         if (n == 0) then
+         call encoding_fault(lines%line(:lines%length), fault, place)
+         if (place > 0) then
+            fault = 'found '//fault//', expected a table in UTF-8'
+         else if (n == 0) then
             call read_names(lines%line(:lines%length), table, column, fault)
             ! a field has a byte, and one behind it
             allocate (numbers(size(column), min(lines%bytes/(2*size(column)), 1_int64*most_rows) &

@@ -322,7 +322,8 @@ contains
       if (is_hdf5(file)) then   ! of a dry sweep from the heaviest load to the lightest with a gap
          call open_hdf5_input(reader, file, error)
          if (allocated(error)) return
-         associate (gaps => reader%reals(datasets(1)), pressures => reader%reals(datasets(2)))
+         associate (gaps => reader%reals(trim(datasets(1))), &
+            pressures => reader%reals(trim(datasets(2))))
             n = size(gaps)
             call reader%close(error)
             if (allocated(error)) return
