@@ -59,8 +59,7 @@ contains
          call solve_to_target(case%dry, record, error)
          if (.not. allocated(error) .and. case%dry%wants_adequacy) then
             call begin_activity('looking at the model')
-            call measure_dry_adequacy(record, case%dry%target, case%dry%radius > 0.0_wp, &
-               adequacy)
+            call measure_dry_adequacy(record, case%dry%target, case%dry%radius > 0.0_wp, adequacy)
             call move_alloc(record%error, error)   ! error: handed up
          end if
          if (allocated(error)) then

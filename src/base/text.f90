@@ -6,8 +6,8 @@ module text
    implicit none (type, external)
    private
 
-   public :: add_sentence, count_of, counted, duration_text, formatted, joined, number_text, &
-      prefixed_text, quoted, rounded, shortened, to_lower, to_text, wrapped
+   public :: add_sentence, count_of, counted, duration_text, find_bad_byte, formatted, joined, &
+      number_text, prefixed_text, quoted, rounded, shortened, to_lower, to_text, wrapped
 
    !> Most characters of the user's text that a message repeats.
    integer, parameter :: max_quoted = 48
@@ -256,7 +256,7 @@ contains
       lines = lines//rest
    end function wrapped
 
-   !> The user's text for a message: short, without control characters; 'nothing' if empty.
+   !> The user's text for a message: short, UTF-8, no control characters; 'nothing' if empty.
    pure function quoted(string) result(shown)
       character(*), intent(in) :: string
       character(:), allocatable :: shown
@@ -277,8 +277,44 @@ contains
          shown = string(:last) // '...'
       end if
       do i = 1, len(shown)
-         if (iachar(shown(i:i)) < 32 .or. iachar(shown(i:i)) == 127) shown(i:i) = '?'
+         if (iachar(shown(i:i)) < 32) shown(i:i) = '?'
+      end do
+      i = find_bad_byte(shown)
+      do while (i > 0)
+         shown(i:i) = '?'
+         i = find_bad_byte(shown)
       end do
    end function quoted
+
+   !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form
+   !> feed and carriage return are text; other control characters are not.
+   pure function find_bad_byte(content) result(position)
+      character(*), intent(in) :: content
+      integer :: position, i, j, code, following
+
+      i = 1
+      do while (i <= len(content))
+         position = i
+         code = iachar(content(i:i))
+         select case (code)
+         case (9, 10, 12, 13, 32:126)
+            following = 0
+         case (194:223)
+            following = 1
+         case (224:239)
+            following = 2
+         case (240:244)
+            following = 3
+         case default
+            return
+         end select
+         if (i + following > len(content)) return
+         do j = i + 1, i + following
+            if (iand(iachar(content(j:j)), 192) /= 128) return
+         end do
+         i = i + following + 1
+      end do
+      position = 0
+   end function find_bad_byte
 
 end module text

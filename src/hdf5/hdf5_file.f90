@@ -13,8 +13,7 @@ module hdf5_file
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
-   use hdf5_library, only: file_access, hdf5_handle_t, link_creation, start_hdf5, &
-      start_writing
+   use hdf5_library, only: file_access, hdf5_handle_t, link_creation, start_hdf5, start_writing
    use kinds, only: are_finite, wp
    use summary_row, only: summary_row_t
    implicit none (type, external)

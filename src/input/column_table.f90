@@ -6,7 +6,7 @@ module column_table
    use kinds, only: int64, wp
    use number_text, only: read_real
    use text, only: counted, joined, to_text
-   use text_file, only: encoding_fault, open_lines, text_lines_t
+   use text_file, only: open_lines, text_lines_t
    implicit none (type, external)
    private
 
@@ -43,7 +43,7 @@ contains
       real(wp), allocatable :: numbers(:, :)
       integer, allocatable :: column(:)
       integer(int64) :: line
-      integer :: n, place
+      integer :: n
 
       call open_lines(lines, file, error)
       if (allocated(error)) return
@@ -53,10 +53,7 @@ contains
          call next_row(lines, line, error)
          if (allocated(error) .or. line == 0) exit
          n = n + 1
-         call encoding_fault(lines%line(:lines%length), fault, place)
-         if (place > 0) then
-            fault = 'found '//fault//', expected a table in UTF-8'
-         else if (n == 0) then
+         if (n == 0) then
             call read_names(lines%line(:lines%length), table, column, fault)
             ! a field has a byte, and one behind it
             allocate (numbers(size(column), min(lines%bytes/(2*size(column)), 1_int64*most_rows) &
@@ -122,8 +119,7 @@ contains
       do i = 1, merge(size(column), 0, fault == '')
          associate (field => row(bounds(1, i):bounds(2, i)), c => column(i))
             call read_real(field, numbers(i), good)
-            if (good) good = numbers(i) >= table%least(c) &
-               .and. numbers(i) <= table%largest(c)
+            if (good) good = numbers(i) >= table%least(c) .and. numbers(i) <= table%largest(c)
             if (good) cycle
             fault = 'found '//shown(field)//', expected a number from '//to_text(table%least(c)) &
                //' to '//to_text(table%largest(c))//' in '//trim(table%names(c))

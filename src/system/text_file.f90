@@ -4,7 +4,7 @@ module text_file
    use, intrinsic :: iso_fortran_env, only: int64
    use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use text, only: count_of, to_text
+   use text, only: count_of, find_bad_byte, to_text
    implicit none (type, external)
    private
 
@@ -114,37 +114,6 @@ contains
       fault = 'UTF-16'
       place = 1
    end subroutine encoding_fault
-
-   !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form
-   !> feed and carriage return are text; other control characters are not.
-   pure function find_bad_byte(content) result(position)
-      character(*), intent(in) :: content
-      integer :: position, i, j, code, following
-
-      i = 1
-      do while (i <= len(content))
-         position = i
-         code = iachar(content(i:i))
-         select case (code)
-         case (9, 10, 12, 13, 32:126)
-            following = 0
-         case (194:223)
-            following = 1
-         case (224:239)
-            following = 2
-         case (240:244)
-            following = 3
-         case default
-            return
-         end select
-         if (i + following > len(content)) return
-         do j = i + 1, i + following
-            if (iand(iachar(content(j:j)), 192) /= 128) return
-         end do
-         i = i + following + 1
-      end do
-      position = 0
-   end function find_bad_byte
 
    !> Opens `file` behind a byte order mark. Error: no such file; a folder, a pipe or a device.
    subroutine open_lines(lines, file, error)
