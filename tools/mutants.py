@@ -7,6 +7,7 @@
 chooses, except texts, declarations and the arguments of huge, tiny and epsilon, of which only the kind counts. Each is planted
 into a copy of the tree, compiled alone (with what uses its module, if the module file changes) and linked; then what --judge
 says is asked: exit status 0 means that nothing was noticed. If so the unit tests run. With --every both judge each fault.
+The check of `make lint` for ignored errors is always asked; the share is told with it and without.
 A fault that does not compile, or whose text is not exactly once in its file, is stale. --check only looks for stale texts.
 Exit status 1 if a fault is stale or less than --asked of them are noticed.
 """
@@ -201,9 +202,10 @@ class Tree:
 
     def verdict(self, judge, every, has_units):
         """Which judges notice what is built."""
+        found = ["lint"] * self.notices([sys.executable, "tools/check_errors.py"], self.place)
         self.link("program", "src_*", "app_*")
-        found = ["golden"] * self.notices(shlex.split(judge.format(program=self.place / "program")), ROOT)
-        if has_units and (every or not found):
+        found += ["golden"] * self.notices(shlex.split(judge.format(program=self.place / "program")), ROOT)
+        if has_units and (every or "golden" not in found):
             self.link("unit", "src_*", "test_*")
             found += ["unit"] * self.notices(["./unit"], self.place)
         return found
@@ -259,9 +261,9 @@ def main():
         found[verdict] += 1
         print(f"{verdict:12}  {time.monotonic() - start:4.0f} s  {fault.file}: {fault.breaks}", flush=True)
     judged = len(faults) - found["stale"]
-    share = 100 * (1 - found["SURVIVED"] / max(judged, 1))
+    share, by_tests = (100 * (1 - missed / max(judged, 1)) for missed in (found["SURVIVED"], found["SURVIVED"] + found["lint"]))
     print(*(f"{verdict:12}  {number}" for verdict, number in sorted(found.items())), sep="\n")
-    print(f"{share:.0f} % of {judged} faults noticed")
+    print(f"{share:.0f} % of {judged} faults noticed, {by_tests:.0f} % by golden and unit tests")
     return 1 if found["stale"] or share < chosen.asked else 0
 
 
