@@ -5,7 +5,6 @@ module result_end
    use contact_moment, only: at_moment
    use closing_table, only: breakdown_sentence, close_case
    use errors, only: error_t, output_error
-   use film_shear, only: velocity_profile
    use field_sections, only: has_formulas
    use inlet_errors, only: film_loss
    use iteration_report, only: has_converged, is_outside, phase_output, phase_transient, report_t
@@ -57,19 +56,10 @@ contains
             outcome%reason = writer%interruption_text()
             call disarm_exit_message()
             call listener%log%say_error(outcome%reason)
-            if (writer%has_checkpoint) then
-               call writer%release(removes_part=.false.)
-            else
-               call writer%discard()
-            end if
+            call writer%discard()
             return
          end if
          if (report%converged) call judge_limits(case, state, report, listener)
-         if (.not. allocated(case%point) .and. allocated(state%shear_stress_mean)) then
-            if (case%output_settings%velocity_layers > 0) writer%velocity = velocity_profile( &
-               case%contact%fluid, case%contact%lambda, case%contact%slide_to_roll, state%x, &
-               state%pressure, state%film_thickness, case%output_settings%velocity_layers)
-         end if
          if (allocated(listener%note)) report%note = listener%note
          if (index(report%reason, 'film breakdown') == 1 .and. case%scaling%is_dimensional) then
             report%reason = breakdown_sentence(report%breakdown, case%solver%film_floor, &

@@ -1,6 +1,5 @@
 !> Opens the result of a case: a new one, or that of an interrupted run.
 module result_start
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: git_commit, program_version
    use case_record, only: case_identity, case_t
    use checkpoint, only: checkpoint_t, read_checkpoint
@@ -10,7 +9,7 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use key_row, only: point
-   use kinds, only: not_known, wp
+   use kinds, only: wp
    use point_contact, only: dry_border
    use result_file, only: hold_name, open_result, reopen_result, result_file_t, stored_fields
    use run_observer, only: run_observer_t
@@ -43,6 +42,7 @@ contains
       listener%film_floor = case%solver%film_floor
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
       listener%writer%profile_stride = case%output_settings%profile_stride
+      listener%writer%fields = stored_fields(case)
       inquire (file=path//'.ckpt', exist=has_checkpoint)
       if (case%time%is_transient .or. has_checkpoint) listener%writer%run%case = &
          case_identity(case)
@@ -52,7 +52,6 @@ contains
          if (is_resume) call listener%log%say(case%file//': no checkpoint '//path &
             //'.ckpt: starts at the beginning')
          call open_result(listener%writer, case, path, error)
-         if (.not. allocated(error)) listener%writer%fields = stored_fields(case)
       end if
       if (allocated(error)) return
       associate (statistics => listener%writer%run%statistics, &
@@ -66,8 +65,10 @@ contains
          case%materials%effusivity, case%materials%conductivity)
       if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
          listener%writer%profile_stride
-      listener%writer%has_si = case%output_settings%has_si .and. case%scaling%is_dimensional
-      listener%writer%scaling = case%scaling
+      associate (file => listener%writer%file)
+         file%has_si = case%output_settings%has_si .and. case%scaling%is_dimensional
+         file%scaling = case%scaling
+      end associate
    end subroutine start_result
 
    !> Goes on at the checkpoint of `path`.
@@ -83,7 +84,7 @@ contains
          associate (stride => listener%writer%profile_stride)   ! 0: chosen with the time step
             if (stride == 0) stride = usual_stride(case%time%end_time, checkpoint%time_step)
          end associate
-         call reopen_result(listener%writer, case, path, size(checkpoint%march%film), &
+         call reopen_result(listener%writer, path, size(checkpoint%march%film), &
             checkpoint%march%step + 1, checkpoint%part_digits, error)
       end if
       if (allocated(error)) then
@@ -154,11 +155,9 @@ contains
             if (.not. is_same) return
             if (allocated(entry%text)) then
                is_same = reader%text_of(path, trim(entry%key)) == entry%text
-            else
-               if (size(entry%reals) > 1) cycle   ! tilts of an area: known by their checksum
-               found = reader%number_of(path, trim(entry%key), not_known())
-               is_same = ieee_is_finite(found)
-               if (is_same) is_same = .not. abs(found - entry%reals(1)) > 0.0_wp
+            else if (size(entry%reals) == 1) then   ! not tilts of an area: known by their checksum
+               found = reader%number_of(path, trim(entry%key), huge(1.0_wp))
+               is_same = .not. abs(found - entry%reals(1)) > 0.0_wp
             end if
          end associate
       end do

@@ -254,12 +254,12 @@ contains
 
       allocate (columns(0))   ! of each quantity all units that the rows have
       do k = 1, size(names)
-         of_rows: do i = 1, size(rows)
+         do i = 1, size(rows)
             associate (unit => rows(i)%units(k))
-               if (any(columns%number == k .and. columns%units == unit)) cycle of_rows
-               if (unit /= '') columns = [columns, column_t(k, unit)]
+               if (unit /= '' .and. .not. any(rows(:i - 1)%units(k) == unit)) columns = &
+                  [columns, column_t(k, unit)]
             end associate
-         end do of_rows
+         end do
       end do
       line = 'file,problem,converged,outcome,reason'
       do k = 1, size(columns)

@@ -133,19 +133,20 @@ contains
    pure function grid_errors(solution, state) result(errors)
       type(graded_solution_t), intent(in) :: solution
       type(line_state_t), intent(in) :: state
-      real(wp) :: errors(quantity_count), values(2), part
+      real(wp) :: errors(quantity_count), values(2, quantity_count), part
       integer :: i, j
       integer, parameter :: functionals(quantity_count) = [least_film, least_film, middle_film, &
          top, middle_pressure, 0, sliding, rolling, sliding, rolling_power, (0, i=11, &
          quantity_count)]
 
+      values = quantity_values(state%x, state%pressure, state%film_thickness, state%pressure, &
+         state%friction)
       do i = 1, quantity_count
-         values = quantity_values(i, state%x, state%pressure, state%film_thickness, state%friction)
          j = functionals(i)
-         errors(i) = abs(values(1) - values(2))
+         errors(i) = abs(values(1, i) - values(2, i))
          if (j > 0) then   ! no sliding: 0, exactly
-            if (exceeds(abs(values(1)), 0.0_wp)) errors(i) = errors(i) + solution%bounds(j) &
-               /solution%values(j)*abs(values(1))
+            if (exceeds(abs(values(1, i)), 0.0_wp)) errors(i) = errors(i) + solution%bounds(j) &
+               /solution%values(j)*abs(values(1, i))
          else   ! the exit: its element, and the error of a film over its slope
             associate (line => solution%line)
                call exit_element(line, j, part)

@@ -4,12 +4,12 @@
 !> Dimensionless (H, P, X, T).
 module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kinds, only: larger, not_known, wp
+   use kinds, only: exceeds, larger, not_known, wp
    use line_state, only: friction_t, line_state_t, reynolds_limits_t, turned, unknown_limits, &
       widen_limits
-   use quantities, only: central_value, h_central, h_min, h_min_node, p_central, p_max, &
-      parabola_extreme, quantity_count, quantity_rows, quantity_values, rolling_power, &
-      rule_between, rule_crest, rule_first, rule_node, rule_value, sliding_power, smallest_film
+   use quantities, only: h_central, h_min, h_min_node, p_max, parabola_extreme, quantity_count, &
+      quantity_rows, quantity_values, rolling_power, rule_between, rule_crest, &
+      rule_node, sliding_power, smallest_film
    implicit none (type, external)
    private
 
@@ -81,49 +81,38 @@ module line_summary
 
 contains
 
-   !> Quantities of one state.
+   !> Quantities of one state. Of a point contact smallest film, largest pressure and friction are
+   !> those of all nodes, maxima those on the row of the largest pressure, others on the middle row.
    pure recursive function summary_of(state) result(summary)
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
+      real(wp) :: highest
+      integer :: first, last, top
 
       if (sum(state%moment%speeds) < 0.0_wp) then   ! the exit is where the oil flows to
          summary = summary_of(turned(state))
          return
       end if
-      if (allocated(state%y)) then
-         summary = summary_of_area(state)
-         return
-      end if
-      summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time, &
-         state%friction, state%asperity_pressure)
-      if (allocated(state%limits)) summary%limits = state%limits
-   end function summary_of
-
-   !> The same of a point contact: smallest film, largest pressure and friction of all nodes, maxima
-   !> on the row of the largest pressure, the others on the middle row.
-   pure function summary_of_area(state) result(summary)
-      type(line_state_t), intent(in) :: state
-      type(line_summary_t) :: summary
-      integer :: first, highest, last
-
-      first = size(state%x)*(size(state%y)/2) + 1
+      first = 1
+      if (allocated(state%y)) first = size(state%x)*(size(state%y)/2) + 1
       last = first + size(state%x) - 1
-      highest = size(state%x)*((maxloc(state%pressure, 1) - 1)/size(state%x))
-      associate (h => state%film_thickness, time => state%time)
-         summary = summary_of_fields(state%x, state%pressure(first:last), h(first:last), time, &
-            state%friction)
-         summary%of(h_min) = new_quantity(h_min, spread(smallest_film(state%x, h), 1, 2), time)
+      associate (x => state%x, p => state%pressure, h => state%film_thickness, time => state%time)
+         summary = summary_of_fields(x, p(first:last), h(first:last), time, state%friction, &
+            state%asperity_pressure)
+         if (allocated(state%limits)) summary%limits = state%limits
+         if (.not. allocated(state%y)) return
+         summary%of(h_min) = new_quantity(h_min, spread(smallest_film(x, h), 1, 2), time)
          summary%of(h_min_node) = new_quantity(h_min_node, [minval(h), &
             summary%of(h_min)%value], time)
-         summary%of(h_central) = new_quantity(h_central, spread(central_value(state%x, &
-            h(first:last)), 1, 2), time)
-         summary%crests = crests_of(state%x, state%pressure(highest + 1:highest + size(state%x)), &
-            h(highest + 1:highest + size(state%x)), has_base=.true.)
-         summary%of(p_max) = new_quantity(p_max, [maxval(state%pressure), &
-            larger(maxval(state%pressure), summary%crests%highest)], time)
+         summary%of(h_central)%between = summary%of(h_central)%value
+         top = size(x)*((maxloc(p, 1) - 1)/size(x))
+         summary%crests = crests_of(x, p(top + 1:top + size(x)), h(top + 1:top + size(x)), &
+            has_base=.true.)
+         highest = maxval(p)
+         summary%of(p_max) = new_quantity(p_max, [highest, larger(highest, &
+            summary%crests%highest)], time)
       end associate
-      if (allocated(state%limits)) summary%limits = state%limits
-   end function summary_of_area
+   end function summary_of
 
    !> Quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
    !> (nx), of their friction if known, and of the pressure `solid` of asperities (nx).
@@ -133,20 +122,16 @@ contains
       real(wp), intent(in), optional :: solid(:)
       type(line_summary_t) :: summary
       type(friction_t) :: forces
-      real(wp) :: total(size(p)), values(2)
+      real(wp) :: total(size(p)), values(2, quantity_count)
       integer :: i
 
       total = p
       if (present(solid)) total = p + solid
       forces = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
       if (present(friction)) forces = friction
+      values = quantity_values(x, p, h, total, forces)
       do i = 1, quantity_count
-         if (i == p_max .or. i == p_central) then
-            values = quantity_values(i, x, total, h, forces)
-         else
-            values = quantity_values(i, x, p, h, forces)
-         end if
-         summary%of(i) = new_quantity(i, values, time)
+         summary%of(i) = new_quantity(i, values(:, i), time)
       end do
       summary%crests = crests_of(x, total, h, has_base=.false.)
       summary%limits = unknown_limits()
@@ -177,14 +162,24 @@ contains
       summary%limits = other%limits
    end subroutine copy_values
 
-   !> Widens `summary` by the quantities of another time: smallest films, largest pressure and exit.
+   !> Widens `summary` by the quantities of another time: keeps the smaller or the larger one, as
+   !> the table says, or one that is not known; between the nodes that of the known ones.
    pure subroutine keep_extremes(summary, other)
       type(line_summary_t), intent(inout) :: summary
       type(line_summary_t), intent(in) :: other
+      type(quantity_t) :: extreme
+      real(wp) :: between, side
       integer :: i
 
       do i = 1, quantity_count
-         call keep_extreme(i, summary%of(i), other%of(i))
+         side = merge(1.0_wp, -1.0_wp, quantity_rows(i)%extreme == 'largest')
+         associate (old => summary%of(i), new => other%of(i))
+            between = side*larger(side*old%between, side*new%between)
+            extreme = old
+            if (ieee_is_finite(old%value) .and. .not. ieee_is_finite(new%value)) extreme = new
+            if (exceeds(side*(new%value - old%value), 0.0_wp)) extreme = new
+            old = new_quantity(i, [extreme%value, between], extreme%time)
+         end associate
       end do
       associate (step => other%last_time - summary%last_time)
          summary%work = summary%work + 0.5_wp*step*(summary%power + other%power)
@@ -206,7 +201,9 @@ contains
    end subroutine keep_extremes
 
    !> Maxima of a pressure p with the film h on rising nodes x (nx). A plateau counts once.
-   !> `has_base`: of a spike only a part grows.
+   !> `has_base`: of a spike only a part grows, A if its flank is B + A/sqrt(distance), 5 to 1
+   !> spacings from the edge: the larger one of a linear B, by every other node, and of a constant
+   !> one, by the last two.
    pure function crests_of(x, p, h, has_base) result(crests)
       real(wp), intent(in) :: x(:), p(:), h(:)
       logical, intent(in) :: has_base
@@ -226,7 +223,9 @@ contains
             crests%fall = fall
             crests%spike = p(i)
             crests%spike_film = h(i)
-            if (has_base .and. i > 4) crests%growing = growing_part(p(i - 4:i))
+            if (has_base .and. i > 4) crests%growing = max((p(i) - 2*p(i - 2) + p(i - 4)) &
+               /(1.0_wp - 2/sqrt(3.0_wp) + 1/sqrt(5.0_wp)), (p(i) - p(i - 1)) &
+               /(1.0_wp - sqrt(0.5_wp)))
          else
             crests%other = larger(crests%other, top)
          end if
@@ -234,16 +233,6 @@ contains
          is_last = .false.
       end do
    end function crests_of
-
-   !> A of a spike whose flank has the pressures `p`, the last one of its top, if these are B +
-   !> A/sqrt(distance), 5 to 1 spacings from the edge: the larger one of a linear B, by every other
-   !> node, and of a constant one, by the last two.
-   pure real(wp) function growing_part(p) result(part)
-      real(wp), intent(in) :: p(5)
-
-      part = max((p(5) - 2*p(3) + p(1))/(1.0_wp - 2/sqrt(3.0_wp) + 1/sqrt(5.0_wp)), &
-         (p(5) - p(4))/(1.0_wp - sqrt(0.5_wp)))
-   end function growing_part
 
    !> Checks whether the maximum of p on rising nodes x (nx) at node `top` has a corner where P has
    !> not yet fallen by `spike_drop` of its value: it is known to half a spacing, and the height to
@@ -253,16 +242,13 @@ contains
       integer, intent(in) :: top
       type(crests_t), intent(inout) :: crests
       real(wp) :: bend, steepest, slope(size(p) - 1)
+      logical :: has_fallen(size(p))
       integer :: first, last
 
-      first = top
-      do while (first > 2 .and. p(first) >= (1.0_wp - spike_drop)*p(top))
-         first = first - 1
-      end do
-      last = top
-      do while (last < size(p) - 1 .and. p(last) >= (1.0_wp - spike_drop)*p(top))
-         last = last + 1
-      end do
+      has_fallen = p < (1.0_wp - spike_drop)*p(top)
+      first = max(findloc(has_fallen(:top), .true., 1, back=.true.), 2)
+      has_fallen(size(p) - 1) = .true.
+      last = top - 1 + findloc(has_fallen(top:), .true., 1)
       slope(first - 1:last) = (p(first:last + 1) - p(first - 1:last))/(x(first:last + 1) &
          - x(first - 1:last))
       bend = maxval(slope(first - 1:last - 1) - slope(first:last))
@@ -279,16 +265,9 @@ contains
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
 
-      select case (quantity_rows(i)%rule)
-      case (rule_value, rule_first)
-         value = summary%of(i)%value
-      case (rule_crest)
-         value = summary%crests%highest
-      case (rule_node, rule_between)
-         value = summary%of(i)%between
-      case default
-         error stop 'value_between: a rule without its case'
-      end select
+      value = summary%of(i)%value
+      if (quantity_rows(i)%rule == rule_crest) value = summary%crests%highest
+      if (any(quantity_rows(i)%rule == [rule_node, rule_between])) value = summary%of(i)%between
    end function value_between
 
    !> Row `i` without an estimate of its error, from its value and that between the nodes.
@@ -305,27 +284,5 @@ contains
       quantity%extrapolated = not_known()
       if (quantity_rows(i)%rule == rule_between) quantity%extrapolated = values(2)
    end function new_quantity
-
-   !> Keeps the smaller or larger one of row `i`, as the table says, or the unknown one; of the
-   !> values between the nodes the extreme of the known ones.
-   pure subroutine keep_extreme(i, quantity, other)
-      integer, intent(in) :: i
-      type(quantity_t), intent(inout) :: quantity
-      type(quantity_t), intent(in) :: other
-      real(wp) :: side, between
-      type(quantity_t) :: extreme
-
-      side = merge(1.0_wp, -1.0_wp, quantity_rows(i)%extreme == 'largest')
-      between = side*larger(side*quantity%between, side*other%between)
-      extreme = quantity
-      if (ieee_is_finite(quantity%value)) then
-         if (.not. ieee_is_finite(other%value)) then
-            extreme = other
-         else if (side*other%value > side*quantity%value) then
-            extreme = other
-         end if
-      end if
-      quantity = new_quantity(i, [extreme%value, between], extreme%time)
-   end subroutine keep_extreme
 
 end module line_summary

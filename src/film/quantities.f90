@@ -26,8 +26,8 @@ module quantities
    !> `rule_between`: by those between the nodes, plus their distance; the value between the nodes
    !> counts as extrapolated. `rule_crest`: by the crests of the pressure, and the possible growth
    !> of a spike. `rule_first`: a node that is known to a spacing.
-   integer, parameter, public :: rule_value = 1, rule_node = 2, rule_between = 3, &
-      rule_crest = 4, rule_first = 5
+   integer, parameter :: rule_value = 1
+   integer, parameter, public :: rule_node = 2, rule_between = 3, rule_crest = 4, rule_first = 5
 
    !> One quantity.
    type, public :: quantity_row_t
@@ -38,56 +38,53 @@ module quantities
       !> The field of /solution whose unit it has; the effect of an inlet too near follows from it,
       !> too.
       character(len=20) :: field
-      !> Extreme that counts over several times: 'smallest' or 'largest'.
-      character(len=8) :: extreme
-      integer :: rule
-      !> Bounds of its observed order in space in the kappa scheme: at a spike that of h_min is
-      !> random, and h_central converges faster than with the second order.
-      real(wp) :: kappa_orders(2)
-      !> Factor that widens its estimate.
-      real(wp) :: widening
       !> Text of its data set.
       character(len=80) :: text
+      !> Extreme that counts over several times: 'smallest' or 'largest'.
+      character(len=8) :: extreme = 'largest'
+      integer :: rule = rule_value
+      !> Bounds of its observed order in space in the kappa scheme: at a spike that of h_min is
+      !> random, and h_central converges faster than with the second order.
+      real(wp) :: kappa_orders(2) = [1.0_wp, 2.0_wp]
+      !> Factor that widens its estimate.
+      real(wp) :: widening = 1.0_wp
    end type quantity_row_t
 
+   real(wp), parameter :: random(2) = 1.0_wp
    type(quantity_row_t), parameter, public :: quantity_rows(*) = [ &
-      quantity_row_t('h_min', 'h_min', 'film_thickness', 'smallest', rule_value, &
-         [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness, of a parabola between nodes'), &
-      quantity_row_t('h_min_node', '', 'film_thickness', 'smallest', rule_node, &
-         [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness of a node'), &
-      quantity_row_t('h_central', 'h_central', 'film_thickness', 'smallest', rule_value, &
-         [1.0_wp, 2.5_wp], 1.0_wp, 'film thickness at X = 0, linear between nodes'), &
-      quantity_row_t('p_max', 'p_max', 'pressure', 'largest', rule_crest, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'largest pressure of a node'), &
-      quantity_row_t('p_central', 'p_central', 'pressure', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 2.0_wp, 'pressure at X = 0, away from a spike; cubic between nodes'), &
-      quantity_row_t('x_cavitation', '', 'x', 'largest', rule_between, &
-         [1.0_wp, 2.0_wp], 1.0_wp, &
-         'last node with P > 0 (extrapolated: exit between nodes)'), &
-      quantity_row_t('friction_coefficient', 'friction', 'friction_coefficient', 'largest', &
-         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, &
+      quantity_row_t('h_min', 'h_min', 'film_thickness', &
+         'smallest film thickness, of a parabola between nodes', 'smallest', rule_value, random), &
+      quantity_row_t('h_min_node', '', 'film_thickness', 'smallest film thickness of a node', &
+         'smallest', rule_node, random), &
+      quantity_row_t('h_central', 'h_central', 'film_thickness', &
+         'film thickness at X = 0, linear between nodes', 'smallest', rule_value, &
+         [1.0_wp, 2.5_wp]), &
+      quantity_row_t('p_max', 'p_max', 'pressure', 'largest pressure of a node', &
+         rule=rule_crest), &
+      quantity_row_t('p_central', 'p_central', 'pressure', &
+         'pressure at X = 0, away from a spike; cubic between nodes', widening=2.0_wp), &
+      quantity_row_t('x_cavitation', '', 'x', &
+         'last node with P > 0 (extrapolated: exit between nodes)', rule=rule_between), &
+      quantity_row_t('friction_coefficient', 'friction', 'friction_coefficient', &
          'force of sliding over the load (dimensionless: times R/b)'), &
-      quantity_row_t('rolling_friction_coefficient', '', 'friction_coefficient', 'largest', &
-         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, &
+      quantity_row_t('rolling_friction_coefficient', '', 'friction_coefficient', &
          'force of rolling on each surface over the load (dimensionless: times R/b)'), &
-      quantity_row_t('sliding_power', '', 'power', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'power that sliding turns into heat'), &
-      quantity_row_t('rolling_power', '', 'power', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat'), &
-      quantity_row_t('asperity_load_share', '', '1', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'share of the load that asperities bear'), &
-      quantity_row_t('friction_coefficient_oil', '', 'friction_coefficient', 'largest', &
-         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of the oil'), &
-      quantity_row_t('friction_coefficient_boundary', '', 'friction_coefficient', 'largest', &
-         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'part of friction_coefficient, of asperities'), &
-      quantity_row_t('x_meniscus', '', 'x', 'largest', rule_first, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'first node where oil fills the gap'), &
-      quantity_row_t('temperature_rise_film', '', 'temperature_rise', 'largest', &
-         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, 'largest mean temperature rise across the film'), &
-      quantity_row_t('temperature_rise_1', '', 'temperature_rise', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'largest temperature rise of surface 1'), &
-      quantity_row_t('temperature_rise_2', '', 'temperature_rise', 'largest', rule_value, &
-         [1.0_wp, 2.0_wp], 1.0_wp, 'largest temperature rise of surface 2')]
+      quantity_row_t('sliding_power', '', 'power', 'power that sliding turns into heat'), &
+      quantity_row_t('rolling_power', '', 'power', &
+         'power that flow by the pressure turns into heat', widening=1.5_wp), &
+      quantity_row_t('asperity_load_share', '', '1', 'share of the load that asperities bear'), &
+      quantity_row_t('friction_coefficient_oil', '', 'friction_coefficient', &
+         'part of friction_coefficient, of the oil'), &
+      quantity_row_t('friction_coefficient_boundary', '', 'friction_coefficient', &
+         'part of friction_coefficient, of asperities'), &
+      quantity_row_t('x_meniscus', '', 'x', 'first node where oil fills the gap', &
+         rule=rule_first), &
+      quantity_row_t('temperature_rise_film', '', 'temperature_rise', &
+         'largest mean temperature rise across the film'), &
+      quantity_row_t('temperature_rise_1', '', 'temperature_rise', &
+         'largest temperature rise of surface 1'), &
+      quantity_row_t('temperature_rise_2', '', 'temperature_rise', &
+         'largest temperature rise of surface 2')]
 
    integer, parameter, public :: quantity_count = size(quantity_rows)
 
@@ -111,50 +108,33 @@ contains
       is_chance = row%kappa_orders(2) <= row%kappa_orders(1)
    end function is_chance
 
-   !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx), or of
-   !> their `friction`: its value and that between the nodes, which does not depend on their
-   !> position. The same number twice if there is no other; for the pressure the crests replace it.
-   pure function quantity_values(row, x, p, h, friction) result(values)
-      integer, intent(in) :: row
-      real(wp), intent(in) :: x(:), p(:), h(:)
+   !> All quantities of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx), of
+   !> `total`, which asperities bear too, and of the `friction`: values and those between the nodes,
+   !> which do not depend on their position (2, quantity). The same number twice if there is no
+   !> other; for the pressure the crests replace it.
+   pure function quantity_values(x, p, h, total, friction) result(values)
+      real(wp), intent(in) :: x(:), p(:), h(:), total(:)
       type(friction_t), intent(in) :: friction
-      real(wp) :: values(2)
+      real(wp) :: values(2, quantity_count)
 
-      select case (row)
-      case (h_min)
-         values = parabola_minimum(x, h)
-      case (h_min_node)
-         values = [node_minimum(h), parabola_minimum(x, h)]
-      case (h_central)
-         values = [central_value(x, h), central_by_cubic(x, h)]
-      case (p_max)
-         values = -node_minimum(-p)
-      case (p_central)
-         values = central_by_cubic(x, p)
-      case (x_cavitation)
-         values = [exit_position(x, p), exit_between_nodes(x, p)]
-      case (friction_coefficient)
-         values = abs(friction%sliding + friction%boundary)*2/pi/friction%load
-      case (rolling_coefficient)
-         values = friction%rolling*2/pi/friction%load
-      case (sliding_power)
-         values = friction%sliding_speed*(friction%sliding + friction%boundary)
-      case (rolling_power)
-         values = friction%rolling_power
-      case (asperity_share)
-         values = friction%asperity_share
-      case (oil_friction)
-         values = merge(abs(friction%sliding)*2/pi/friction%load, 0.0_wp, &
+      values(:, h_min) = parabola_minimum(x, h)
+      values(:, h_min_node) = [node_minimum(h), values(1, h_min)]
+      values(:, h_central) = [central_value(x, h), central_by_cubic(x, h)]
+      values(:, p_max) = -node_minimum(-total)
+      values(:, p_central) = central_by_cubic(x, total)
+      values(:, x_cavitation) = [exit_position(x, p), exit_between_nodes(x, p)]
+      associate (force => friction%sliding + friction%boundary, load => friction%load)
+         values(:, friction_coefficient) = abs(force)*2/pi/load
+         values(:, rolling_coefficient) = friction%rolling*2/pi/load
+         values(:, sliding_power) = friction%sliding_speed*force
+         values(:, oil_friction) = merge(abs(friction%sliding)*2/pi/load, 0.0_wp, &
             friction%asperity_share > 0.0_wp)
-      case (boundary_friction)
-         values = abs(friction%boundary)*2/pi/friction%load
-      case (meniscus)
-         values = friction%meniscus
-      case (film_rise, rise_1, rise_2)
-         values = friction%rise(row - film_rise + 1)
-      case default
-         error stop 'quantity_values: a quantity without its case'
-      end select
+         values(:, boundary_friction) = abs(friction%boundary)*2/pi/load
+      end associate
+      values(:, rolling_power) = friction%rolling_power
+      values(:, asperity_share) = friction%asperity_share
+      values(:, meniscus) = friction%meniscus
+      values(:, film_rise:rise_2) = spread(friction%rise, 1, 2)
    end function quantity_values
 
    !> Smallest value of a positive curve on the nodes of a rising grid: vertex of the parabola

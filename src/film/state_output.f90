@@ -28,12 +28,12 @@ contains
    !> Sets pressure, film, roughness, H0 and time; if mobility and density of the level have been
    !> evaluated (a stop may come before that), which must be those of its pressure and film, also
    !> limits of Reynolds' equation, friction and mean shear stress; with `has_stresses` those at the
-   !> walls too, and none of another time. `fill_properties` sets the other fields of the lubricant.
+   !> walls too. `fill_properties` sets the other fields of the lubricant.
    pure subroutine fill_state(contact, level, time, state, has_stresses)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       real(wp), intent(in) :: time
-      type(line_state_t), intent(inout) :: state
+      type(line_state_t), intent(out) :: state
       logical, intent(in) :: has_stresses
       real(wp) :: drive(size(level%x))
 
@@ -52,10 +52,6 @@ contains
       state%moment%speeds = level%direction*state%moment%speeds
       state%rigid_displacement = level%state%rigid_displacement
       state%time = time
-      if (allocated(state%friction)) deallocate (state%friction)
-      if (allocated(state%limits)) deallocate (state%limits)
-      if (allocated(state%shear_stress_mean)) deallocate (state%shear_stress_mean)
-      if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, state%shear_stress_2)
       if (all(state%film_thickness > 0.0_wp) .and. level%oil%density(0) > 0.0_wp) then
          allocate (state%friction, state%shear_stress_mean(size(state%x)))
          call evaluate_friction(level, state%friction, state%shear_stress_mean, drive)

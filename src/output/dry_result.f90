@@ -12,11 +12,11 @@ module dry_result
    use dry_problem, only: kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
       load, mean_pressure, mean_separation, p_max, plastic_area, separation
-   use hdf5_axes, only: link_object, make_counter, name_axes, write_field
+   use hdf5_axes, only: link_object, make_counter, name_axes
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_values
-   use hdf5_file, only: hdf5_file_t
    use kinds, only: not_known, wp
    use progress_log, only: columns, progress_log_t
+   use result_labels, only: section_file_t
    use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
       roughness_t
    use text, only: counted, joined, number_text, to_text, wrapped
@@ -53,9 +53,11 @@ contains
    !> Writes the quantities of every load of an `outcome` with their estimated errors and the
    !> fields of the last.
    subroutine write_dry_result(file, dry, outcome)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
+      character(*), parameter :: sizes = 'size in x, in y, pairs in double, pairs in single '// &
+         'precision'
       integer :: k
 
       associate (rows => outcome%rows)
@@ -77,8 +79,8 @@ contains
          do k = 1, dry_count
             call write_quantity(file, dry, outcome, k)
          end do
-         call write_field(file, '/sweep/kkt', [rows%kkt], &
-            new_label('violation of the contact conditions', '1'), 'step')
+         call file%begin('/sweep')
+         call file%put('kkt', [rows%kkt], 'violation of the contact conditions', axes='step')
          call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
             new_label('pairs of transforms, in pairs of the full grid', '1'))
          call name_axes(file, '/sweep/fft_pairs', 'step')
@@ -86,35 +88,33 @@ contains
             call write_roughness(file, k, rows%roughness(k), dry%grid%ny == 1)
          end do
       end associate
-      call write_dataset(file, '/report/cpu_seconds', sum(outcome%seconds(:2)), &
-         new_label('processor time of the solution, planning of the transforms included', 's'))
-      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%seconds(1), &
-         new_label('the part for planning', 's'))
-      call write_dataset(file, '/report/wall_solve_seconds', outcome%seconds(3), &
-         new_label('wall time of the solution without planning', 's'))
-      call write_dataset(file, '/report/transforms', real(outcome%transforms, wp), &
-         new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
+      call file%begin('/report')
+      call file%put('cpu_seconds', sum(outcome%seconds(:2)), &
+         'processor time of the solution, planning of the transforms included', 's')
+      call file%put('cpu_prepare_seconds', outcome%seconds(1), 'the part for planning', 's')
+      call file%put('wall_solve_seconds', outcome%seconds(3), &
+         'wall time of the solution without planning', 's')
+      call file%put('transforms', real(outcome%transforms, wp), 'transforms: '//sizes)
       call make_counter(file, '/report/grid', size(outcome%transforms, 2), &
          'number of the grid of the transforms')
       call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
-         'number of: size in x, in y, pairs in double, pairs in single precision')
+         'number of: '//sizes)
       call name_axes(file, '/report/transforms', 'transform_column grid')
       if (.not. allocated(file%row)) call write_surface(file, dry, outcome%fields)
    end subroutine write_dry_result
 
    !> /solution.
    subroutine write_fields(file, dry, fields)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
-      character(:), allocatable :: axes
       character(*), parameter :: unloaded = 'composite height after unloading'
 
-      axes = trim(merge('x  ', 'x y', dry%grid%ny == 1))
-      call write_field(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
-         dry%is_periodic), new_label('position', 'm'), '=')
-      if (dry%grid%ny > 1) call write_field(file, '/solution/y', node_positions(dry%grid%ny, &
-         dry%lengths(2), dry%is_periodic), new_label('position across', 'm'), '=')
+      call file%begin('/solution')
+      call file%put('x', node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic), 'position', &
+         'm', '=')
+      if (dry%grid%ny > 1) call file%put('y', node_positions(dry%grid%ny, dry%lengths(2), &
+         dry%is_periodic), 'position across', 'm', '=')
       call put('pressure', 'contact pressure', 'Pa', fields%pressure)
       call put('gap', 'gap between the surfaces', 'm', fields%gap)
       call put('height_undeformed', 'composite height before loading', 'm', dry%height)
@@ -149,7 +149,7 @@ contains
             else
                call write_dataset(file, path, values, label, dry%is_single)
             end if
-            call name_axes(file, path, axes)
+            call name_axes(file, path, trim(merge('x  ', 'x y', ny == 1)))
          end associate
       end subroutine put
 
@@ -158,7 +158,7 @@ contains
    !> Quantity `k` of the table, one value for each load, with its estimated errors unless it is
    !> given; that of the last load in /summary. Without a unit it is not stored.
    subroutine write_quantity(file, dry, outcome, k)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
       integer, intent(in) :: k
@@ -173,8 +173,8 @@ contains
       end if
       if (unit == '') return
       name = trim(dry_table(k)%name)
-      call write_field(file, '/sweep/'//name, [outcome%rows%values(k)], new_label(text, unit), &
-         'step')
+      call file%begin('/sweep')
+      call file%put(name, [outcome%rows%values(k)], text, unit, 'step')
       if (any(k == [load, mean_pressure]) .and. allocated(dry%loads%mean_pressure)) return
       errors = not_known()
       missing = 'no other grids are compared'
@@ -186,8 +186,9 @@ contains
       if (.not. all(ieee_is_finite(errors))) call write_attribute(file, '/sweep/'//name, &
          'no_estimate', missing)
       if (.not. dry_table(k)%is_summary) return
+      call file%begin('/summary')
       associate (last => size(errors), path => '/summary/'//name)
-         call write_dataset(file, path, outcome%rows(last)%values(k), new_label(text, unit))
+         call file%put(name, outcome%rows(last)%values(k), text, unit)
          if (unit == '1') call write_attribute(file, path, 'units', unit)
          call write_attribute(file, path, 'error_estimate', errors(last))
          if (.not. ieee_is_finite(errors(last))) call write_attribute(file, path, 'no_estimate', &
@@ -197,7 +198,7 @@ contains
 
    !> /sweep/<name>_<state>: the roughness parameters of state `k` for each load.
    subroutine write_roughness(file, k, roughness, is_line)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       integer, intent(in) :: k
       type(roughness_t), intent(in) :: roughness(:)
       logical, intent(in) :: is_line
@@ -212,14 +213,14 @@ contains
       values = reshape([roughness%ra, roughness%rq, roughness%rz, roughness%rsk, roughness%rku], &
          shape(values))
       do i = 1, size(names)
-         call write_field(file, '/sweep/'//trim(names(i))//'_'//trim(states(k)), values(:, i), &
-            new_label(trim(texts(i))//' '//trim(times(k)), merge('m', '1', i <= 3)), 'step')
+         call file%put(trim(names(i))//'_'//trim(states(k)), values(:, i), trim(texts(i))//' ' &
+            //trim(times(k)), merge('m', '1', i <= 3), 'step')
       end do
    end subroutine write_roughness
 
    !> /adequacy: a group for each ingredient, with a dataset for each known change.
    subroutine write_dry_adequacy(file, adequacy)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       type(adequacy_t), intent(in) :: adequacy
       character(:), allocatable :: source
       integer :: i
@@ -247,7 +248,7 @@ contains
 
    !> /surface: slope, curvature, bearing curves, height density, spectrum, in all three states.
    subroutine write_surface(file, dry, fields)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
       type(surface_state_t) :: of(size(states))
@@ -255,20 +256,16 @@ contains
       real(wp), allocatable :: edges(:)
       integer :: i, k
 
-      associate (z => dry%height)
-         lowest = minval(z)
-         highest = maxval(z)
-      end associate
+      lowest = minval(dry%height)
+      highest = maxval(dry%height)
       levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, &
          bearing_levels - 1)]
-      call write_field(file, '/surface/level', levels, new_label('height of the bearing curves', &
-         'm'), '=')
       edges = levels(::density_levels)
-      call write_field(file, '/surface/density_edge', edges, &
-         new_label('ends of the steps of the height densities', 'm'), '=')
-      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) &
-         + edges(:size(edges) - 1)), new_label('middle of the steps of the height densities', &
-         'm'), '=')
+      call file%begin('/surface')
+      call file%put('level', levels, 'height of the bearing curves', 'm', '=')
+      call file%put('density_edge', edges, 'ends of the steps of the height densities', 'm', '=')
+      call file%put('density_height', 0.5_wp*(edges(2:) + edges(:size(edges) - 1)), &
+         'middle of the steps of the height densities', 'm', '=')
       ! Two surfaces at a time: they share nothing.
       !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static, 1)
       do k = 1, size(states)
@@ -311,23 +308,23 @@ contains
 
    !> One state of the surface: '/surface/<quantity>_<name>'.
    subroutine write_state(file, name, state)
-      class(hdf5_file_t), intent(inout) :: file
+      type(section_file_t), intent(inout) :: file
       character(*), intent(in) :: name
       type(surface_state_t), intent(in) :: state
 
-      call write_field(file, '/surface/bearing_ratio_'//name, state%bearing_ratio, &
-         new_label('share of the surface at or above each level', '1'), 'level')
-      call write_field(file, '/surface/height_density_'//name, state%height_density, &
-         new_label('share of the surface at a height, over the height', '1/m'), 'density_height')
+      call file%put('bearing_ratio_'//name, state%bearing_ratio, &
+         'share of the surface at or above each level', '1', 'level')
+      call file%put('height_density_'//name, state%height_density, &
+         'share of the surface at a height, over the height', '1/m', 'density_height')
       if (.not. allocated(state%power)) return
-      call write_dataset(file, '/surface/rms_slope_'//name, state%rms_slope, &
-         new_label('rms slope from differences of neighbouring nodes', '1'))
-      call write_dataset(file, '/surface/rms_curvature_'//name, state%rms_curvature, &
-         new_label('rms curvature from second differences of neighbouring nodes', '1/m'))
+      call file%put('rms_slope_'//name, state%rms_slope, &
+         'rms slope from differences of neighbouring nodes')
+      call file%put('rms_curvature_'//name, state%rms_curvature, &
+         'rms curvature from second differences of neighbouring nodes', '1/m')
       if (name == 'undeformed') call make_counter(file, '/surface/harmonic', size(state%power), &
          'number of the harmonic along x')
-      call write_field(file, '/surface/power_'//name, state%power, &
-         new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'), 'harmonic')
+      call file%put('power_'//name, state%power, &
+         'mean square height in harmonics 1, 2, ... along x', 'm^2', 'harmonic')
    end subroutine write_state
 
    !> A table with a line for each load of the case, under it the estimated errors; what there is to

@@ -2,11 +2,12 @@
 !> of the film, over X and zeta, and /statistics of the film over time. Beside the computed films
 !> those of handbooks, /formulas, also as lines of the closing table.
 module field_sections
+   use case_record, only: case_t
    use film_fields, only: film_fields_t
+   use film_shear, only: velocity_profile
    use film_statistics, only: bins_per_decade, film_first, film_statistics_t, pressure_first
    use hdf5_axes, only: link_object, write_field
-   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
-   use hdf5_file, only: hdf5_file_t
+   use hdf5_dataset, only: label_t, write_attribute
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
    use line_state, only: line_state_t
@@ -15,7 +16,7 @@ module field_sections
    use moes, only: film_by_formula, formula_rows, formulas_hold, known_bias, moes_l_mean_from_sum, &
       moes_m_mean_from_sum
    use quantities, only: quantity_rows
-   use result_labels, only: field_names, field_values, row_label, scaled_label
+   use result_labels, only: field_names, field_values, less, scaled_label, section_file_t
    use scaling, only: scaling_t
    use text, only: number_text, prefixed_text, to_text
    implicit none (type, external)
@@ -29,181 +30,141 @@ module field_sections
 
 contains
 
-   !> /solution: the fields of the last time, of a point contact over x and y; with `has_si` in
-   !> /si/solution those that differ in SI.
-   subroutine write_solution(file, state, scaling, has_si)
-      class(hdf5_file_t), intent(inout) :: file
+   !> /solution: the fields of the last time, of a point contact over x and y; those that differ in
+   !> SI in /si/solution, if they are wanted.
+   subroutine write_solution(file, state)
+      type(section_file_t), intent(inout) :: file
       type(line_state_t), intent(in) :: state
-      type(scaling_t), intent(in) :: scaling
-      logical, intent(in) :: has_si
       character(:), allocatable :: name
       real(wp), allocatable :: values(:)
       integer :: i
 
+      call file%begin('/solution')
       do i = 1, size(field_names)
          name = trim(field_names(i))
          values = field_values(name, state)
          if (size(values) == 0) cycle
          if (i == 1) then
-            call put(name, values, '=')
-            if (allocated(state%y)) call put('y', state%y, '=')
+            call file%put(name, values, axes='=')
+            if (allocated(state%y)) call file%put('y', state%y, axes='=')
          else if (allocated(state%y)) then
-            call put(name, reshape(values, [size(state%x), size(state%y)]), 'x y')
+            call file%put(name, reshape(values, [size(state%x), size(state%y)]), axes='x y')
          else
-            call put(name, values, 'x')
+            call file%put(name, values, axes='x')
          end if
       end do
       name = 'rigid displacement H0 of the undeformed bodies'
       if (.not. allocated(state%y)) name = 'rigid displacement H0 of (2.58); h0 of (2.24) = '// &
          '(b^2/R)(H0 + ln(b)/2), b in m'
-      call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
-         scaled_label(name, 'film', scaling))
-      call write_dataset(file, '/solution/time', state%time, &
-         scaled_label('time of these fields, T = t u_s/(2 b)', 'time', scaling))
-
-   contains
-
-      !> A field with its axes.
-      subroutine put(name, values, axes)
-         character(*), intent(in) :: name, axes
-         real(wp), intent(in), contiguous :: values(..)
-         type(label_t) :: label
-
-         label = row_label(name, scaling)
-         call write_field(file, '/solution/'//name, values, label, axes, has_si &
-            .and. label%has_scale())
-      end subroutine put
-
+      call file%put('rigid_displacement', state%rigid_displacement, name, 'film')
+      call file%put('time', state%time, 'time of these fields, T = t u_s/(2 b)', 'time')
    end subroutine write_solution
 
-   !> /velocity: `u` (layers + 1, nx) as module film_velocity makes it.
-   subroutine write_velocity(file, u, scaling)
-      class(hdf5_file_t), intent(inout) :: file
-      real(wp), intent(in), contiguous :: u(:, :)
-      type(scaling_t), intent(in) :: scaling
+   !> /velocity of the last `state` of a line, if it is wanted and there is a film: u (layers + 1,
+   !> nx).
+   subroutine write_velocity(file, case, state)
+      type(section_file_t), intent(inout) :: file
+      type(case_t), intent(in) :: case
+      type(line_state_t), intent(in) :: state
       integer :: i
 
-      call file%create_group('/velocity')
-      call write_attribute(file, '/velocity', 'about', 'velocity of the oil at the nodes '// &
-         '/solution/x, of the same time, by the Reynolds equation; a straight line where P = 0')
-      call link_object(file, '/solution/x', '/velocity/x')
-      call write_field(file, '/velocity/zeta', [(real(i, wp)/(size(u, 1) - 1), i=0, size(u, 1) &
-         - 1)], new_label('place across the film, z/h: 0 at surface 1, 1 at surface 2', '1'), '=')
-      call write_field(file, '/velocity/u', u, new_label('velocity along the film, u/u_s', 'm/s', &
-         scaling%speed_sum), 'zeta x')
+      if (allocated(case%point) .or. .not. allocated(state%shear_stress_mean)) return
+      associate (layers => case%output_settings%velocity_layers, contact => case%contact)
+         if (layers == 0) return
+         call file%begin('/velocity', 'velocity of the oil at the nodes /solution/x, of the '// &
+            'same time, by the Reynolds equation; a straight line where P = 0')
+         call link_object(file, '/solution/x', '/velocity/x')
+         call file%put('zeta', [(real(i, wp)/layers, i=0, layers)], &
+            'place across the film, z/h: 0 at surface 1, 1 at surface 2', axes='=')
+         call write_field(file, '/velocity/u', velocity_profile(contact%fluid, contact%lambda, &
+            contact%slide_to_roll, state%x, state%pressure, state%film_thickness, layers), &
+            scaled_label('velocity along the film, u/u_s', 'speed_sum', file%scaling), 'zeta x')
+      end associate
    end subroutine write_velocity
 
-   !> /momentum, of a transient that of its last time; with `has_si` the fields in SI too.
-   subroutine write_momentum(file, fields, scaling, is_transient, has_si)
-      class(hdf5_file_t), intent(inout) :: file
+   !> /momentum, of a transient that of its last time; the fields in SI too, if they are wanted.
+   subroutine write_momentum(file, fields, is_transient)
+      type(section_file_t), intent(inout) :: file
       type(film_fields_t), intent(in) :: fields
-      type(scaling_t), intent(in) :: scaling
-      logical, intent(in) :: is_transient, has_si
+      logical, intent(in) :: is_transient
       character(:), allocatable :: about
 
       about = '/solution has its mean pressure and its film; beside it the Reynolds equation '// &
          'on the same nodes'
       if (is_transient) about = 'fields of the last time, differences of the extremes of the '// &
          'passage; /solution, /summary and /transient are those of the Reynolds equation'
-      call file%create_group('/momentum')
-      call write_attribute(file, '/momentum', 'about', 'the film by its full momentum '// &
-         'equations, at the nodes /solution/x in layers at zeta = (z - z1)/h; '//about)
-      call put('zeta', fields%zeta, new_label('place across the film, 0 at surface 1, 1 at '// &
-         'surface 2', '1'), '=')
+      call file%begin('/momentum', 'the film by its full momentum equations, at the nodes '// &
+         '/solution/x in layers at zeta = (z - z1)/h; '//about)
+      call file%put('zeta', fields%zeta, 'place across the film, 0 at surface 1, 1 at surface 2', &
+         axes='=')
       call link_object(file, '/solution/x', '/momentum/x')
-      if (has_si) then
+      if (file%has_si) then
          call link_object(file, '/momentum/zeta', '/si/momentum/zeta')
          call link_object(file, '/si/solution/x', '/si/momentum/x')
       end if
-      associate (u_s => scaling%speed_sum, p_h => scaling%hertz_pressure)
-         call put('u', fields%u, new_label('velocity along the film', 'm/s', u_s, ', u/u_s'), &
-            'zeta x')
-         call put('w', fields%w, new_label('velocity across the film, from surface 1 to '// &
-            'surface 2', 'm/s', u_s, ', w/u_s'), 'zeta x')
-         call put('layer_pressure', fields%pressure, new_label('pressure of the layers; '// &
-            'cavitation is decided by its mean', 'Pa', p_h, of_pressure), 'zeta x')
-         call put('shear_stress', fields%shear_stress, new_label('shear stress tau_xz', 'Pa', p_h, &
-            '/p_h'), 'zeta x')
-         call put('viscosity', fields%viscosity, new_label('viscosity under shear', 'Pa s', &
-            scaling%viscosity, ' over ambient viscosity'), 'zeta x')
-         call put('reynolds_pressure', fields%reynolds_pressure, new_label('pressure by the '// &
-            'Reynolds equation', 'Pa', p_h, of_pressure), 'x')
-         call put('reynolds_film_thickness', fields%reynolds_film, new_label('film thickness '// &
-            'by the Reynolds equation', 'm', scaling%film, of_film), 'x')
-      end associate
-      call put('difference_h_min', fields%h_min, row_label('momentum_difference_h_min', scaling))
-      call put('difference_h_central', fields%h_central, &
-         row_label('momentum_difference_h_central', scaling))
-      call put('difference_p_max', fields%p_max, row_label('momentum_difference_p_max', scaling))
-      call put('difference_pressure', fields%pressure_change, new_label('largest difference of '// &
-         'the mean pressure from the Reynolds equation, over p_h', '1'))
-      call put('pressure_variation', fields%pressure_variation, new_label('largest difference '// &
-         'of pressures across the film, over p_h', '1'))
-      call put('stress_rise', fields%stress_rise, new_label('T_max of the thin film, largest '// &
-         'd tau/dp at a given shear rate: less than 1', '1'))
+      call file%put('u', fields%u, 'velocity along the film', 'speed_sum', 'zeta x', ', u/u_s')
+      call file%put('w', fields%w, 'velocity across the film, from surface 1 to surface 2', &
+         'speed_sum', 'zeta x', ', w/u_s')
+      call file%put('layer_pressure', fields%pressure, 'pressure of the layers; cavitation is '// &
+         'decided by its mean', 'hertz_pressure', 'zeta x', of_pressure)
+      call file%put('shear_stress', fields%shear_stress, 'shear stress tau_xz', 'hertz_pressure', &
+         'zeta x', '/p_h')
+      call file%put('viscosity', fields%viscosity, 'viscosity under shear', 'viscosity', &
+         'zeta x', ' over ambient viscosity')
+      call file%put('reynolds_pressure', fields%reynolds_pressure, &
+         'pressure by the Reynolds equation', 'hertz_pressure', 'x', of_pressure)
+      call file%put('reynolds_film_thickness', fields%reynolds_film, &
+         'film thickness by the Reynolds equation', 'film', 'x', of_film)
+      call file%put('difference_h_min', fields%h_min, 'h_min'//less)
+      call file%put('difference_h_central', fields%h_central, 'h_central'//less)
+      call file%put('difference_p_max', fields%p_max, 'p_max'//less)
+      call file%put('difference_pressure', fields%pressure_change, &
+         'largest difference of the mean pressure from the Reynolds equation, over p_h')
+      call file%put('pressure_variation', fields%pressure_variation, &
+         'largest difference of pressures across the film, over p_h')
+      call file%put('stress_rise', fields%stress_rise, &
+         'T_max of the thin film, largest d tau/dp at a given shear rate: less than 1')
       call write_attribute(file, '/momentum', 'newton_steps', fields%steps)
       call write_attribute(file, '/momentum', 'factorisations', fields%factorisations)
       call write_attribute(file, '/momentum', 'linear_iterations', fields%linear_iterations)
-
-   contains
-
-      !> A field with its axes, or a number.
-      subroutine put(name, values, label, axes)
-         character(*), intent(in) :: name
-         real(wp), intent(in), contiguous :: values(..)
-         type(label_t), intent(in) :: label
-         character(*), intent(in), optional :: axes
-
-         if (present(axes)) then
-            call write_field(file, '/momentum/'//name, values, label, axes, has_si)
-         else
-            call write_dataset(file, '/momentum/'//name, values, label)
-         end if
-      end subroutine put
-
    end subroutine write_momentum
 
    !> Writes /statistics, in SI; nothing if nothing was gathered. `from`: first time that counts, T.
-   subroutine write_statistics(file, statistics, scaling, from)
-      class(hdf5_file_t), intent(inout) :: file
+   subroutine write_statistics(file, statistics, from)
+      type(section_file_t), intent(inout) :: file
       type(film_statistics_t), intent(in) :: statistics
-      type(scaling_t), intent(in) :: scaling
       real(wp), intent(in) :: from
 
       if (.not. allocated(statistics%thresholds)) return
       if (.not. statistics%times > 0.0_wp) return
-      associate (s => statistics, film => scaling%film)
-         call file%create_group('/statistics')
-         call write_attribute(file, '/statistics', 'about', &
-            'over the times that count, from T = statistics_from on; the contact is '// &
-            trim(merge('the dry one at the reference load     ', &
+      associate (s => statistics, scaling => file%scaling, film => file%scaling%film)
+         call file%begin('/statistics', 'over the times that count, from T = statistics_from '// &
+            'on; the contact is '//trim(merge('the dry one at the reference load     ', &
             'one half-width to either side of X = 0', allocated(scaling%ellipse))))
          call write_attribute(file, '/statistics', 'statistics_from', max(from, 0.0_wp))
-         call write_field(file, '/statistics/film_threshold', s%thresholds*film, &
-            new_label('stated films', 'm'), '=')
-         call write_field(file, '/statistics/time_below', s%times_below/s%times, new_label( &
-            'share of the time in which the smallest film is below each threshold', '1'), &
-            'film_threshold')
-         call write_field(file, '/statistics/area_below', s%shares_below/s%times, new_label( &
-            'share of the contact below each threshold, mean over time', '1'), 'film_threshold')
-         call write_dataset(file, '/statistics/mean_film', s%film_sum/s%times*film, &
-            new_label('film, mean over the contact and time', 'm'))
-         call write_dataset(file, '/statistics/smooth_film', s%smooth_film*film, &
-            new_label('film of the smooth contact at X = 0', 'm'))
-         call write_dataset(file, '/statistics/rms_height', s%rms_height()*film, &
-            new_label('rms of the sum of both heights in the contact, over time', 'm'))
-         call write_dataset(file, '/statistics/lambda_ratio', s%lambda_ratio(), &
-            new_label('lambda ratio, smooth_film over rms_height; 0: smooth surfaces', '1'))
-         call write_distribution('h_min', 'smallest film, parabola through three nodes', &
+         call file%put('film_threshold', s%thresholds*film, 'stated films', 'm', '=')
+         call file%put('time_below', s%times_below/s%times, 'share of the time in which the '// &
+            'smallest film is below each threshold', '1', 'film_threshold')
+         call file%put('area_below', s%shares_below/s%times, 'share of the contact below each '// &
+            'threshold, mean over time', '1', 'film_threshold')
+         call file%put('mean_film', s%film_sum/s%times*film, &
+            'film, mean over the contact and time', 'm')
+         call file%put('smooth_film', s%smooth_film*film, 'film of the smooth contact at X = 0', &
+            'm')
+         call file%put('rms_height', s%rms_height()*film, &
+            'rms of the sum of both heights in the contact, over time', 'm')
+         call file%put('lambda_ratio', s%lambda_ratio(), &
+            'lambda ratio, smooth_film over rms_height; 0: smooth surfaces')
+         call put_distribution('h_min', 'smallest film, parabola through three nodes', &
             s%film_bins, film_first, film, 'm')
-         call write_distribution('p_max', 'largest pressure of a node', s%pressure_bins, &
+         call put_distribution('p_max', 'largest pressure of a node', s%pressure_bins, &
             pressure_first, scaling%hertz_pressure, 'Pa')
       end associate
 
    contains
 
       !> The occupied classes of a distribution: edges (n+1), shares of the time between them (n).
-      subroutine write_distribution(name, what, bins, first, scale, units)
+      subroutine put_distribution(name, what, bins, first, scale, units)
          character(*), intent(in) :: name, what, units
          real(wp), intent(in) :: bins(:), scale
          integer, intent(in) :: first
@@ -211,15 +172,14 @@ contains
 
          from = findloc(bins > 0.0_wp, .true., 1)
          to = findloc(bins > 0.0_wp, .true., 1, back=.true.)
-         call write_field(file, '/statistics/'//name//'_edges', &
-            [(scale*10.0_wp**(first + real(i - 1, wp)/bins_per_decade), i=from, to + 1)], &
-            new_label('edges of the classes of '//name//', '//what, units), '=')
-         call write_field(file, '/statistics/'//name//'_class', &
-            [(scale*10.0_wp**(first + (real(i, wp) - 0.5_wp)/bins_per_decade), i=from, to)], &
-            new_label('middle of each class of '//name, units), '=')
-         call write_field(file, '/statistics/'//name//'_share', bins(from:to)/statistics%times, &
-            new_label('share of the time steps in each class of '//name, '1'), name//'_class')
-      end subroutine write_distribution
+         call file%put(name//'_edges', [(scale*10.0_wp**(first + real(i - 1, wp) &
+            /bins_per_decade), i=from, to + 1)], 'edges of the classes of '//name//', '//what, &
+            units, '=')
+         call file%put(name//'_class', [(scale*10.0_wp**(first + (real(i, wp) - 0.5_wp) &
+            /bins_per_decade), i=from, to)], 'middle of each class of '//name, units, '=')
+         call file%put(name//'_share', bins(from:to)/statistics%times, &
+            'share of the time steps in each class of '//name, '1', name//'_class')
+      end subroutine put_distribution
 
    end subroutine write_statistics
 
@@ -244,28 +204,23 @@ contains
    end function has_formulas
 
    !> Writes /formulas: films, and how far above the computed one.
-   subroutine write_formulas(file, contact, summary, scaling)
-      class(hdf5_file_t), intent(inout) :: file
+   subroutine write_formulas(file, contact, summary)
+      type(section_file_t), intent(inout) :: file
       type(line_contact_t), intent(in) :: contact
       type(line_summary_t), intent(in) :: summary
-      type(scaling_t), intent(in) :: scaling
-      character(:), allocatable :: path
       type(label_t) :: label
       real(wp) :: film
       integer :: i
 
-      call file%create_group('/formulas')
-      call write_attribute(file, '/formulas', 'about', 'films by formulas of handbooks; '// &
-         'difference: by how much a film lies above the computed quantity, relative to that; '// &
-         'known_bias: the differences between which nine of ten such contacts lie')
+      call file%begin('/formulas', 'films by formulas of handbooks; difference: by how much a '// &
+         'film lies above the computed quantity, relative to that; known_bias: the differences '// &
+         'between which nine of ten such contacts lie')
+      label = scaled_label('', 'film', file%scaling)
       do i = 1, size(formula_rows)
-         associate (row => formula_rows(i))
-            path = '/formulas/'//trim(row%name)
+         associate (row => formula_rows(i), path => '/formulas/'//trim(formula_rows(i)%name))
             film = film_by_formula(i, moes_m_mean_from_sum(contact%moes_m_sum), &
                moes_l_mean_from_sum(contact%moes_l_sum))
-            label = scaled_label('', 'film', scaling)
-            call write_dataset(file, path, film*label%si_scale, new_label(trim(row%text), &
-               label%si_units))
+            call file%put(trim(row%name), film*label%si_scale, trim(row%text), label%si_units)
             if (label%si_units == '1') call write_attribute(file, path, 'units', '1')
             call write_attribute(file, path, 'dimensionless', film)
             call write_attribute(file, path, 'quantity', trim(row%quantity))

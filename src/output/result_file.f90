@@ -14,15 +14,14 @@ module result_file
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: seal_file
    use hdf5_axes, only: write_users
-   use hdf5_dataset, only: new_label, write_attribute, write_dataset
-   use hdf5_file, only: create_hdf5_file, hdf5_file_t
+   use hdf5_dataset, only: write_attribute
+   use hdf5_file, only: create_hdf5_file
    use iteration_report, only: report_t
    use kinds, only: wp
    use quantities, only: asperity_share, boundary_friction, oil_friction, quantity_rows, &
       sliding_rows
-   use result_labels, only: momentum_names
+   use result_labels, only: momentum_names, section_file_t
    use result_sections, only: write_report
-   use scaling, only: scaling_t
    use signals, only: begin_activity, clear_exit_message, set_exit_message, set_patience
    use summary_row, only: empty_row
    use text, only: to_text
@@ -56,9 +55,7 @@ module result_file
       !> Profiles that are stored, names of `field_names`, and series that not every passage has.
       character(len=name_length), allocatable :: fields(:)
       !> The open file.
-      type(hdf5_file_t) :: file
-      !> Reference values of a lubricated contact.
-      type(scaling_t) :: scaling
+      type(section_file_t) :: file
       !> The time steps in NAME.part, and whether there are any.
       type(transient_store_t) :: store
       logical :: is_transient = .false.
@@ -128,27 +125,21 @@ contains
       call new%release(removes_part=.not. new%had_part)
    end subroutine open_result
 
-   !> Goes on with the result `path` of an interrupted `case`, behind the first `records` time steps
+   !> Goes on with the result `path` of an interrupted case, behind the first `records` time steps
    !> with profiles of `nx` nodes. Error: NAME.part is not that of the checkpoint, by its `digits`.
-   subroutine reopen_result(new, case, path, nx, records, digits, error)
+   subroutine reopen_result(new, path, nx, records, digits, error)
       class(result_file_t), intent(inout) :: new
-      type(case_t), intent(in) :: case
       character(*), intent(in) :: path, digits
       integer, intent(in) :: nx, records
       type(error_t), allocatable, intent(out) :: error
 
       call hold_name(new, path, error)
       if (allocated(error)) return
-      if (.not. new%had_part) then
-         call fail(error, input_error, path//'.part is missing')
-         call new%release(removes_part=.true.)
-         return
-      end if
-      new%fields = stored_fields(case)
-      call attach_store(new%store, path//'.part', new%fields, [nx, new%profile_stride, records], &
-         digits, error)
+      if (.not. new%had_part) call fail(error, input_error, path//'.part is missing')
+      if (.not. allocated(error)) call attach_store(new%store, path//'.part', new%fields, &
+         [nx, new%profile_stride, records], digits, error)
       if (allocated(error)) then
-         call new%release(removes_part=.false.)
+         call new%release(removes_part=.not. new%had_part)
          return
       end if
       new%is_transient = .true.
@@ -213,8 +204,8 @@ contains
          .and. self%kept_step == self%store%records - 1))
       call begin_activity('writing the result')
       if (allocated(self%file%failure)) return
-      if (.not. allocated(self%file%row)) call create_hdf5_file(self%file, &
-         self%path//'.tmp', error)   ! error: it stays
+      if (.not. allocated(self%file%row)) call create_hdf5_file( &
+         self%file%hdf5_file_t, self%path//'.tmp', error)   ! error: it stays
       associate (file => self%file)
          call write_attribute(file, '/', 'program', program_name)
          call write_attribute(file, '/', 'version', program_version)
@@ -222,11 +213,10 @@ contains
          call write_attribute(file, '/', 'layout', layout)
          call write_attribute(file, '/', 'problem', trim(case%problem))
          call write_attribute(file, '/', 'title', case%title)
-         call write_dataset(file, '/input/namelist', case%namelist, &
-            new_label('the input: as a file it repeats this run', '1'))
-         call file%create_group('/input/effective')
-         call write_attribute(file, '/input/effective', 'about', 'every value used, in the '// &
-            'unit of its key: SI, or half-widths for positions along the film')
+         call file%begin('/input')
+         call file%put('namelist', case%namelist, 'the input: as a file it repeats this run')
+         call file%begin('/input/effective', 'every value used, in the unit of its key: SI, or '// &
+            'half-widths for positions along the film')
       end associate
       do i = 1, size(case%effective)
          associate (file => self%file, entry => case%effective(i))

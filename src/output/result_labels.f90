@@ -1,14 +1,30 @@
-!> Stored fields and series of a lubricated line contact: name, meaning and scale, once.
+!> Stored fields and series of a lubricated line contact: name, meaning and scale, once; and a
+!> result being written section by section, each value with its name, text and unit.
 module result_labels
-   use hdf5_dataset, only: label_t, new_label
-   use kinds, only: wp
+   use hdf5_axes, only: write_field
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
+   use hdf5_file, only: hdf5_file_t
+   use kinds, only: int64, wp
    use line_state, only: line_state_t
    use quantities, only: quantity_rows
    use scaling, only: scaling_t
    implicit none (type, external)
    private
 
-   public :: field_values, row_label, scaled_label
+   public :: field_values, row_label, scaled_label, section_file_t
+
+   !> A result being written.
+   type, extends(hdf5_file_t) :: section_file_t
+      !> Path of the section.
+      character(:), allocatable :: section
+      !> Reference values of a lubricated contact, and whether its fields are stored in SI too.
+      type(scaling_t) :: scaling
+      logical :: has_si = .false.
+   contains
+      procedure :: begin
+      generic :: put => put_reals, put_count, put_words
+      procedure, private :: put_reals, put_count, put_words
+   end type section_file_t
 
    !> A field or series.
    type :: row_t
@@ -20,8 +36,10 @@ module result_labels
       character(len=48) :: definition = ''
    end type row_t
 
-   character(*), parameter :: by = ' by the full momentum equations', less = &
-      ' over that of the Reynolds equation, less 1', from = ' from the Reynolds equation'
+   character(*), parameter :: by = ' by the full momentum equations', from = &
+      ' from the Reynolds equation'
+   !> What a relative difference is, behind the name of a quantity.
+   character(*), parameter, public :: less = ' over that of the Reynolds equation, less 1'
    !> Fields of `line_state_t`, as in /solution, then series of /transient, units of quantities,
    !> series and fields of /momentum/transient.
    type(row_t), parameter :: rows(*) = [ &
@@ -86,6 +104,61 @@ module result_labels
 
 contains
 
+   !> Begins a section; with words `about` it as a group of its own.
+   subroutine begin(self, section, about)
+      class(section_file_t), intent(inout) :: self
+      character(*), intent(in) :: section
+      character(*), intent(in), optional :: about
+
+      self%section = section
+      if (.not. present(about)) return
+      call self%create_group(section)
+      call write_attribute(self, section, 'about', about)
+   end subroutine begin
+
+   !> Puts numbers of any rank into the section, with a `unit` as `scaled_label` has it (default: a
+   !> pure number); without a `text` what the table says of the name. With `axes`, as `write_field`
+   !> has them, they are a field, which may be stored in SI too.
+   subroutine put_reals(self, name, values, text, unit, axes, definition)
+      class(section_file_t), intent(inout) :: self
+      character(*), intent(in) :: name
+      real(wp), intent(in), contiguous :: values(..)
+      character(*), intent(in), optional :: text, unit, axes, definition
+      type(label_t) :: label
+
+      if (.not. present(text)) then
+         label = row_label(name, self%scaling)
+      else if (present(unit)) then
+         label = scaled_label(text, unit, self%scaling)
+      else
+         label = new_label(text, '1')
+      end if
+      if (present(definition)) label%definition = definition
+      if (present(axes)) then
+         call write_field(self, self%section//'/'//name, values, label, axes, &
+            self%has_si .and. label%has_scale())
+      else
+         call write_dataset(self, self%section//'/'//name, values, label)
+      end if
+   end subroutine put_reals
+
+   !> Puts the number of something.
+   subroutine put_count(self, name, value, text)
+      class(section_file_t), intent(inout) :: self
+      character(*), intent(in) :: name, text
+      integer, intent(in) :: value
+
+      call write_dataset(self, self%section//'/'//name, int(value, int64), new_label(text, '1'))
+   end subroutine put_count
+
+   !> Puts words.
+   subroutine put_words(self, name, words, text)
+      class(section_file_t), intent(inout) :: self
+      character(*), intent(in) :: name, words, text
+
+      call write_dataset(self, self%section//'/'//name, words, new_label(text, '1'))
+   end subroutine put_words
+
    !> Label of a field, series or quantity.
    pure function row_label(name, scaling) result(label)
       character(*), intent(in) :: name
@@ -122,8 +195,8 @@ contains
       end do
    end function of_point
 
-   !> Label of a value whose unit is the quantity `unit` of `scaling`, or a pure number ('1', or if
-   !> the SI scales are unknown: input by Moes' numbers).
+   !> Label of a value whose unit is the quantity `unit` of `scaling` (a pure number if its scales
+   !> in SI are unknown: input by Moes' numbers), or else is named as it is.
    pure function scaled_label(long_name, unit, scaling) result(label)
       character(*), intent(in) :: long_name, unit
       type(scaling_t), intent(in) :: scaling
@@ -136,9 +209,11 @@ contains
       real(wp) :: scales(size(names))
       integer :: i
 
-      label = new_label(long_name, '1')
+      label = new_label(long_name, unit)
       i = findloc(names == unit, .true., 1)
-      if (i == 0 .or. .not. scaling%is_dimensional) return
+      if (i == 0) return
+      label%si_units = '1'
+      if (.not. scaling%is_dimensional) return
       scales = [scaling%half_width, scaling%film, scaling%hertz_pressure, scaling%time, &
          scaling%viscosity, scaling%shear_stress, scaling%slope, scaling%power, &
          scaling%load_per_length, scaling%reduced_radius, scaling%speed_sum, 1.0_wp]

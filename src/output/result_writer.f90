@@ -9,8 +9,8 @@ module result_writer
    use film_fields, only: film_fields_t
    use film_heating, only: heating_t, largest_rise
    use film_statistics, only: add_start, add_time, new_statistics
-   use hdf5_axes, only: make_counter, write_field
-   use hdf5_dataset, only: new_label, write_attribute
+   use hdf5_axes, only: make_counter
+   use hdf5_dataset, only: write_attribute
    use iteration_report, only: report_t
    use kinds, only: not_known, wp
    use line_state, only: line_state_t
@@ -28,8 +28,6 @@ module result_writer
 
    !> The file being written, and what is known of the solution.
    type, extends(result_file_t) :: result_writer_t
-      !> Fields and series are stored in SI too; they can be.
-      logical :: has_si = .false.
       !> What the run has gathered so far, and its quantities when the result is finished; why one
       !> whose error is NaN has none, if that is known before.
       type(checkpoint_t) :: run
@@ -50,8 +48,6 @@ module result_writer
       !> they began with, of which the error bars are; not allocated: not asked for, or none.
       type(film_fields_t), allocatable :: momentum
       type(line_state_t), allocatable :: reynolds
-      !> Velocity across the film (layers + 1, nx); not allocated: not asked for, or no film.
-      real(wp), allocatable :: velocity(:, :)
       !> What the ingredients of the model change.
       type(adequacy_t) :: adequacy
       !> The model that the program has chosen, if it was to.
@@ -111,7 +107,8 @@ contains
       summary = summary_of(state)
       if (.not. (self%heating%is_known .and. allocated(state%shear_stress_mean))) return
       heating = self%heating
-      if (any(self%fields == 'speed_1')) heating%speeds = state%moment%speeds*self%scaling%speed_sum
+      if (any(self%fields == 'speed_1')) heating%speeds = state%moment%speeds &
+         *self%file%scaling%speed_sum
       summary%limits%film_heating = largest_rise(heating, state%x, state%shear_stress_mean, &
          state%film_thickness)
    end function quantities_of
@@ -142,10 +139,10 @@ contains
 
       associate (file => self%file, summary => self%summary)
          call self%begin_end(case)
-         call write_scaling(file, self%scaling)
+         call write_scaling(file)
          if (allocated(case%point)) call write_attribute(file, '/scaling', 'radius_ratio', &
             case%point%radius_ratio, '1')
-         call write_solution(file, state, self%scaling, self%has_si)
+         call write_solution(file, state)
          if (.not. allocated(self%missing)) then
             if (allocated(self%reynolds)) then
                summary = self%quantities_at_end(self%reynolds, report)
@@ -159,12 +156,11 @@ contains
          end if
          ratio = not_known()
          if (allocated(self%limits)) ratio = self%limits(mixed_lubrication)%value
-         call write_summary(file, summary, self%scaling, self%is_transient, self%missing, ratio)
+         call write_summary(file, summary, self%is_transient, self%missing, ratio)
          if (all([allocated(case%duty), .not. allocated(case%point)])) call write_mean_power(file, &
-            self%run%passage%counted, self%bars%coarser(:min(self%bars%grids, 2)), self%scaling, &
-            self%missing)
+            self%run%passage%counted, self%bars%coarser(:min(self%bars%grids, 2)), self%missing)
          if (self%is_transient) then
-            call self%store%copy_into(file, self%scaling, state, self%has_si, in_time)
+            call self%store%copy_into(file, file%scaling, state, file%has_si, in_time)
             associate (times => self%run%passage%times)
                call write_attribute(file, '/summary', 'statistics_from', times%counts_from)
                call write_attribute(file, '/summary', 'settled_from', times%settled_from)
@@ -172,27 +168,27 @@ contains
                   times%period)
             end associate
          end if
-         call write_statistics(file, self%run%statistics, self%scaling, &
+         call write_statistics(file, self%run%statistics, &
             self%run%passage%times%statistics_from())
          if (allocated(self%limits)) call write_validity(file, self%limits)
-         if (self%has_formulas) call write_formulas(file, case%contact, summary, self%scaling)
+         if (self%has_formulas) call write_formulas(file, case%contact, summary)
          if (allocated(self%momentum)) then
-            call write_momentum(file, self%momentum, self%scaling, self%is_transient, self%has_si)
-            call self%store%copy_into(file, self%scaling, state, self%has_si, in_full)
+            call write_momentum(file, self%momentum, self%is_transient)
+            call self%store%copy_into(file, file%scaling, state, file%has_si, in_full)
          end if
-         if (allocated(self%velocity)) call write_velocity(file, self%velocity, self%scaling)
+         call write_velocity(file, case, state)
          call judge(self%adequacy, summary)
          call write_adequacy(file, self%adequacy)
          call write_decision(file, self%choice)
          if (any([.not. allocated(case%point), case%solver%film_floor > 0.0_wp])) call &
-            write_breakdown(file, report%breakdown, self%scaling)
+            write_breakdown(file, report%breakdown)
          if (allocated(self%work)) then
             call make_counter(file, '/report/grid', size(self%work, 2), 'number of the grid')
             call make_counter(file, '/report/kind_of_work', 2, &
                'number of: Newton steps, iterations of GMRES')
-            call write_field(file, '/report/grid_work', self%work, new_label( &
-               'Newton steps and iterations of GMRES on each grid, the coarsest first', '1'), &
-               'kind_of_work grid')
+            call file%begin('/report')
+            call file%put('grid_work', self%work, 'Newton steps and iterations of GMRES on '// &
+               'each grid, the coarsest first', axes='kind_of_work grid')
          end if
       end associate
       call self%publish(report, error)

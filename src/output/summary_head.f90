@@ -3,18 +3,19 @@ module summary_head
    use adequacy_section, only: write_validity
    use build_info, only: git_commit, program_version
    use case_record, only: case_identity, case_t
+   use dry_case, only: dry_case_t
    use dry_problem, only: kernel_element
    use dry_quantities, only: dry_outcome_t, mean_pressure
    use dry_result, only: write_dry_result
    use errors, only: error_t, fail, input_error
    use file_bytes, only: checksum_t
    use hdf5_dataset, only: write_attribute
-   use hdf5_file, only: hdf5_file_t
    use input_keys, only: key_rows
    use iteration_report, only: report_t
-   use key_row, only: film, has_word, lubricated, point
+   use key_row, only: film, has_word, point
    use kinds, only: wp
    use line_summary, only: line_summary_t, quantity_t
+   use result_labels, only: section_file_t
    use result_sections, only: write_breakdown, write_mean_power, write_report, write_scaling, &
       write_summary
    use summary_row, only: csv_cell, empty_row
@@ -106,11 +107,11 @@ contains
    !> All columns that cases of this kind may have: what is written where everything is known.
    subroutine make_columns(case)
       type(case_t), intent(in) :: case
-      type(case_t) :: whole
-      type(hdf5_file_t) :: file
+      type(section_file_t) :: file
       type(line_summary_t) :: summary
       type(limit_t) :: limits(limit_count)
       type(report_t) :: report
+      type(dry_case_t) :: dry
       type(dry_outcome_t) :: outcome
       integer :: i
 
@@ -119,33 +120,32 @@ contains
       file%row%first_line = 'case,input,program'
       call file%row%set('outcome', '', '')
       call file%row%set('reason', '', '')
-      whole = case
-      if (case%problem == lubricated .or. case%problem == point) then
-         whole%scaling%slide_to_roll = 1.0_wp
-         whole%scaling%hertz_pressure = 1.0_wp
+      if (has_word(film, trim(case%problem))) then
+         file%scaling = case%scaling
+         file%scaling%slide_to_roll = 1.0_wp
+         file%scaling%hertz_pressure = 1.0_wp
          summary%of = quantity_t(1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp)
-         call write_summary(file, summary, whole%scaling, .true., '', 1.0_wp)
-         call write_scaling(file, whole%scaling)
+         limits%value = 1.0_wp
+         report%breakdown%count = 1
+         call write_summary(file, summary, .true., '', 1.0_wp)
+         call write_scaling(file)
+         call write_validity(file, limits)
+         call write_breakdown(file, report%breakdown)
+         if (case%problem == point) then
+            call write_attribute(file, '/scaling', 'radius_ratio', 1.0_wp, '1')
+         else
+            call write_mean_power(file, summary, [line_summary_t ::], '')
+         end if
       else
-         whole%dry%is_periodic = .true.
-         whole%dry%grid%kernel = kernel_element
-         whole%dry%loads%hardness = 1.0_wp
-         if (allocated(whole%dry%loads%mean_pressure)) deallocate (whole%dry%loads%mean_pressure)
+         dry = case%dry
+         dry%is_periodic = .true.
+         dry%grid%kernel = kernel_element
+         dry%loads%hardness = 1.0_wp
+         if (allocated(dry%loads%mean_pressure)) deallocate (dry%loads%mean_pressure)
          allocate (outcome%rows(1), outcome%transforms(4, 1))
          outcome%rows%values(mean_pressure) = 1.0_wp
          outcome%scaling%pressure = 1.0_wp
-         call write_dry_result(file, whole%dry, outcome)
-      end if
-      if (has_word(film, trim(case%problem))) then
-         limits%value = 1.0_wp
-         call write_validity(file, limits)
-         report%breakdown%count = 1
-         call write_breakdown(file, report%breakdown, whole%scaling)
-      end if
-      if (case%problem == lubricated) then
-         call write_mean_power(file, summary, [line_summary_t ::], whole%scaling, '')
-      else if (case%problem == point) then
-         call write_attribute(file, '/scaling', 'radius_ratio', 1.0_wp, '1')
+         call write_dry_result(file, dry, outcome)
       end if
       call report%add(1.0_wp, 1.0_wp)
       report%note = ''

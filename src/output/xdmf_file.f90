@@ -147,11 +147,10 @@ contains
 
          source = reader%content_of(path, are_numbers=.false.)
          item = ''
-         do k = size(extents), 1, -1
-            item = item//to_text(extents(k))
-            if (k > 1) item = item//' '
+         do k = 1, size(extents)
+            item = ' '//to_text(extents(k))//item
          end do
-         item = '<DataItem Dimensions="'//item//'" NumberType="Float" Precision="' &
+         item = '<DataItem Dimensions="'//item(2:)//'" NumberType="Float" Precision="' &
             //to_text(int(source%bytes, int64))//'" Format="HDF">'//file//':'//path//'</DataItem>' &
             //nl
       end function item

@@ -53,7 +53,7 @@ contains
       type(point_level_t), intent(in) :: level
       type(point_contact_t), intent(in) :: contact
       real(wp), intent(in) :: time
-      type(line_state_t), intent(inout) :: state
+      type(line_state_t), intent(out) :: state
       integer :: i
 
       state%x = level%x(:)
@@ -64,7 +64,6 @@ contains
       state%time = time
       state%moment = contact%moment
       state%moment%speeds = level%direction*contact%moment%speeds
-      if (allocated(state%shear_stress_mean)) deallocate (state%shear_stress_mean)
       state%friction = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
       state%limits = unknown_limits()
       if (all(level%film > 0.0_wp)) then   ! else of an iterate
