@@ -15,8 +15,7 @@ module line_model
    use line_summary, only: summary_of
    use measured_adequacy, only: measure_adequacy, solved_t
    use model_choice, only: choose_model
-   use momentum_march, only: momentum_march_t, solve_film_momentum
-   use momentum_solver, only: walls_t
+   use momentum_march, only: momentum_march_t
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory
    use text, only: to_text
@@ -86,25 +85,23 @@ contains
    subroutine prepare_momentum(case, listener)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
-      type(momentum_march_t) :: march
 
       if (case%layers == 0 .or. .not. case%time%is_transient) return
-      march%walls = walls_of(case)
-      march%layers = case%layers
-      allocate (listener%follower, source=march)
+      allocate (listener%follower, source=new_march(case))
    end subroutine prepare_momentum
 
-   !> What the equations need to know of the bodies.
-   function walls_of(case) result(walls)
+   !> What the equations need to know of the case.
+   function new_march(case) result(march)
       type(case_t), intent(in) :: case
-      type(walls_t) :: walls
+      type(momentum_march_t) :: march
 
-      walls%delta = case%scaling%slope
+      march%layers = case%layers
+      march%walls%delta = case%scaling%slope
       ! rho_0 u_s^2/p_h: inertia of the oil at ambient pressure over the pressure of the contact
-      if (case%has_inertia) walls%inertia = case%materials%density*case%scaling%speed_sum**2 &
-         /case%scaling%hertz_pressure
-      walls%curvature_share = case%bodies%curvature_share
-   end function walls_of
+      if (case%has_inertia) march%walls%inertia = case%materials%density &
+         *case%scaling%speed_sum**2/case%scaling%hertz_pressure
+      march%walls%curvature_share = case%bodies%curvature_share
+   end function new_march
 
    !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
    !> equation, which becomes that of the momentum equations, or closes their march; notes changes.
@@ -114,6 +111,7 @@ contains
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
+      type(momentum_march_t) :: steady
       character(:), allocatable :: words
 
       if (case%layers == 0 .or. .not. report%converged) return
@@ -134,8 +132,8 @@ contains
          else
             writer%reynolds = state
             allocate (writer%momentum)
-            call solve_film_momentum(case%contact, walls_of(case), case%layers, state, &
-               writer%momentum, report, error)
+            steady = new_march(case)
+            call steady%solve_steady(case%contact, state, writer%momentum, report, error)
             if (allocated(error)) return
             if (report%converged) then
                call listener%add_note(difference_sentence(writer%momentum))

@@ -11,8 +11,7 @@ module run_point_case
    use passage_times, only: new_passage_times
    use point_adequacy, only: measure_point_adequacy
    use point_errors, only: choose_passage, find_quantities
-   use point_march, only: solve_point
-   use point_solver, only: point_run_t
+   use point_solver, only: point_run_t, solve_point
    use result_start, only: usual_stride
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory, processors

@@ -30,11 +30,11 @@ COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", 
 SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dry_)?adequacy_section)\.f90")
 # name: bound
 BOUNDS = {
-    "sources": 46_785,
+    "sources": 46_600,
     "how sure": 5_199,
-    "tests": 32_002,
+    "tests": 32_000,
     "bench": 4_272,
-    "words of pages": 44_968,
+    "words of pages": 44_966,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,

@@ -90,14 +90,19 @@ contains
                [4, size(outcome%transforms, 2) + size(solution%transforms, 2)])
             call find_plastic(problem, solution, plastic)   ! only now: the solver needs the memory
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
-            if (problem%is_capped()) then
-               where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
-            end if
+            where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             pressure = scaling%pressure*(problem%load/n)
             if (allocated(loads%mean_pressure)) pressure = loads%mean_pressure(i)
             call fill_row(problem, z, plastic, pressure, i, outcome)
-            if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, undeformed, &
-               outcome%rows(i))
+            if (.not. settings%is_rough) then
+               associate (row => outcome%rows(i), is_line => grid%ny == 1)
+                  ! where nothing yields the unloaded surface is the undeformed one
+                  row%roughness = [undeformed, roughness_of(fields%height_loaded, is_line), &
+                     undeformed]
+                  if (row%values(dp_max) > 0.0_wp) row%roughness(3) = &
+                     roughness_of(fields%height_unloaded, is_line)
+               end associate
+            end if
             call check_border(grid, scaling, z, fields%pressure, outcome%rows(i))
             if (settings%keeps_pressures) outcome%pressures(:, i) = real(solution%pressure, real32)
             if (loads%has_history) call yield(plastic, problem, solver, solution, yielded)
@@ -198,19 +203,6 @@ contains
       fields%height_unloaded = z - fields%plastic_deformation
       fields%height_loaded = fields%height_unloaded - scaling%height*(solution%v + problem%height)
    end subroutine fill_fields
-
-   !> Sets the roughness of the surfaces of one load from its fields and from that of the
-   !> `undeformed` one, which is also the unloaded one if nothing has yielded.
-   subroutine fill_roughness(fields, is_line, undeformed, row)
-      type(dry_fields_t), intent(in) :: fields
-      logical, intent(in) :: is_line
-      type(roughness_t), intent(in) :: undeformed
-      type(dry_row_t), intent(inout) :: row
-
-      row%roughness = [undeformed, roughness_of(fields%height_loaded, is_line), undeformed]
-      if (row%values(dp_max) > 0.0_wp) row%roughness(3) = &
-         roughness_of(fields%height_unloaded, is_line)
-   end subroutine fill_roughness
 
    !> Marks a contact whose `pressure` (nx*ny) is positive at the border of an open domain as not
    !> converged. `z` (nx*ny) [m] are the heights.

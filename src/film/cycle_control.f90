@@ -96,7 +96,7 @@ contains
             before = level%state
             call advance(hierarchy)
             call warm_film(level, change)
-            call measure_residual(level, residual, film_is_exact=is_newton(choice))
+            call measure_residual(level, is_newton(choice), residual)
             residual%reynolds = max(residual%reynolds, change)
             call count_work(hierarchy, hierarchy%finest, 1)
             call report%add(residual%reynolds, residual%load)
@@ -202,16 +202,13 @@ contains
 
    !> Computes the residuals with the film that belongs exactly to the pressure. The level's film
    !> becomes that film unless it closes; with `film_is_exact` it already is.
-   subroutine measure_residual(level, residual, film_is_exact)
+   subroutine measure_residual(level, film_is_exact, residual)
       type(line_level_t), intent(inout) :: level
+      logical, intent(in) :: film_is_exact
       type(residual_t), intent(out) :: residual
-      logical, intent(in), optional :: film_is_exact
-      logical :: is_at_hand
 
-      is_at_hand = .false.
-      if (present(film_is_exact)) is_at_hand = film_is_exact
       level%work%nodes = level%state%film
-      if (.not. is_at_hand) then
+      if (.not. film_is_exact) then
          call evaluate_deflection(level)
          level%work%nodes = elastic_film(level)
       end if

@@ -1,5 +1,6 @@
 !> The steady lubricated line contact: start, cycles, and the next method if one does not converge.
 module ehl_line_steady
+   use contact_moment, only: film_estimate
    use cycle_control, only: iterate
    use domain_choice, only: intervals_for_film
    use duty, only: is_reference
@@ -55,7 +56,8 @@ contains
          call listener%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
             //report%method)
          if (settings%start == 'hertz' .and. .not. attempts(i)%starts_graded) then
-            call bump_start(hierarchy, contact, hierarchy%finest)
+            call bump_start(hierarchy%levels(hierarchy%finest), film_estimate(contact), &
+               attempts(i)%start_film)
             is_sound = .true.
          else if (attempts(i)%starts_graded) then
             call graded_start(hierarchy, contact, is_sound, listener)
@@ -63,7 +65,7 @@ contains
             call full_multigrid_start(hierarchy, contact, is_sound, listener)
          end if
          if (is_sound) then
-            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, listener)
+            if (attempts(i)%thesis_first) call start_from_thesis()
             call iterate(hierarchy, report, listener)
             if (report%converged .or. listener%is_stopping) return
          else
@@ -79,26 +81,25 @@ contains
          if (attempts(i)%method == method_fas) call pose_coarser_levels(hierarchy)
       end do
       report%reason = failures
+
+   contains
+
+      !> Starts the kappa scheme from the upwind2 solution on the same level.
+      subroutine start_from_thesis()
+         type(relay_t) :: relay
+         type(report_t) :: rough
+
+         relay%parent => listener
+         hierarchy%relaxation%tolerance = rough_tolerance
+         hierarchy%relaxation%max_cycles = rough_cycles
+         hierarchy%relaxation%patience = rough_cycles
+         hierarchy%levels(hierarchy%finest)%is_kappa = .false.
+         call iterate(hierarchy, rough, relay)
+         hierarchy%levels(hierarchy%finest)%is_kappa = .true.
+         hierarchy%relaxation = attempts(i)
+      end subroutine start_from_thesis
+
    end subroutine solve_steady
-
-   !> Starts the kappa scheme from the upwind2 solution on the same level.
-   subroutine start_from_thesis(hierarchy, listener)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      class(listener_t), intent(inout), target :: listener
-      type(relay_t) :: relay
-      type(relaxation_t) :: choice
-      type(report_t) :: report
-
-      relay%parent => listener
-      choice = hierarchy%relaxation
-      hierarchy%relaxation%tolerance = rough_tolerance
-      hierarchy%relaxation%max_cycles = rough_cycles
-      hierarchy%relaxation%patience = rough_cycles
-      hierarchy%levels(hierarchy%finest)%is_kappa = .false.
-      call iterate(hierarchy, report, relay)
-      hierarchy%levels(hierarchy%finest)%is_kappa = .true.
-      hierarchy%relaxation = choice
-   end subroutine start_from_thesis
 
    !> After a failure, checks whether Newton's method finds a solution on a finer grid; if so, the
    !> reason names the grid and the first number of intervals that works. With shear thinning the

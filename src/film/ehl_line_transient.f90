@@ -27,7 +27,7 @@ module ehl_line_transient
    use listener, only: listener_t
    use lubricant, only: fluid_density
    use march_state, only: extrapolate, keep_solution, march_state_t, predictors, step_error, &
-      step_weights, time_part_t, turn_history
+      time_part_t, turn_history
    use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use state_output, only: fill_state
@@ -71,7 +71,6 @@ contains
       self%hierarchy => hierarchy
       self%line => contact
       self%contact => contact
-      self%film => hierarchy%levels(hierarchy%finest)%state
       self%settings = settings
       self%time = time
       allocate (self%attempts, source=time_step_attempts(contact, settings, &
@@ -87,6 +86,7 @@ contains
          if (history%size > 0) then
             level%state%film = history%film
             if (level%direction < 0.0_wp) level%state%film(:) = history%film(level%n:0:-1)
+            history%smallest_film = minval(history%film)
             call derive(level, history)
          else
             call set_film(level)
@@ -155,98 +155,90 @@ contains
    end subroutine derive
 
    !> Solves a part of the next step, with the right sides of its end.
-   subroutine solve_part(self, ends, listener, error, report)
+   subroutine solve_part(self, part, listener, error, report)
       class(line_marcher_t), intent(inout) :: self
-      real(wp), intent(in) :: ends(2)
+      type(time_part_t), intent(inout) :: part
       class(listener_t), intent(inout), target :: listener
       real(wp), intent(inout) :: error
       type(report_t), intent(inout) :: report
       type(error_t), allocatable :: failure
-      real(wp) :: length, new_time, weights(3)
 
       associate (level => self%hierarchy%levels(self%hierarchy%finest), history => self%history, &
-         contact => self%line, time => self%time)
-         length = ends(2)*time%time_step - ends(1)*time%time_step
-         new_time = (history%step + ends(2))*time%time_step
-         call move_profiles(contact, new_time, failure)
+         contact => self%line, weights => part%weights)
+         call move_profiles(contact, part%time, failure)
          if (allocated(failure)) then
             call refuse(report, failure%message)
             return
          end if
-         call set_moment(self%hierarchy, contact, new_time)
+         call set_moment(self%hierarchy, contact, part%time)
          if (history%direction*level%direction < 0.0_wp) call turn_history(history)
-         weights = step_weights(history, time%scheme, length)
          level%inverse_time_step = weights(1)
          level%rhs_reynolds = level%lambda*(weights(2)*history%mass(:, 1) &
             + weights(3)*history%mass(:, 2))
-         level%rhs_film = level%gap - roughness_at(contact, level, new_time)
+         level%rhs_film = level%gap - roughness_at(contact, level, part%time)
          if (allocated(level%heat)) level%heat%share = 0.0_wp   ! as in a resumed run
          if (allocated(level%heat)) level%heat%change = 0.0_wp
-         call solve_step(self%hierarchy, self%attempts, length, history, report)
+         call solve_step()
          if (.not. report%converged) return
-         call remember(history, level, length)
-         if (time%tolerance > 0.0_wp) error = step_error(history, level%state%pressure, &
+         call remember(history, level, part%length)
+         if (self%time%tolerance > 0.0_wp) error = step_error(history, level%state%pressure, &
             merge(fronts, 0.0_wp, allocated(level%oil%saturation)))
          if (.not. allocated(listener%follower)) return
-         if (.not. ends(1) > 0.0_wp) then
-            if (allocated(self%parts)) deallocate (self%parts)
-            allocate (self%parts(size(self%ends)))
-         end if
-         self%parts(count(self%parts%length > 0.0_wp) + 1) = time_part_t(weights, length, &
-            reshape([surface_height(contact%surface_1, level%x, new_time), &
-            surface_height(contact%surface_2, level%x, new_time)], [level%n + 1, 2]), level%state)
+         part%heights = reshape([surface_height(contact%surface_1, level%x, part%time), &
+            surface_height(contact%surface_2, level%x, part%time)], [level%n + 1, 2])
+         part%state = level%state
       end associate
-   end subroutine solve_part
 
-   !> Solves one part of `length`: from the better prediction by the history, then from all of the
-   !> history if that differs, then from the old pressure by each relaxation in turn; FAS begins
-   !> with the relaxation that solved the last step. If a fast feature has closed the film under the
-   !> old pressure, the film is raised to give the cycles a positive start.
-   subroutine solve_step(hierarchy, attempts, length, history, report)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(relaxation_t), intent(in) :: attempts(:)
-      real(wp), intent(in) :: length
-      type(march_state_t), intent(inout) :: history
-      type(report_t), intent(inout) :: report
-      real(wp) :: old_minimum, rise
-      integer :: attempt, first, count
+   contains
 
-      associate (state => hierarchy%levels(hierarchy%finest)%state)
-         old_minimum = minval(state%film)
-         first = min(history%way, size(attempts))
-         count = predictors(history)
-         do attempt = merge(first - 1, first - 2, count == min(history%size, 3)), size(attempts)
-            if (attempt == first - 1) count = min(history%size, 3)
-            call adopt(hierarchy, attempts(max(attempt, first)))
-            if (attempt < first) then
-               call extrapolate(history, count, length, state)
-            else
-               state%pressure = history%pressure(:, 1)
-               state%rigid_displacement = history%rigid_displacement(1)
-            end if
-            if (allocated(state%separation)) then
-               call share_pressure(hierarchy%levels(hierarchy%finest))
-            else
-               call set_film(hierarchy%levels(hierarchy%finest))
-            end if
-            if (any(state%film <= 0.0_wp)) then
-               if (attempt < first) cycle
-               rise = 0.5_wp*old_minimum - minval(state%film)
-               state%film = state%film + rise
-               state%rigid_displacement = state%rigid_displacement + rise
-            end if
-            if (attempts(max(attempt, first))%thesis_first) then
-               hierarchy%levels(hierarchy%finest)%is_kappa = .false.
+      !> Solves it from the better prediction by the history, then from all of that if it differs,
+      !> then from the old pressure by each relaxation in turn; FAS begins with the relaxation that
+      !> solved the last step. If a fast feature has closed the film under the old pressure, the
+      !> film is raised to give the cycles a positive start.
+      subroutine solve_step()
+         real(wp) :: rise
+         integer :: attempt, first, count
+
+         associate (hierarchy => self%hierarchy, attempts => self%attempts, &
+            history => self%history, level => self%hierarchy%levels(self%hierarchy%finest), &
+            state => self%hierarchy%levels(self%hierarchy%finest)%state)
+            first = min(history%way, size(attempts))
+            count = predictors(history)
+            do attempt = merge(first - 1, first - 2, count == min(history%size, 3)), size(attempts)
+               if (attempt == first - 1) count = min(history%size, 3)
+               call adopt(hierarchy, attempts(max(attempt, first)))
+               if (attempt < first) then
+                  call extrapolate(history, count, part%length, state%pressure, &
+                     state%rigid_displacement)
+               else
+                  state%pressure = history%pressure(:, 1)
+                  state%rigid_displacement = history%rigid_displacement(1)
+               end if
+               if (allocated(level%rough)) then
+                  call share_pressure(level)
+               else
+                  call set_film(level)
+               end if
+               if (any(state%film <= 0.0_wp)) then
+                  if (attempt < first) cycle
+                  rise = 0.5_wp*history%smallest_film - minval(state%film)
+                  state%film = state%film + rise
+                  state%rigid_displacement = state%rigid_displacement + rise
+               end if
+               if (attempts(max(attempt, first))%thesis_first) then
+                  level%is_kappa = .false.
+                  call iterate(hierarchy, report)
+                  level%is_kappa = .true.
+               end if
                call iterate(hierarchy, report)
-               hierarchy%levels(hierarchy%finest)%is_kappa = .true.
-            end if
-            call iterate(hierarchy, report)
-            if (.not. report%converged) cycle
-            if (attempts(1)%method == method_fas) history%way = max(attempt, first)
-            return
-         end do
-      end associate
-   end subroutine solve_step
+               if (.not. report%converged) cycle
+               if (attempts(1)%method == method_fas) history%way = max(attempt, first)
+               return
+            end do
+         end associate
+      end subroutine solve_step
+
+   end subroutine solve_part
 
    !> Adds the present solution, at the end of a step of `length`, to the history.
    pure subroutine remember(history, level, length)
@@ -260,6 +252,7 @@ contains
       if (allocated(level%oil%saturation)) history%mass(:, 1) = history%mass(:, 1) &
          *level%oil%saturation
       if (allocated(level%heat)) history%rise = level%heat%rise
+      history%smallest_film = minval(level%state%film)
       history%direction = level%direction
    end subroutine remember
 

@@ -288,17 +288,15 @@ contains
       type(rounds_t), intent(inout) :: rounds
       type(graded_line_t), allocatable, intent(out) :: line
       real(wp) :: pressure(size(x))
+      real(wp), allocatable :: chooses(:)   ! the scheme; not allocated: the safe one
       integer :: steps
       logical :: is_sound
 
       pressure = monotone_cubic(start%x, start%pressure, x)
       pressure(size(x)) = 0.0_wp   ! of an outlet that is cut it would be rounding
       allocate (line)
-      if (rounds%is_safe) then
-         call new_graded_line(line, contact, fluid, x)
-      else
-         call new_graded_line(line, contact, fluid, x, pressure)
-      end if
+      if (.not. rounds%is_safe) chooses = pressure
+      call new_graded_line(line, contact, fluid, x, chooses)
       call set_pressure(line, pressure, start%rigid_displacement)
       call solve_graded_newton(line, rounds%tolerance, rounds%max_steps, rounds%factors, steps, &
          is_sound)

@@ -13,7 +13,7 @@ module line_hierarchy
    use features, only: surface_height
    use graded_nodes, only: monotone_cubic
    use half_space, only: deflection_by_elements
-   use iteration_report, only: report_t
+   use iteration_report, only: cycle_numbers_t, report_t
    use kinds, only: int64, wp
    use line_contact, only: line_contact_t
    use line_level, only: contact_load, line_level_t, new_level, set_plain_problem, turn
@@ -35,32 +35,18 @@ module line_hierarchy
    integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, &
       method_newton_dense = 3, method_newton_krylov = 4
 
-   !> End of the cycles.
-   type :: cycle_end_t
-      !> Bound on the residuals (theory page, residuals and convergence), and most cycles.
-      real(wp) :: tolerance = 1.0e-8_wp
-      integer :: max_cycles = 60
+   !> How to find a solution: the method, the numbers of its cycles (`coarse_sweeps` 0: the coarsest
+   !> level of a cycle is solved exactly by Newton's method; of plain Block-Jacobi those between two
+   !> evaluations of the residual), and when these end.
+   type, extends(cycle_numbers_t) :: relaxation_t
       !> Without a fall of the smallest residual by 30 % in this many cycles it stagnates.
       integer :: patience = 12
-   end type cycle_end_t
-
-   !> How to find a solution: the method, the relaxation of its cycles, and when these end.
-   type, extends(cycle_end_t) :: relaxation_t
       !> One of the method constants.
       integer :: method = method_fas
       !> One of the smoother constants.
       integer :: smoother = smoother_block_jacobi
-      !> Sweeps before and after the coarse-grid correction.
-      integer :: pre_sweeps = 5, post_sweeps = 5
-      !> Sweeps on the coarsest level of a cycle (0: solved exactly by Newton's method), and those
-      !> of plain Block-Jacobi between two evaluations of the residual.
-      integer :: coarse_sweeps = 0
       !> Coarse-grid visits in a cycle: 1 = V, 2 = W.
       integer :: visits = 1
-      !> Under-relaxation of P and H.
-      real(wp) :: relaxation = 0.8_wp
-      !> Under-relaxation of H0 if the coarsest level is swept.
-      real(wp) :: load_relaxation = 0.05_wp
       !> Smoothers use at most -bound dX as the kernel K_0/pi of a node itself; 0: the kernel as it
       !> is.
       real(wp) :: kernel_bound = 3.0_wp

@@ -18,8 +18,8 @@ module march_state
 
    public :: derivative_weights, excess_t, extrapolate, judge_part, keep_solution, march_state_t, &
       max_excesses, momentum_history_t, newton_cost_t, next_count, next_end, parabola_weights, &
-      part_ends, past_t, predictors, step_error, step_weights, time_part_t, turn_history, &
-      weights_of
+      part_ends, past_t, prediction_weights, predictors, step_error, step_weights, time_part_t, &
+      turn_history
 
    !> Time T from which undivided steps suffice; exponent of the grading; shortest part, T
    !> (round-off).
@@ -70,6 +70,8 @@ module march_state
       real(wp), allocatable :: rise(:, :)
       !> H at the end of the last cycle of a duty (nx).
       real(wp), allocatable :: cycle_film(:)
+      !> Smallest H of the newest solution.
+      real(wp) :: smallest_film = 0.0_wp
       !> H of the newest solution (0:n), and outcome, history and cost up to here; set in a stored
       !> state.
       real(wp), allocatable :: film(:)
@@ -80,9 +82,9 @@ module march_state
    type :: time_part_t
       !> dy/dT at its end is weights(1) y + weights(2) y_old + weights(3) y_older.
       real(wp) :: weights(3) = 0.0_wp
-      !> Its length dT.
-      real(wp) :: length = 0.0_wp
-      !> Psi_1 and Psi_2 at its end (0:n, 2).
+      !> Its length dT, and T at its end.
+      real(wp) :: length = 0.0_wp, time = 0.0_wp
+      !> For a follower: Psi_1 and Psi_2 at its end (0:n, 2).
       real(wp), allocatable :: heights(:, :)
       type(film_state_t) :: state
    end type time_part_t
@@ -163,7 +165,7 @@ contains
       real(wp) :: weights(3)
 
       select case (count)
-      case (1)
+      case (:1)
          weights = [1.0_wp, 0.0_wp, 0.0_wp]
       case (2)
          weights = [1.0_wp + ahead, -ahead, 0.0_wp]
@@ -173,17 +175,16 @@ contains
       end select
    end function parabola_weights
 
-   !> Error of BDF2 over the difference of its value from that of the parabola through the three
-   !> before, for small steps: `lengths` of the last step and of the two before it.
-   pure real(wp) function error_share(lengths) result(share)
-      real(wp), intent(in) :: lengths(3)
-      real(wp) :: ratio, scheme, parabola
+   !> Weights of the last `count` of `known` values at the end of a step of `length`; `lengths`:
+   !> times between them.
+   pure function prediction_weights(lengths, known, length, count) result(weights)
+      real(wp), intent(in) :: lengths(:), length
+      integer, intent(in) :: known, count
+      real(wp) :: weights(3), last
 
-      ratio = lengths(1)/lengths(2)
-      scheme = lengths(1)**3*(1 + ratio)**2/(ratio*(1 + 2*ratio))
-      parabola = lengths(1)*(lengths(1) + lengths(2))*sum(lengths)
-      share = scheme/(scheme + parabola)
-   end function error_share
+      last = merge(lengths(1), 1.0_wp, known > 1)
+      weights = parabola_weights(count, length/last, lengths(2)/last)
+   end function prediction_weights
 
    !> Ends of the parts of a step, as shares of its length `time_step`, the last one 1: one part
    !> with backward Euler and after the start, else parts that follow the grading.
@@ -271,19 +272,18 @@ contains
 
    !> P (cut at 0) and H0 at the end of a step of `length`, by the polynomial of lowest degree
    !> through the last `count` solutions.
-   pure subroutine extrapolate(history, count, length, state)
+   pure subroutine extrapolate(history, count, length, pressure, rigid_displacement)
       type(march_state_t), intent(in) :: history
       integer, intent(in) :: count
       real(wp), intent(in) :: length
-      type(film_state_t), intent(inout) :: state
-      real(wp) :: weights(3), last
+      real(wp), intent(out) :: pressure(:), rigid_displacement
+      real(wp) :: weights(3)
 
-      last = merge(history%lengths(1), 1.0_wp, history%size > 1)
-      weights = parabola_weights(count, length/last, history%lengths(2)/last)
-      associate (p => history%pressure, h0 => history%rigid_displacement)
-         state%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
-         state%rigid_displacement = dot_product(weights, h0)
+      weights = prediction_weights(history%lengths, history%size, length, count)
+      associate (p => history%pressure)
+         pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
       end associate
+      rigid_displacement = dot_product(weights, history%rigid_displacement)
    end subroutine extrapolate
 
    !> End of the next part, as a share of a step of `length`, between `first` and the `last` that it
@@ -320,7 +320,7 @@ contains
    pure real(wp) function step_error(history, pressure, least) result(error)
       type(march_state_t), intent(in) :: history
       real(wp), intent(in) :: pressure(0:), least
-      real(wp) :: weights(3)
+      real(wp) :: parabola, ratio, scheme, weights(3)
 
       error = 0.0_wp
       if (history%size < 3) return
@@ -328,21 +328,14 @@ contains
          weights = parabola_weights(history%size - 1, h(1)/h(2), h(3)/h(2))
          error = maxval(abs(mass(:, 1) - weights(1)*mass(:, 2) - weights(2)*mass(:, 3) &
             - weights(3)*mass(:, 4))/mass(:, 1), pressure > least*maxval(pressure))
-         if (history%size > 3) error = error*error_share(h)
+         if (history%size < 4) return
+         ! the errors of BDF2 and of the parabola, whose values differ by both, for small steps
+         ratio = h(1)/h(2)
+         scheme = h(1)**3*(1 + ratio)**2/(ratio*(1 + 2*ratio))
+         parabola = h(1)*(h(1) + h(2))*sum(h)
+         error = error*(scheme/(scheme + parabola))
       end associate
    end function step_error
-
-   !> Weights of the last `count` films in the prediction for the end of a step of this length.
-   pure function weights_of(past, length, count) result(weights)
-      type(momentum_history_t), intent(in) :: past
-      real(wp), intent(in) :: length
-      integer, intent(in) :: count
-      real(wp) :: weights(max_excesses), last
-
-      weights = 0.0_wp
-      last = merge(past%lengths(1), 1.0_wp, past%films > 1)
-      if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
-   end function weights_of
 
    !> Number of films that would best have predicted the present `excess` after a step of this
    !> length: pressures and velocities count alike.
@@ -357,7 +350,7 @@ contains
       best = 0
       smallest = huge(1.0_wp)
       do count = 0, past%films
-         weights = weights_of(past, length, count)
+         weights = prediction_weights(past%lengths, past%films, length, count)
          p = excess%p
          u = excess%u
          do k = 1, count

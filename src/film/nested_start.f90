@@ -44,15 +44,6 @@ module nested_start
    !> Accuracy of the solutions.
    real(wp), parameter :: tolerance = 1.0e-3_wp
 
-   abstract interface
-      !> Sets the first guess of the level for a central film, of which it leaves a share.
-      subroutine guess_interface(level, film, share)
-         import :: line_level_t, wp
-         type(line_level_t), intent(inout) :: level
-         real(wp), intent(in) :: film, share
-      end subroutine guess_interface
-   end interface
-
    !> Accuracy and most steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60, starved_steps = 400
@@ -70,13 +61,12 @@ module nested_start
 
 contains
 
-   !> Solves a level: from a first `guess` at the speed that clears the asperities down to its own,
-   !> flooded, and then from what flows there down to what arrives.
-   subroutine reach_speed(newton, level, contact, guess, is_solved, listener)
+   !> Solves a level: from a bump at the speed that clears the asperities down to its own, flooded,
+   !> and then from what flows there down to what arrives.
+   subroutine reach_speed(newton, level, contact, is_solved, listener)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       type(line_contact_t), intent(in) :: contact
-      procedure(guess_interface) :: guess
       logical, intent(out) :: is_solved
       class(listener_t), intent(inout), optional :: listener
       type(film_state_t) :: good
@@ -94,7 +84,7 @@ contains
       end do
       level%oil%supply = huge(1.0_wp)
       do start = 1, most_starts
-         call guess(level, film_with_viscosity(contact, factor), first_share)
+         call bump_start(level, film_with_viscosity(contact, factor), first_share)
          call solve_at(factor, .false., first_steps)
          if (is_solved .or. is_stopped(listener)) exit
          factor = 2*factor
@@ -205,19 +195,46 @@ contains
          if (k > first) then
             call refine(hierarchy, k)
          else if (allocated(contact%asperities)) then
-            call reach_speed(hierarchy%newton, hierarchy%levels(k), contact, bump, is_sound, &
-               listener)
+            call reach_speed(hierarchy%newton, hierarchy%levels(k), contact, is_sound, listener)
             if (.not. is_sound) return
          else
-            call bump_start(hierarchy, contact, k)
+            call bump_start(hierarchy%levels(k), film_estimate(contact), &
+               hierarchy%relaxation%start_film)
          end if
          if (k == size(hierarchy%levels)) return
-         tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
-            .and. k >= size(hierarchy%levels) - 2)
-         call solve_level(hierarchy, k, step_tolerance(hierarchy%levels(k), tolerance), is_sound, &
-            listener)
+         tolerance = step_tolerance(hierarchy%levels(k), merge(coarse_run_tolerance, &
+            nested_tolerance, hierarchy%wants_coarse_runs .and. k >= size(hierarchy%levels) - 2))
+         call solve_level()
          if (.not. is_sound) return
       end do
+
+   contains
+
+      !> Solves level k exactly from its present pressure; a coarse run by the space scheme of the
+      !> hierarchy: first upwind2, then kappa from its solution. If kappa fails, the upwind2
+      !> solution stays, which is no coarse run.
+      subroutine solve_level()
+         type(film_state_t) :: thesis
+         integer :: steps
+
+         associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
+            level%is_kappa = .false.
+            steps = merge(starved_steps, nested_steps, allocated(level%oil%saturation))
+            call solve_warm(hierarchy%newton, level, tolerance, steps, listener)
+            is_sound = is_solved
+            level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
+            if (level%is_coarse_run .and. hierarchy%is_kappa) then
+               thesis = level%state
+               level%is_kappa = .true.
+               call solve_warm(hierarchy%newton, level, tolerance, steps, listener)
+               level%is_kappa = is_solved
+               level%is_coarse_run = is_solved
+               if (.not. is_solved) level%state = thesis
+            end if
+            if (level%is_coarse_run) call evaluate_coefficients(level)
+         end associate
+      end subroutine solve_level
+
    end subroutine nested_solutions
 
    !> Interpolates the solution of a graded grid to the finest level. `is_sound` is false if there
@@ -252,36 +269,6 @@ contains
          call set_smooth_film(level)
       end associate
    end subroutine graded_start
-
-   !> Solves level k exactly from its present pressure; a coarse run by the space scheme of the
-   !> hierarchy: first upwind2, then kappa from its solution. If kappa fails, the upwind2 solution
-   !> stays, which is no coarse run.
-   subroutine solve_level(hierarchy, k, tolerance, is_sound, listener)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      integer, intent(in) :: k
-      real(wp), intent(in) :: tolerance
-      logical, intent(out) :: is_sound
-      class(listener_t), intent(inout), optional :: listener
-      type(film_state_t) :: thesis
-      integer :: steps
-
-      associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
-         level%is_kappa = .false.
-         steps = merge(starved_steps, nested_steps, allocated(level%oil%saturation))
-         call solve_warm(hierarchy%newton, level, tolerance, steps, listener)
-         is_sound = is_solved
-         level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
-         if (level%is_coarse_run .and. hierarchy%is_kappa) then
-            thesis = level%state
-            level%is_kappa = .true.
-            call solve_warm(hierarchy%newton, level, tolerance, steps, listener)
-            level%is_kappa = is_solved
-            level%is_coarse_run = is_solved
-            if (.not. is_solved) level%state = thesis
-         end if
-         if (level%is_coarse_run) call evaluate_coefficients(level)
-      end associate
-   end subroutine solve_level
 
    !> Interpolates the pressure of level k cubically from level k - 1, and computes its film.
    subroutine refine(hierarchy, k)
@@ -347,19 +334,10 @@ contains
       end do
    end subroutine place_exit
 
-   !> Starts from the Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the
-   !> pressure build-up, scaled to the load, which acts on the node next to X = 0 if no node lies
-   !> under the bump; H0 so that H(0) is the Moes film times `start_film` of the relaxation.
-   subroutine bump_start(hierarchy, contact, k)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: k
-
-      call bump(hierarchy%levels(k), film_estimate(contact), hierarchy%relaxation%start_film)
-   end subroutine bump_start
-
-   !> The same for a central `film`, of which it leaves a `share`.
-   subroutine bump(level, film, share)
+   !> Starts from the Hertz pressure, or for a thick `film` H_c a bump of the width S = sqrt(2 H_c)
+   !> of the pressure build-up, scaled to the load, which acts on the node next to X = 0 if no node
+   !> lies under the bump; H0 so that H(0) is a `share` of the film.
+   subroutine bump_start(level, film, share)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: film, share
       real(wp) :: width
@@ -385,6 +363,6 @@ contains
          level%state%film = h + level%state%rigid_displacement
       end associate
       if (allocated(level%rough)) call share_pressure(level)
-   end subroutine bump
+   end subroutine bump_start
 
 end module nested_start

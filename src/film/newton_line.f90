@@ -87,13 +87,12 @@ contains
       do while (newton%steps < max_steps)
          if (is_stopped(listener)) return
          call evaluate_jacobian(level, newton%jacobian)
-         call prepare_system(newton, level)
-         newton%linear%goal = linear_goal(newton%residual, level%lambda, goal)
+         call prepare_system(newton, level, goal)
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, &
             is_solved)
          if (.not. is_solved) return
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
-         if (newton%is_bent) call bend_step(newton, level)
+         call bend_step(newton, level)
          call apply_step(newton, level, share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
@@ -103,23 +102,15 @@ contains
          end if
          newton%is_converged = ((newton%last_step < tolerance &
             .and. newton%last_film_step < film_share*tolerance) &
-            .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step)) &
-            .and. .not. has_moved(newton, level)
+            .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step))
+         ! a cavity that conserves its oil was made or filled: in the inlet a front moves far while
+         ! hardly any pressure changes
+         if (allocated(level%oil%saturation)) newton%is_converged = newton%is_converged &
+            .and. all(newton%is_cavitated .neqv. level%state%pressure(1:level%n - 1) > 0.0_wp)
          if (newton%is_converged) return
          previous_step = newton%last_step
       end do
    end subroutine solve_newton
-
-   !> Whether the last step has made or filled a cavity that conserves its oil: in the inlet a front
-   !> moves far while hardly any pressure changes.
-   pure logical function has_moved(newton, level)
-      type(newton_t), intent(in) :: newton
-      type(line_level_t), intent(in) :: level
-
-      has_moved = allocated(level%oil%saturation)
-      if (has_moved) has_moved = any(newton%is_cavitated .eqv. level%state%pressure(1:level%n - 1) &
-         > 0.0_wp)
-   end function has_moved
 
    !> The `usual` tolerance on a step, or a tighter one that a rough or starved contact needs.
    pure real(wp) function step_tolerance(level, usual) result(tolerance)
@@ -131,21 +122,12 @@ contains
          min(usual, tight_tolerance)
    end function step_tolerance
 
-   !> Bound on the |r| left by the linear solution if Newton's method must reach `goal` of
-   !> |r|/lambda.
-   pure real(wp) function linear_goal(residual, lambda, goal) result(bound)
-      real(wp), intent(in) :: residual, lambda
-      real(wp), intent(in), optional :: goal
-
-      bound = huge(1.0_wp)
-      if (.not. present(goal)) return
-      if (goal*lambda > max_reduction*residual) bound = goal_share*goal*lambda
-   end function linear_goal
-
-   !> Sets active set and right side; divides the rows of the bands by the elastic diagonal.
-   pure subroutine prepare_system(newton, level)
+   !> Sets active set and right side; divides the rows of the bands by the elastic diagonal. Bounds
+   !> the |r| left by the linear solution if Newton's method must reach `goal` of |r|/lambda.
+   pure subroutine prepare_system(newton, level, goal)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(in) :: level
+      real(wp), intent(in), optional :: goal
       real(wp) :: pull, inverse
       integer :: i
 
@@ -162,6 +144,11 @@ contains
             jacobian%by_pressure(:, i) = jacobian%by_pressure(:, i)*inverse
          end do
       end associate
+      newton%linear%goal = huge(1.0_wp)
+      if (present(goal)) then
+         if (goal*level%lambda > max_reduction*newton%residual) newton%linear%goal = &
+            goal_share*goal*level%lambda
+      end if
       newton%step(level%n) = load_defect(level)
       call settle_thick_film(newton, level)
       if (.not. allocated(level%rough)) return
@@ -240,12 +227,13 @@ contains
       end associate
    end subroutine settle_run
 
-   !> Bends the step of nodes whose mobility e would change by much.
+   !> Bends the step of nodes whose mobility e would change by much, if steps are bent at all.
    pure subroutine bend_step(newton, level)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(in) :: level
       integer :: i
 
+      if (.not. newton%is_bent) return
       associate (e => level%oil%mobility, e_p => newton%jacobian%slopes%e_p, &
          step => newton%step)
          do i = 1, level%n - 1
@@ -262,7 +250,7 @@ contains
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: share
-      real(wp) :: solid(merge(level%n - 1, 0, allocated(level%rough))), least, longest
+      real(wp) :: solid(merge(level%n - 1, 0, allocated(level%rough))), least, longest, slip
       real(wp), allocatable :: opening(:)
       logical :: is_fair
       integer :: halving, n
@@ -281,8 +269,17 @@ contains
          return
       end if
       longest = merge(largest_bent_step, largest_step, newton%is_bent)
-      share = min(1.0_wp, longest/max(share, longest), &
-         largest_slip_step/max(slip_step(newton, level), largest_slip_step))
+      ! the slip factor grows as exp(|Sigma|), and a step must not run ahead of it
+      associate (h => level%state%film, step => newton%step)
+         if (level%is_kappa) then
+            slip = maxval(abs(2*h(2:n - 1)*(step(2:n - 1) - step(:n - 2))))
+         else
+            slip = maxval(abs(h(2:n - 2)*(step(3:n - 1) - step(:n - 3))))
+         end if
+      end associate
+      slip = 0.5_wp*newton%stress_scale/level%dx*slip
+      share = min(1.0_wp, longest/max(share, longest), largest_slip_step/max(slip, &
+         largest_slip_step))
       least = smallest_film_share
       newton%before = level%state
       associate (new => level%state, old => newton%before, step => newton%step)
@@ -341,27 +338,6 @@ contains
          solid = change(1:n - 1) - step(1:n - 1)
       end associate
    end subroutine split_step
-
-   !> Largest change of Sigma in a full step: the slip factor grows as exp(|Sigma|), and a Newton
-   !> step must not run ahead of it.
-   pure real(wp) function slip_step(newton, level) result(largest)
-      type(newton_t), intent(in) :: newton
-      type(line_level_t), intent(in) :: level
-      integer :: i
-
-      largest = 0.0_wp
-      if (level%is_kappa) then
-         do i = 2, level%n - 1
-            largest = max(largest, abs(2*level%state%film(i)*(newton%step(i) - newton%step(i - 1))))
-         end do
-      else
-         do i = 2, level%n - 2
-            largest = max(largest, &
-               abs(level%state%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
-         end do
-      end if
-      largest = 0.5_wp*newton%stress_scale/level%dx*largest
-   end function slip_step
 
    !> a + b - total, exactly, if `total` is a + b rounded to nearest and nothing overflows (Knuth,
    !> The Art of Computer Programming 2, section 4.2.2).

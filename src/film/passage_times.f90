@@ -118,7 +118,6 @@ contains
       type(passage_times_t) :: times
       type(zone_t) :: zone
       real(wp) :: window
-      logical :: is_periodic
 
       times%end_time = time%end_time
       if (.not. time%is_transient) return
@@ -138,8 +137,6 @@ contains
          return
       end if
       times%period = common_period([periods_of(contact%surface_1), periods_of(contact%surface_2)])
-      is_periodic = is_repeating(contact%surface_1) .and. is_repeating(contact%surface_2)
-      if (.not. is_periodic) times%period = 0.0_wp
       if (times%period > 0.0_wp) then
          window = times%period*ceiling(least_window*zone%transit/times%period)
          times%needed_end = max(times%settled_from + window, &
@@ -255,35 +252,29 @@ contains
       end associate
    end function entering_time
 
-   !> Whether a surface is at rest, or only waves of it move.
-   pure logical function is_repeating(surface)
-      type(rough_surface_t), intent(in) :: surface
-
-      is_repeating = .true.
-      if (.not. is_moving(surface)) return
-      is_repeating = .not. allocated(surface%profile)
-      if (allocated(surface%features)) is_repeating = is_repeating &
-         .and. .not. any(is_ridge(surface%features))
-   end function is_repeating
-
-   !> Time in which each wave of a moving surface moves by its length.
+   !> Time in which each wave of a moving surface moves by its length; huge where something of it
+   !> does not repeat itself.
    pure function periods_of(surface) result(periods)
       type(rough_surface_t), intent(in) :: surface
       real(wp), allocatable :: periods(:)
 
       allocate (periods(0))
-      if (is_moving(surface) .and. allocated(surface%features)) periods = &
-         pack(surface%features%wavelength, &
-         is_wave(surface%features))/abs(surface%speed)
+      if (.not. is_moving(surface)) return
+      if (allocated(surface%profile)) periods = [huge(1.0_wp)]
+      if (.not. allocated(surface%features)) return
+      if (any(is_ridge(surface%features))) periods = [huge(1.0_wp)]
+      periods = [periods, pack(surface%features%wavelength, is_wave(surface%features)) &
+         /abs(surface%speed)]
    end function periods_of
 
-   !> Shortest time after which all waves nearly repeat themselves; 0 without waves.
+   !> Shortest time after which all waves nearly repeat themselves; 0 without waves, or with a
+   !> period of huge.
    pure real(wp) function common_period(periods) result(period)
       real(wp), intent(in) :: periods(:)
       integer :: i
 
       period = 0.0_wp
-      if (size(periods) == 0) return
+      if (size(periods) == 0 .or. any(periods >= huge(1.0_wp))) return
       do i = 1, max_periods
          period = i*maxval(periods)
          if (all(abs(period/periods - anint(period/periods)) <= same_phase)) return

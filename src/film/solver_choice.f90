@@ -46,7 +46,6 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(relaxation_t), allocatable :: attempts(:)
-      type(relaxation_t) :: cycles
       real(wp) :: film
       logical :: is_heavy
 
@@ -58,24 +57,20 @@ contains
       is_heavy = contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l
       if (is_heavy .and. thins(contact%fluid)) is_heavy = &
          slide_to_roll(contact%fluid, contact%lambda) < thinning_slide
-      if (is_automatic(settings)) then
-         attempts = newton_starts(film)
-         if (contact%domain%intervals >= intervals_for_film(contact) &
-            .and. settings%space_scheme /= 'kappa') then
-            ! it is independent of Newton's method above the coarsest level
-            cycles = cycle_with(merge(smoother_gauss_seidel, smoother_line, is_heavy), is_heavy)
-            cycles%start_film = film
-            attempts = [attempts, cycles]
-         end if
-      else if (settings%method == 'newton_krylov') then
-         attempts = newton_starts(film)
+      if (is_automatic(settings) .or. settings%method == 'newton_krylov') then
+         attempts = spread(one_level(method_newton_krylov), 1, 2)
+         attempts(2)%starts_graded = .true.
+         ! the cycle is independent of Newton's method above the coarsest level
+         if (all([is_automatic(settings), contact%domain%intervals >= intervals_for_film(contact), &
+            settings%space_scheme /= 'kappa'])) attempts = [attempts, &
+            cycle_with(merge(smoother_gauss_seidel, smoother_line, is_heavy), is_heavy)]
       else
          attempts = [stated_way(settings, is_heavy)]
          if (attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp &
             .and. settings%max_cycles <= 0) attempts = [attempts, &
             with_sweeps(stated_way(settings, is_heavy=.true.), 0.2_wp, 10, 3.0_wp)]
-         attempts%start_film = film
       end if
+      attempts%start_film = film
       if (contact%conserves_oil) attempts = pack(attempts, attempts%method &
          == method_newton_krylov)
       if (allocated(contact%asperities)) attempts = attempts(:1)
@@ -85,16 +80,6 @@ contains
       end if
       call override(settings, steady_tolerance, attempts)
    end function steady_attempts
-
-   !> Newton-Krylov relaxations that lead to a first solution: from a `film`, from a graded grid.
-   pure function newton_starts(film) result(attempts)
-      real(wp), intent(in) :: film
-      type(relaxation_t) :: attempts(2)
-
-      attempts = one_level(method_newton_krylov)
-      attempts%start_film = film
-      attempts(2)%starts_graded = .true.
-   end function newton_starts
 
    !> Relaxations to try in turn for a time step; no line smoother, which diverges with the squeeze
    !> term. All have the limits of the first. `has_parts`: a step that Newton's method does not
@@ -199,6 +184,8 @@ contains
          heavy_relaxation(4) = [0.5_wp, 0.6_wp, 0.6_wp, 0.6_wp]
 
       choice%smoother = smoother
+      choice%max_cycles = 60
+      choice%load_relaxation = 0.05_wp
       choice%pre_sweeps = merge(heavy_sweeps, light_sweeps(smoother), is_heavy)
       choice%post_sweeps = choice%pre_sweeps
       choice%relaxation = merge(heavy_relaxation(smoother), light_relaxation(smoother), is_heavy)

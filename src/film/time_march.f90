@@ -6,7 +6,6 @@
 !> itself goes on until its film does.
 module time_march
    use duty, only: span_of
-   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, min_in_wave, rough_contact_t, solver_settings_t, &
@@ -14,7 +13,7 @@ module time_march
    use line_state, only: line_state_t
    use listener, only: listener_t
    use march_state, only: judge_part, least_part, march_state_t, most_parts, next_end, part_ends, &
-      time_part_t
+      step_weights, time_part_t
    use text, only: counted, to_text
    implicit none (type, external)
    private
@@ -28,13 +27,11 @@ module time_march
       class(rough_contact_t), pointer :: contact => null()
       type(solver_settings_t) :: settings
       type(time_settings_t) :: time
-      !> What a part starts from beside the history: restored before it is made again.
-      type(film_state_t), pointer :: film => null()
       !> Ends of the parts of the present step, shares of it.
       real(wp), allocatable :: ends(:)
       !> How many more parts may have no solution, of all steps.
       integer :: failures_left = huge(1)
-      !> The parts of the last step, if a follower needs them.
+      !> The parts of the last step.
       type(time_part_t), allocatable :: parts(:)
    contains
       procedure(part_interface), deferred :: solve_part
@@ -43,12 +40,13 @@ module time_march
    end type marcher_t
 
    abstract interface
-      !> Solves the part of the next step between `ends`, shares of it, and adds it to the history;
-      !> `error`: that of the scheme, relative to the film, if there is a bound on it.
-      subroutine part_interface(self, ends, listener, error, report)
-         import :: listener_t, marcher_t, report_t, wp
+      !> Solves a part of the next step, which gets its solution if there is a follower, and adds it
+      !> to the history; `error`: that of the scheme, relative to the film, if there is a bound on
+      !> it.
+      subroutine part_interface(self, part, listener, error, report)
+         import :: listener_t, marcher_t, report_t, time_part_t, wp
          class(marcher_t), intent(inout) :: self
-         real(wp), intent(in) :: ends(2)
+         type(time_part_t), intent(inout) :: part
          class(listener_t), intent(inout), target :: listener
          real(wp), intent(inout) :: error
          type(report_t), intent(inout) :: report
@@ -145,7 +143,7 @@ contains
          character(:), allocatable :: reason
          integer :: i
 
-         do i = 1, size(self%parts)
+         do i = 1, size(self%ends)
             call listener%follower%advance(self%parts(i), reason)
             if (allocated(reason)) call refuse(report, reason)
             if (allocated(reason)) return
@@ -214,8 +212,8 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(report_t), intent(inout) :: report
       type(march_state_t) :: start
-      type(film_state_t) :: film
       type(line_state_t) :: between
+      type(time_part_t) :: part
       real(wp) :: error, first, last, length
       integer :: i, made
       logical :: by_error, is_good
@@ -223,22 +221,26 @@ contains
       associate (history => self%history, time => self%time)
          by_error = time%tolerance > 0.0_wp
          call divide_step(self)
+         if (allocated(self%parts)) deallocate (self%parts)
+         allocate (self%parts(size(self%ends)))
          first = 0.0_wp
          i = 1
          do made = 1, most_parts
-            if (any([by_error, all([made == 1, size(self%ends) > 1])])) then   ! may be made again
-               start = history
-               film = self%film
-            end if
+            ! may be made again
+            if (any([by_error, all([made == 1, size(self%ends) > 1])])) start = history
             last = self%ends(i)
             if (by_error) last = next_end(history, first, last, time%time_step)
             length = (last - first)*time%time_step
+            part%length = last*time%time_step - first*time%time_step
+            part%time = (history%step + last)*time%time_step
+            part%weights = step_weights(history, time%scheme, part%length)
             error = huge(error)
-            call self%solve_part([first, last], listener, error, report)
+            call self%solve_part(part, listener, error, report)
             is_good = report%converged
             if (by_error) call judge_part(history, error, length, time%tolerance, is_good)
             if (is_good .or. (report%converged .and. length < least_part)) then
                first = last
+               self%parts(i) = part
                if (.not. first < self%ends(i)) i = i + 1
                if (i > size(self%ends)) return
                if (.not. by_error) cycle
@@ -247,7 +249,6 @@ contains
             else
                if (.not. may_repeat()) return
                history = start
-               self%film = film
             end if
          end do
       end associate

@@ -14,10 +14,9 @@ module point_errors
    use passage_times, only: new_passage_times
    use point_contact, only: first_intervals, point_contact_t, start_of
    use point_cycle, only: new_hierarchy
-   use point_march, only: solve_point
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: estimate_point_errors, next_fall, summary_of_point
-   use point_solver, only: point_run_t, tolerance_of
+   use point_solver, only: point_run_t, solve_point, tolerance_of
    use pressure_errors, only: largest_doubt, shear_of_spike, spike_law_t
    use quantities, only: h_central, h_min, quantity_count, sliding_rows
    use wall_clock, only: wall_seconds

@@ -1,25 +1,34 @@
-!> The steady point contact from its data to its fields and quantities: nested grids, from the dry
-!> contact on the first one that holds the film.
+!> The lubricated point contact from its data to its fields and quantities: the steady contact on
+!> nested grids, from the dry contact on the first one that holds the film; and its time steps,
+!> those of a line contact (modules time_march and ehl_line_transient): from the smooth steady
+!> solution, whose film the surfaces enter at T = 0 without a new solve.
 module point_solver
    use errors, only: error_t
-   use iteration_report, only: report_t
+   use film_breakdown, only: check_breakdown
+   use iteration_report, only: phase_steady, phase_transient, report_t
    use kinds, only: exceeds, wp
+   use line_contact, only: solver_settings_t, steady_tolerance, step_tolerance, time_settings_t
+   use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use listener, only: listener_t
-   use point_contact, only: first_intervals, hertz_pressure_at, intervals_for, point_contact_t
-   use point_cycle, only: new_hierarchy, point_hierarchy_t
-   use point_level, only: deflect, load_on, point_level_t
+   use listener, only: listener_t, relay_t
+   use lubricant, only: eased_fluid, fluid_density, thins
+   use march_state, only: extrapolate, keep_solution, predictors, step_error, time_part_t, &
+      turn_history
+   use point_contact, only: first_intervals, hertz_pressure_at, point_contact_t, &
+      set_point_moment, start_of
+   use point_cycle, only: new_hierarchy
+   use point_level, only: deflect, load_on, point_level_t, set_point_film, set_surfaces, turn_nodes
    use point_newton, only: point_newton_t, solve_point_newton
-   use point_quantities, only: estimate_point_errors, summary_of_point
+   use point_quantities, only: estimate_point_errors, fill_point_state, summary_of_point
    use quantities, only: central_value, h_central, h_min
-   use lubricant, only: eased_fluid, thins
-   use line_contact, only: solver_settings_t, steady_tolerance, time_settings_t
    use text, only: to_text
+   use time_march, only: march, marcher_t
    use transfer, only: prolong_cubic
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: coarseness, interpolate, pairs_of, point_run_t, solve_point_steady, tolerance_of
+   public :: interpolate, point_run_t, solve_point, solve_point_steady, tolerance_of
 
    !> The start lies this many times the expected film above the dry contact, which is at least so
    !> many cells wide to each side.
@@ -48,7 +57,90 @@ module point_solver
       integer, allocatable :: work(:, :)
    end type point_run_t
 
+   !> A point contact on the finest level of a run, in time.
+   type, extends(marcher_t) :: point_marcher_t
+      type(point_run_t), pointer :: run => null()
+      type(point_contact_t), pointer :: point => null()
+   contains
+      procedure :: end_step, fill, solve_part
+   end type point_marcher_t
+
 contains
+
+   !> Solves the steady contact, smooth if it is the start of a passage, and the passage; `state` is
+   !> that at the end. Not converging is in the report. Error (internal_error): LAPACK or FFTW.
+   subroutine solve_point(run, contact, listener, state, report, error)
+      type(point_run_t), intent(inout), target :: run
+      type(point_contact_t), intent(inout), target :: contact
+      class(listener_t), intent(inout), target :: listener
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(point_contact_t) :: start
+      real(wp) :: before
+
+      before = wall_seconds()
+      start = contact
+      if (run%time%is_transient) start = start_of(contact)
+      call solve_point_steady(run, start, listener, report, error)
+      if (allocated(error)) return
+      contact%domain = start%domain
+      start%surface_1 = contact%surface_1
+      start%surface_2 = contact%surface_2
+      associate (seconds => report%cost%phase_seconds)
+         seconds(phase_steady) = wall_seconds() - before
+         call fill_point_state(run%newton%hierarchy%levels(1), start, 0.0_wp, state)
+         if (report%converged .and. run%time%is_transient) then
+            before = wall_seconds()
+            if (allocated(run%time%resume_from)) report = run%time%resume_from%report
+            report%numbers%levels = size(run%newton%hierarchy%levels)
+            call march_point()
+            seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - before
+         else if (report%converged) then
+            call check_breakdown(state%x, state%film_thickness, run%settings, 0, 0.0_wp, report, &
+               state%y)
+         end if
+      end associate
+
+   contains
+
+      !> Marches from the steady solution of `run`, or from where an earlier run stopped (module
+      !> time_march).
+      subroutine march_point()
+         type(point_marcher_t) :: self
+         real(wp) :: begin
+
+         self%run => run
+         self%point => contact
+         self%contact => contact
+         self%settings = run%settings
+         self%time = run%time
+         associate (level => run%newton%hierarchy%levels(1), history => self%history)
+            call listener%on_stage('steps on '//to_text(level%nx)//' x '//to_text(level%ny) &
+               //' intervals')
+            allocate (level%old_squeeze, mold=level%film)
+            if (allocated(run%time%resume_from)) then
+               history = run%time%resume_from
+               history%smallest_film = minval(history%film)
+               level%pressure = reshape(history%pressure(:, 1), shape(level%pressure))
+               level%rigid_displacement = history%rigid_displacement(1)
+               if (history%direction*level%direction < 0.0_wp) call turn_nodes(level)
+            end if
+            begin = history%step*run%time%time_step
+            call set_point_moment(contact, begin)
+            call set_surfaces(level, contact, begin)
+            call set_point_film(level)
+            if (history%size == 0) then
+               call self%end_step(0, .false., report)
+               if (.not. report%converged) return
+               call remember(self, 0.0_wp)
+            end if
+            call self%fill(begin, state, has_stresses=.false.)
+         end associate
+         call march(self, listener, state, report)
+      end subroutine march_point
+
+   end subroutine solve_point
 
    !> Solves the contact on its grid, or on the first one for the target: `contact%domain` has it
    !> then. Not converging is in the report. Error (internal_error): LAPACK or FFTW.
@@ -81,7 +173,7 @@ contains
             call solve_point_newton(newton, contact, tolerance_of(run, steady_tolerance), &
                run%settings%max_cycles, listener, report)
             if (thins(contact%fluid) .and. .not. (report%converged .or. newton%is_near)) call &
-               ease_in(run, contact, listener, report)
+               ease_in()
             run%work = reshape([run%work, newton%steps, newton%iterations], [2, size(run%work, 2) &
                + 1])
             report%numbers%levels = size(newton%hierarchy%levels)
@@ -103,6 +195,25 @@ contains
       if (.not. report%converged) report%reason = coarseness(contact, nx)//report%reason
       contact%domain%intervals = nx
       contact%domain%rows = ny
+
+   contains
+
+      !> Solves the first grid for higher stress scales that fall to that of the fluid, each from
+      !> the one before: heavy contacts of an oil that thins by much.
+      subroutine ease_in()
+         type(point_contact_t) :: easy
+         integer :: power
+
+         easy = contact
+         call start_dry(contact, run%newton%hierarchy%levels(1))
+         do power = easings, 0, -1
+            easy%fluid = eased_fluid(contact%fluid, 2.0_wp**power)
+            call solve_point_newton(run%newton, easy, tolerance_of(run, steady_tolerance), &
+               run%settings%max_cycles, listener, report)
+            if (.not. report%converged) return
+         end do
+      end subroutine ease_in
+
    end subroutine solve_point_steady
 
    !> Beginning of the reason of a failure on `nx` intervals in x, where these are too few.
@@ -117,26 +228,6 @@ contains
       if (nx < needed) words = 'grid too coarse for the film, needs '//to_text(needed)// &
          ' intervals in x (has '//to_text(nx)//'); '
    end function coarseness
-
-   !> Solves the first grid for higher stress scales that fall to that of the fluid, each from the
-   !> one before: heavy contacts of an oil that thins by much.
-   subroutine ease_in(run, contact, listener, report)
-      type(point_run_t), intent(inout) :: run
-      type(point_contact_t), intent(in) :: contact
-      class(listener_t), intent(inout) :: listener
-      type(report_t), intent(inout) :: report
-      type(point_contact_t) :: easy
-      integer :: power
-
-      easy = contact
-      call start_dry(contact, run%newton%hierarchy%levels(1))
-      do power = easings, 0, -1
-         easy%fluid = eased_fluid(contact%fluid, 2.0_wp**power)
-         call solve_point_newton(run%newton, easy, tolerance_of(run, steady_tolerance), &
-            run%settings%max_cycles, listener, report)
-         if (.not. report%converged) return
-      end do
-   end subroutine ease_in
 
    !> Whether the errors of the films by the last grid are within the target.
    pure logical function meets_target(run, contact) result(is_met)
@@ -201,6 +292,106 @@ contains
       level%rigid_displacement = start_film*contact%first_film - central_value(level%x, &
          level%film(:, level%ny/2))
    end subroutine start_dry
+
+   !> Records a film below its floor.
+   subroutine end_step(self, step, is_last, report)
+      class(point_marcher_t), intent(inout) :: self
+      integer, intent(in) :: step
+      logical, intent(in) :: is_last
+      type(report_t), intent(inout) :: report
+
+      associate (level => self%run%newton%hierarchy%levels(1))
+         call check_breakdown(level%direction*level%x, reshape(level%film, [size(level%film)]), &
+            self%settings, step, step*self%time%time_step, report, level%direction*level%y)
+         if (is_last) call set_point_film(level)
+      end associate
+   end subroutine end_step
+
+   !> Sets `state` to the present film; its stresses are those of `fill_point_state`.
+   subroutine fill(self, time, state, has_stresses)
+      class(point_marcher_t), intent(in) :: self
+      real(wp), intent(in) :: time
+      type(line_state_t), intent(inout) :: state
+      logical, intent(in) :: has_stresses
+
+      associate (unused => has_stresses)
+      end associate
+      call fill_point_state(self%run%newton%hierarchy%levels(1), self%point, time, state)
+   end subroutine fill
+
+   !> Solves a part of the next step: from the prediction, else from the old pressure, with a film
+   !> above 0.
+   subroutine solve_part(self, part, listener, error, report)
+      class(point_marcher_t), intent(inout) :: self
+      type(time_part_t), intent(inout) :: part
+      class(listener_t), intent(inout), target :: listener
+      real(wp), intent(inout) :: error
+      type(report_t), intent(inout) :: report
+      type(relay_t) :: relay
+      real(wp), allocatable :: pressure(:)
+      integer :: attempt, before, count, nodes
+
+      relay%parent => listener
+      associate (newton => self%run%newton, contact => self%point, history => self%history, &
+         level => self%run%newton%hierarchy%levels(1))
+         level%inverse_time_step = part%weights(1)
+         call set_point_moment(contact, part%time)
+         call set_surfaces(level, contact, part%time)
+         if (history%direction*level%direction < 0.0_wp) call turn_history(history)
+         level%old_squeeze = reshape(part%weights(2)*history%mass(:, 1) + part%weights(3) &
+            *history%mass(:, 2), shape(level%film))
+         allocate (pressure(size(level%film)))
+         nodes = nint(part%length/level%hx)
+         count = predictors(history)
+         do attempt = 1, 2
+            if (attempt == 2) count = 1
+            call extrapolate(history, count, part%length, pressure, level%rigid_displacement)
+            level%pressure = reshape(pressure, shape(level%pressure))
+            if (attempt == 2) then
+               call set_point_film(level)
+               level%rigid_displacement = level%rigid_displacement + max(0.5_wp &
+                  *history%smallest_film - minval(level%film), 0.0_wp)
+            else if (count == 1 .and. min(history%size - 1, nodes) > 0) then
+               ! the last change of the pressure, carried with the mean speed: what passes
+               associate (change => reshape(history%pressure(:, 1) - history%pressure(:, 2), &
+                  shape(level%pressure)))
+                  level%pressure(nodes:, :) = max(level%pressure(nodes:, :) &
+                     + change(:size(change, 1) - nodes, :), 0.0_wp)
+               end associate
+            end if
+            before = pairs_of(newton)
+            newton%is_near = .true.
+            call solve_point_newton(newton, contact, tolerance_of(self%run, step_tolerance), &
+               self%settings%max_cycles, relay, report)
+            report%cost%fft_pairs = report%cost%fft_pairs + pairs_of(newton) - before
+            if (report%converged) exit
+         end do
+         if (.not. report%converged) then
+            report%reason = coarseness(contact, level%nx)//report%reason
+            return
+         end if
+         call remember(self, part%length)
+         if (self%time%tolerance > 0.0_wp) error = step_error(history, history%pressure(:, 1), &
+            0.0_wp)
+      end associate
+   end subroutine solve_part
+
+   !> Adds the present solution, at the end of a step of `length`, to the history.
+   subroutine remember(self, length)
+      class(point_marcher_t), intent(inout) :: self
+      real(wp), intent(in) :: length
+      real(wp), allocatable :: density(:), pressure(:)
+
+      associate (level => self%run%newton%hierarchy%levels(1))
+         pressure = [level%pressure]
+         allocate (density, mold=pressure)
+         call fluid_density(self%point%fluid, pressure, density)
+         call keep_solution(self%history, length, pressure, level%rigid_displacement, density &
+            *[level%film])
+         self%history%direction = level%direction
+         self%history%smallest_film = minval(level%film)
+      end associate
+   end subroutine remember
 
    !> Cubic interpolation of the pressure `coarse` to twice as many intervals, along x, then y.
    pure subroutine interpolate(coarse, fine)

@@ -11,24 +11,25 @@ module momentum_march
    use iteration_report, only: phase_steady, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, without_surfaces
-   use line_level, only: line_level_t, set_film
+   use line_hierarchy, only: new_level_of, roughness_at
+   use line_level, only: carried_load, line_level_t, set_film, set_plain_problem
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use momentum_solver, only: missing_reason, pose_level, pose_momentum, set_walls, &
-      solve_by_continuation, walls_t
+   use momentum_solver, only: missing_reason, pose_momentum, set_walls, solve_by_continuation, &
+      walls_t
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
    use listener, only: follower_t
-   use march_state, only: excess_t, max_excesses, momentum_history_t, next_count, time_part_t, &
-      weights_of
+   use march_state, only: excess_t, max_excesses, momentum_history_t, next_count, &
+      prediction_weights, time_part_t
    use quantities, only: h_central, h_min, p_max
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: momentum_march_t, solve_film_momentum
+   public :: momentum_march_t
 
    !> Bounds on the last Newton step, of a contact at rest and of a time step; the latter also on
    !> the predicted remainder after it.
@@ -48,31 +49,26 @@ module momentum_march
       type(film_flow_t), private :: flow
       type(momentum_newton_t), private :: newton
    contains
-      procedure :: advance, kept, start
+      procedure :: advance, kept, solve_steady, start
       procedure :: fields => present_fields
    end type momentum_march_t
 
 contains
 
-   !> Solves the momentum equations of a contact at rest on `layers` layers from `state`, a
-   !> converged solution of the Reynolds equation by the kappa scheme. `state` becomes the solution,
-   !> with the mean pressure across the film; without one it stays, and the report gives the reason.
-   !> Error: no memory.
-   subroutine solve_film_momentum(contact, walls, layers, state, fields, report, error)
+   !> Solves the momentum equations of a contact at rest from `state`, a converged solution of the
+   !> Reynolds equation by the kappa scheme. `state` becomes the solution, with the mean pressure
+   !> across the film; without one it stays, and the report gives the reason. Error: no memory.
+   subroutine solve_steady(self, contact, state, fields, report, error)
+      class(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
-      type(walls_t), intent(in) :: walls
-      integer, intent(in) :: layers
       type(line_state_t), intent(inout) :: state
       type(film_fields_t), intent(out) :: fields
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
-      type(momentum_march_t) :: self
       character(:), allocatable :: reason
       real(wp) :: start
 
       start = wall_seconds()
-      self%walls = walls
-      self%layers = layers
       call pose(self, contact, state, error)
       if (allocated(error)) return
       call solve(self, rest_tolerance, reason)
@@ -80,46 +76,38 @@ contains
       report%converged = .not. allocated(reason)
       if (report%converged) then
          fields = self%fields()
-         call copy_state(contact, self%level, state, fields)
+         call copy_state()
       else
          report%reason = reason
       end if
       report%cost%wall_seconds = report%cost%wall_seconds + wall_seconds() - start
       report%cost%phase_seconds(phase_steady) = report%cost%phase_seconds(phase_steady) &
          + wall_seconds() - start
-   end subroutine solve_film_momentum
-
-   !> Copies pressure, film and H0 into `state`, and sets the differences from the old ones.
-   pure subroutine copy_state(contact, level, state, fields)
-      type(line_contact_t), intent(in) :: contact
-      type(line_level_t), intent(in) :: level
-      type(line_state_t), intent(inout) :: state
-      type(film_fields_t), intent(inout) :: fields
-      type(line_summary_t) :: before, after
-
-      before = summary_of(state)
-      state%pressure(:) = level%state%pressure
-      state%film_thickness(:) = level%state%film
-      state%rigid_displacement = level%state%rigid_displacement
-      call fill_properties(contact, state)
-      state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, level%x, &
-         state%pressure, state%film_thickness)
-      after = summary_of(state)
-      fields%h_min = relative(h_min)
-      fields%h_central = relative(h_central)
-      fields%p_max = relative(p_max)
-      fields%pressure_change = maxval(abs(state%pressure - fields%reynolds_pressure))
 
    contains
 
-      !> Relative difference of a quantity.
-      pure real(wp) function relative(quantity)
-         integer, intent(in) :: quantity
+      !> Copies pressure, film and H0 into `state`, and sets the differences from the old ones.
+      subroutine copy_state()
+         type(line_summary_t) :: before, after
+         integer, parameter :: compared(3) = [h_min, h_central, p_max]
 
-         relative = after%of(quantity)%value/before%of(quantity)%value - 1
-      end function relative
+         before = summary_of(state)
+         state%pressure(:) = self%level%state%pressure
+         state%film_thickness(:) = self%level%state%film
+         state%rigid_displacement = self%level%state%rigid_displacement
+         call fill_properties(contact, state)
+         state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, &
+            self%level%x, state%pressure, state%film_thickness)
+         after = summary_of(state)
+         associate (changes => after%of(compared)%value/before%of(compared)%value - 1)
+            fields%h_min = changes(1)
+            fields%h_central = changes(2)
+            fields%p_max = changes(3)
+         end associate
+         fields%pressure_change = maxval(abs(state%pressure - fields%reynolds_pressure))
+      end subroutine copy_state
 
-   end subroutine copy_state
+   end subroutine solve_steady
 
    !> Begins from `state`, that of the Reynolds equation at T = 0, or resumes from `earlier`, with
    !> `state` that of its time. Error: no memory, or no solution.
@@ -159,14 +147,19 @@ contains
       type(line_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
-      call pose_level(contact, state, self%level, error)
-      if (allocated(error)) return
-      self%history%reynolds = self%level%state
-      call pose_momentum(self%problem, contact, self%walls, self%level, self%layers)
-      call start_flow(self%problem, self%level, self%flow, self%newton%terms)
-      associate (n => self%level%n, m => self%layers)
-         allocate (self%problem%old%film(0:n), self%problem%old%lower(0:n), &
-            self%problem%old%mass(m, 0:n), source=0.0_wp)
+      associate (level => self%level)
+         call new_level_of(contact, size(state%x) - 1, level, error)
+         if (allocated(error)) return
+         call set_plain_problem(level, roughness_at(contact, level, 0.0_wp))
+         level%is_kappa = .true.
+         level%state%pressure(:) = state%pressure
+         level%state%rigid_displacement = state%rigid_displacement
+         ! a tail in front of the inlet keeps its load
+         level%rhs_load = carried_load(level)
+         call set_film(level)
+         self%history%reynolds = level%state
+         call pose_momentum(self%problem, contact, self%walls, level, self%layers)
+         call start_flow(self%problem, level, self%flow, self%newton%terms)
       end associate
    end subroutine pose
 
@@ -221,9 +214,9 @@ contains
          old => self%history%past(1))
          level%inverse_time_step = part%weights(1)
          problem%half_rate = 0.5_wp*part%weights(1)
-         problem%old%film(:) = -0.5_wp*part%weights(2)*old%film
-         problem%old%lower(:) = -0.5_wp*part%weights(2)*old%lower
-         problem%old%mass(:, :) = -0.5_wp*part%weights(2)*old%mass
+         problem%old%film = -0.5_wp*part%weights(2)*old%film
+         problem%old%lower = -0.5_wp*part%weights(2)*old%lower
+         problem%old%mass = -0.5_wp*part%weights(2)*old%mass
          if (self%history%times > 1) then
             problem%old%film = problem%old%film - 0.5_wp*part%weights(3)*older%film
             problem%old%lower = problem%old%lower - 0.5_wp*part%weights(3)*older%lower
@@ -236,18 +229,19 @@ contains
       end associate
       self%newton%most_further_steps = 1
       count = min(self%history%best_count, self%history%films)
-      call predict(self, part%length, count)
-      call move_walls(self, part%heights)
       steps = 0
-      if (count > 0) then
-         call solve_directly(self, steps)
-         if (.not. self%newton%is_converged) then
-            call predict(self, part%length, 0)
-            call move_walls(self, part%heights)
+      do
+         call predict(self, part%length, count)
+         call move_walls(self, part%heights)
+         if (count == 0) then
+            call solve(self, step_tolerance, reason)
+         else
+            call solve_directly(self)
          end if
-      end if
-      if (count == 0 .or. .not. self%newton%is_converged) call solve(self, step_tolerance, reason)
-      steps = steps + self%newton%steps
+         steps = steps + self%newton%steps
+         if (count == 0 .or. self%newton%is_converged) exit
+         count = 0
+      end do
       associate (past => self%history)
          past%steps = past%steps + steps
          past%solutions = past%solutions + 1
@@ -268,7 +262,7 @@ contains
 
       associate (problem => self%problem, level => self%level, flow => self%flow, &
          past => self%history)
-         weights = weights_of(past, length, count)
+         weights = prediction_weights(past%lengths, past%films, length, count)
          flow%p(:, :) = spread(self%history%reynolds%pressure, 1, self%layers)
          flow%u(:, :) = 0.0_wp
          flow%v(:, :) = 0.0_wp
@@ -328,19 +322,16 @@ contains
       if (.not. self%newton%is_converged) reason = missing_reason(self%newton, rise)
    end subroutine solve
 
-   !> Makes a few steps of Newton's method from a first approximation that may fail; `lost` counts
-   !> them if it does.
-   subroutine solve_directly(self, lost)
+   !> Makes a few steps of Newton's method from a first approximation that may fail.
+   subroutine solve_directly(self)
       class(momentum_march_t), intent(inout) :: self
-      integer, intent(out) :: lost
 
-      lost = 0
       self%newton%is_converged = .false.
+      self%newton%steps = 0
       if (any(self%flow%film <= 0.0_wp)) return
       if (.not. stress_rise(self%problem, self%newton%terms) < 1.0_wp) return
       call solve_momentum_contact(self%newton, self%problem, self%level, self%flow, &
          step_tolerance, direct_steps)
-      if (.not. self%newton%is_converged) lost = self%newton%steps
       if (self%newton%is_converged) self%history%stress_rise = max(self%history%stress_rise, &
          stress_rise(self%problem, self%newton%terms))
    end subroutine solve_directly

@@ -25,7 +25,7 @@ module momentum_newton
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
    use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t, &
       rows_change
-   use newton_work, only: evaluate_jacobian, linear_solver_t, new_jacobian, reynolds_jacobian_t
+   use newton_work, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
    use reynolds_part, only: change_of_profile, wedge_change
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    implicit none (type, external)
@@ -79,10 +79,9 @@ module momentum_newton
       type(line_level_t), pointer :: level => null()
       type(momentum_problem_t), pointer :: problem => null()
       type(film_flow_t), pointer :: flow => null()
-      type(momentum_terms_t), pointer :: terms => null()
-      type(momentum_matrix_t), pointer :: matrix => null()
-      type(reynolds_jacobian_t), pointer :: reynolds => null()
-      class(linear_solver_t), pointer :: linear => null()
+      type(momentum_newton_t), pointer :: newton => null()
+      type(reynolds_jacobian_t) :: reynolds
+      type(semiseparable_jacobian_t) :: linear
       !> Storage of one product.
       type(film_flow_t) :: change
       type(momentum_rows_t) :: rows
@@ -119,8 +118,6 @@ contains
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
       type(error_t), allocatable :: error
-      type(reynolds_jacobian_t), target :: reynolds
-      type(semiseparable_jacobian_t), target :: linear
       type(momentum_system_t) :: system
       type(gmres_t) :: krylov
       type(film_flow_t) :: step, plain
@@ -135,27 +132,24 @@ contains
       previous = huge(1.0_wp)
       changes = 0
       if (allocated(newton%factored_set)) deallocate (newton%factored_set)
-      call new_jacobian(reynolds, level%n)
+      call new_jacobian(system%reynolds, level%n)
       call new_flow(step, problem)
       call new_flow(plain, problem)
       call new_flow(system%change, problem)
-      linear%tolerance = inner_share
+      system%linear%tolerance = inner_share
       system%level => level
       system%problem => problem
       system%flow => flow
-      system%terms => newton%terms
-      system%matrix => newton%matrix
-      system%reynolds => reynolds
-      system%linear => linear
+      system%newton => newton
       allocate (x(level%n))
       do while (newton%steps < max_steps)
          level%state%pressure(:) = mean_pressure(flow)
          call set_film(level)
          flow%film(:) = level%state%film
-         call evaluate_jacobian(level, reynolds)
+         call evaluate_jacobian(level, system%reynolds)
          call evaluate_rows(problem, flow, newton%terms, newton%rows)
-         call choose_held(problem, level, column_mass(problem, flow, newton%terms), reynolds, &
-            changes, has_new_set)
+         call choose_held(problem, level, column_mass(problem, flow, newton%terms), &
+            system%reynolds, changes, has_new_set)
          if (has_new_set) call evaluate_rows(problem, flow, newton%terms, newton%rows)
          call renew_factors(newton, problem, flow, is_new, error)
          if (allocated(error)) return
@@ -334,8 +328,8 @@ contains
       change%v = 0.0_wp
       change%p = 0.0_wp
       call film_change(system%level, x, change%film)
-      call rows_change(system%problem, system%flow, system%terms, change, p, system%rows)
-      call solve_momentum(system%matrix, system%problem, system%rows, change)
+      call rows_change(system%problem, system%flow, system%newton%terms, change, p, system%rows)
+      call solve_momentum(system%newton%matrix, system%problem, system%rows, change)
    end subroutine flow_change
 
    !> Multiplies by the matrix of the system.
@@ -366,7 +360,7 @@ contains
       p(1:n - 1) = x(:n - 1)
       no_film = 0.0_wp
       is_held = self%problem%is_held(1:n - 1)
-      wedge = wedge_change(self%problem, self%terms%reynolds, mean_pressure(self%flow), &
+      wedge = wedge_change(self%problem, self%newton%terms%reynolds, mean_pressure(self%flow), &
          self%flow%film, p(0:n), no_film)
       do i = 1, n - 1
          if (.not. is_held(i)) x(i) = dot_product(self%reynolds%by_pressure(:, i), p(i - 2:i + 2)) &

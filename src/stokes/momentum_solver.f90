@@ -5,23 +5,19 @@
 !> delta^2, the square of the slope scale, grows from 0, where the solution is that of the Reynolds
 !> equation, to its value; each solution is the first approximation of the next.
 module momentum_solver
-   use errors, only: error_t
    use eyring, only: eyring_t
    use features, only: surface_height
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: new_level_of, roughness_at
-   use line_level, only: carried_load, line_level_t, set_film, set_plain_problem
-   use line_state, only: line_state_t
+   use line_level, only: line_level_t, set_film
    use film_state, only: film_state_t
-   use lubricant, only: fluid_t
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: missing_reason, pose_level, pose_momentum, set_walls, solve_by_continuation, walls_t
+   public :: missing_reason, pose_momentum, set_walls, solve_by_continuation, walls_t
 
    !> Data missing in a dimensionless contact: delta = b/R, the share R/R1 of surface 1, the lower
    !> one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
@@ -37,25 +33,6 @@ module momentum_solver
    real(wp), parameter :: first_part = 0.25_wp, smallest_part = 1.0e-2_wp
 
 contains
-
-   !> Sets up the level of a state at T = 0: its pressure, film and H0, and the load of its
-   !> pressure.
-   subroutine pose_level(contact, state, level, error)
-      type(line_contact_t), intent(in) :: contact
-      type(line_state_t), intent(in) :: state
-      type(line_level_t), intent(inout) :: level
-      type(error_t), allocatable, intent(out) :: error
-
-      call new_level_of(contact, size(state%x) - 1, level, error)
-      if (allocated(error)) return
-      call set_plain_problem(level, roughness_at(contact, level, 0.0_wp))
-      level%is_kappa = .true.
-      level%state%pressure(:) = state%pressure
-      level%state%rigid_displacement = state%rigid_displacement
-      ! a tail in front of the inlet keeps its load
-      level%rhs_load = carried_load(level)
-      call set_film(level)
-   end subroutine pose_level
 
    !> Poses the problem on `layers` layers for the steady contact posed on `level`, whose pressure
    !> is the first approximation: it decides which columns are cavitated.
@@ -79,32 +56,24 @@ contains
       problem%inertia = walls%inertia
       problem%speed = 0.5_wp*[contact%surface_1%speed, contact%surface_2%speed]
       problem%fluid = level%fluid
-      problem%shear_scale = eyring_scale(level%fluid, level%lambda)
+      if (allocated(level%fluid%rheology)) then
+         select type (law => level%fluid%rheology)
+         type is (eyring_t)   ! its Sigma is the wall stress over tau_0
+            problem%shear_scale = law%sigma_scale*level%lambda/3
+         class default
+            error stop 'momentum equations: a law without its case'
+         end select
+      end if
       problem%lower_share = -0.5_wp
       allocate (problem%lower_shape(0:level%n), problem%wave_slope(level%n, 2))
       call set_walls(problem, walls, level, reshape([surface_height(contact%surface_1, level%x, &
          0.0_wp), surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
-      allocate (problem%held_pressure(0:level%n), source=0.0_wp)
+      allocate (problem%held_pressure(0:level%n), problem%old%film(0:level%n), &
+         problem%old%lower(0:level%n), problem%old%mass(layers, 0:level%n), source=0.0_wp)
       allocate (problem%is_held(0:level%n), source=level%state%pressure <= 0.0_wp)
       problem%is_held([0, level%n]) = .true.
       problem%held_pressure(0) = level%state%pressure(0)
    end subroutine pose_momentum
-
-   !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, the only other one of the momentum equations; 0 for a
-   !> Newtonian oil.
-   pure real(wp) function eyring_scale(fluid, lambda) result(scale)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: lambda
-
-      scale = 0.0_wp
-      if (.not. allocated(fluid%rheology)) return
-      select type (law => fluid%rheology)
-      type is (eyring_t)
-         scale = law%sigma_scale*lambda/3   ! Sigma is the wall stress over tau_0
-      class default
-         error stop 'momentum equations: a law without its case'
-      end select
-   end function eyring_scale
 
    !> Sets the walls from `heights` Psi_1 and Psi_2 at all nodes.
    pure subroutine set_walls(problem, walls, level, heights)
