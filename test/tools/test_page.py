@@ -24,7 +24,7 @@ def test_the_page_has_every_block(name):
 
 
 def test_long_lines_are_folded_with_their_indent():
-    lines = page.folded("  " + "word " * 40).splitlines()
+    lines = page.fenced("  " + "word " * 40).splitlines()
     assert lines[0] == "```text"
     assert max(map(len, lines)) <= 128
     assert lines[2].startswith("      word")
