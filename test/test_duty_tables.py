@@ -10,8 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from asperity import commands, duty
-from cases import seal
-from conftest import ROOT
+from cases import ROOT, seal
 from result_maker import put
 
 DEGREE = math.pi / 180

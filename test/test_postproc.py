@@ -14,9 +14,7 @@ import h5py
 import numpy as np
 import pytest
 import result_maker
-from cases import STEADY, STOKES, called, ended, seal
-from conftest import ROOT
-from dry_cases import case_text
+from cases import ROOT, STEADY, STOKES, called, case_text, ended, seal
 
 sys.path.append(str(ROOT / "postproc"))
 
