@@ -27,12 +27,11 @@ DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -
 # that is used for more than that ends in a report of the other sanitizer.
 SANITIZE := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null
 
-BENCH := bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench bench-program chart accuracy accuracy-time stability docs site notebooks wheel clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench chart accuracy accuracy-time stability docs site notebooks wheel clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -148,32 +147,26 @@ chapter7: build ## thesis, chapter 7 and Paper C: four dry profiles, 18 loads, 5
 dry: chapter3 chapter4 chapter7 area ## the dry half of the thesis: chapters 3, 4, 7 and rough areas, and their figures into docs/images/
 	$(PYTHON) bench/studies/page_images.py chapter3 chapter4 chapter7 area
 
-bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
+bench: build ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
 
 bench-dry: build ## dry areas against other programs (ARGS="--peers PYTHON": the python of an environment with tamaas, ContactMechanics)
 	$(PYTHON) bench/dry_areas.py $(ARGS)
 
-chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
+chart: build ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
 	$(PYTHON) bench/chart.py $(ARGS)
 	$(PYTHON) bench/chart.py --dry $(ARGS) $(if $(PEERS),--peers $(PEERS))
 
-accuracy: bench-program ## truth of the error bars, in results/accuracy/ (ARGS=--quick: shorter)
+accuracy: build ## truth of the error bars, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/families.py $(ARGS)
 
-accuracy-time: build bench-program ## the same for passages, cost of a target accuracy (ARGS=--quick: fewer)
+accuracy-time: build ## the same for passages, cost of a target accuracy (ARGS=--quick: fewer)
 	$(PYTHON) bench/targets.py $(ARGS)
 	$(PYTHON) bench/families.py passages --output results/accuracy/passages $(ARGS)
 
-stability: bench-program ## maps of convergence of each method, in results/stability/ (ARGS=--quick: shorter)
+stability: build ## maps of convergence of each method, in results/stability/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/stability.py $(ARGS)
 	$(PYTHON) bench/stability.py --dry $(ARGS)
-
-# The program that bench, chart and stability use: many cases in one process. Made from the library that `make build` leaves.
-bench-program: build
-	@mkdir -p build/bench
-	@gfortran $(RELEASE) -J build/bench -I build/include $(BENCH) -L build/lib -lasperity \
-	   $$(pkg-config --libs-only-L hdf5) -lhdf5_fortran -lhdf5 $$(pkg-config --libs fftw3f fftw3 openblas) -o build/bin/asperity-bench
 
 docs: prepare ## the pages of the programming interface, docs/api/index.html; a warning is an error
 	@sh tools/build_docs.sh

@@ -4,11 +4,9 @@
 A scene is a steady contact, smooth or with ridges or waves at rest, a passage or a steady point contact; `scene`: the lubricated
 ones of input/scenes/. The program runs it as a user would and reports the change by each ingredient, with an error bar
 and a verdict. The truth is the change between two fine runs: steady ones for a target of TARGET, passages with half the spacing
-and half the time step, points with half the spacing. Without the squeeze term it is the extreme of PLACES steady runs, of films
-and pressure where one surface is rough and the oil is Newtonian: there the rough surface stands still, and the other has both
-speeds. Rigid bodies are the stiffest of STIFFNESSES that has a solution, with places and times in metres and seconds; below the
-first of them only the need for elasticity is judged. The reported error of the time step is judged as the error bar of no change,
-against the same grid with FINER_STEP of the step.
+and half the time step, points with half the spacing. Rigid bodies are the stiffest of STIFFNESSES that has a solution, with places
+and times in metres and seconds; below the first of them only the need for elasticity is judged. The reported error of the time
+step is judged as the error bar of no change, against the same grid with FINER_STEP of the step.
 
     honest        the true change is within the error bar (a difference below judge.FLOOR always is)
     right         the verdict is that of the true changes (needed: one above the accuracy; irrelevant: all below a tenth of it)
@@ -42,16 +40,15 @@ WITHIN = 0.95
 SEED = 884211
 NO_TRUTH = "no truth"
 NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
-TARGET, PLACES = 2e-4, 48
+TARGET = 2e-4
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
 FINER_STEP = 0.25
-# The quantities that do not need both speeds, and their extreme over time.
-STILL = {"h_min": "min", "h_central": "min", "p_max": "max"}
-QUANTITIES = (*STILL, "friction_coefficient")
-# Of these everything in half-widths, and the times, are scaled with the half-width.
-LENGTHS = {
+QUANTITIES = ("h_min", "h_central", "p_max", "friction_coefficient")
+MODULI = ("youngs_modulus_1", "youngs_modulus_2", "reduced_modulus")
+# What grows with the square root of the modulus at one load: places and times in half-widths, and the pressure.
+SCALED = {
     **{"surface_1": ("position",), "surface_2": ("position",), "domain": ("x_inlet", "x_outlet")},
-    "time": ("end_time", "time_step", "statistics_from"),
+    **{"time": ("end_time", "time_step", "statistics_from"), "load": ("hertz_pressure",)},
 }
 # Keys of the oil without which an ingredient is gone, and those that come instead.
 LEAN_OIL = {
@@ -89,7 +86,6 @@ def told(file: h5py.File) -> dict[str, object] | None:
         return None
     used = file["input/effective/domain"].attrs
     n, *sides = ("intervals_x", "y_half_width") if "intervals_x" in used else ("intervals",)
-    scales = () if sides else ("reduced_radius", "reduced_modulus", "load_per_length")
     rows = []
     for (name, row), q in itertools.product(file["adequacy"].items(), QUANTITIES):
         known = {"change": float(row[q][()]), "error": float(row[q].attrs["error_estimate"])} if q in row else {}
@@ -103,7 +99,6 @@ def told(file: h5py.File) -> dict[str, object] | None:
         "domain": {key: float(used[key]) for key in ("x_inlet", "x_outlet", *sides)} | {n: int(used[n])},
         "step": float(file["input/effective/time"].attrs.get("time_step", 0.0)),
         "start": float(file["summary"].attrs.get("statistics_from", 0.0)),
-        "scaling": {k: float(file["scaling"].attrs[k]) for k in scales},
     }
 
 
@@ -113,6 +108,8 @@ def without(groups: Groups, ingredient: str) -> Groups:
     if ingredient in LEAN_OIL:
         gone, instead = LEAN_OIL[ingredient]
         lean["lubricant"] = {key: value for key, value in lean["lubricant"].items() if key not in gone} | instead
+    elif ingredient == "squeeze":
+        lean["time"]["scheme"] = "quasi_steady"
     elif ingredient == "roughness":
         return {key: lean[key] for key in lean if key not in ("surface_1", "surface_2", "time")}
     elif ingredient.startswith("roughness_"):
@@ -129,8 +126,8 @@ def without(groups: Groups, ingredient: str) -> Groups:
 def stiffer(groups: Groups, ratio: float) -> Groups:
     """The scene with stiffer bodies: their contact is narrower, everything else is where it was [m, s]."""
     stiff = copy.deepcopy(groups)
-    stiff["bodies"]["reduced_modulus"] *= ratio
-    for group, keys in LENGTHS.items():
+    stiff["bodies"] |= {key: stiff["bodies"][key] * ratio for key in MODULI if key in stiff["bodies"]}
+    for group, keys in SCALED.items():
         for key in keys:
             if stiff.get(group, {}).get(key) is not None:
                 stiff[group][key] = scaled(stiff[group][key], ratio**0.5)
@@ -139,35 +136,13 @@ def stiffer(groups: Groups, ratio: float) -> Groups:
 
 def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tuple[pd.Series | None, bool]]:
     """Quantities of a scene without an ingredient, and whether that is all of it, best first; None where there is no solution."""
-    if ingredient == "squeeze":
-        yield frozen(groups), True
-    elif ingredient != "elasticity":
+    if ingredient != "elasticity":
         yield run(without(groups, ingredient), quantities) if left_out >= 1 else None, True
     elif left_out < 1:
         yield run(stiffer(groups, 1 / (1 - left_out)), quantities), True
     else:
         for ratio in STIFFNESSES:
             yield run(stiffer(groups, ratio), quantities), ratio == STIFFNESSES[0]
-
-
-def frozen(groups: Groups) -> pd.Series | None:
-    """Extremes of steady solutions with the waves at their places."""
-    bodies = groups["bodies"]
-    mean = (bodies["speed_1"] + bodies["speed_2"]) / 2
-    rough = [i for i in (1, 2) if f"surface_{i}" in groups]
-    if len(rough) > 1 or "rheology" in groups["lubricant"]:
-        return None
-    surface, found = f"surface_{rough[0]}", []
-    for time in (groups["time"]["end_time"] * k / PLACES for k in range(PLACES + 1)):
-        still = {key: copy.deepcopy(groups[key]) for key in groups if key != "time"}
-        still["bodies"] |= {f"speed_{rough[0]}": 0.0, f"speed_{3 - rough[0]}": 2 * mean}
-        places, move = still[surface].get("position", 0.0), bodies[f"speed_{rough[0]}"] / mean * time
-        still[surface]["position"] = [place + move for place in places] if isinstance(places, list) else places + move
-        solved = run(still, quantities)
-        if solved is None:
-            return None
-        found += [solved] if time >= groups["time"]["statistics_from"] else []
-    return pd.DataFrame(found).agg(STILL)
 
 
 def fine(groups: Groups, said: dict) -> Groups:
@@ -212,26 +187,13 @@ def time_step_rows(groups: Groups, said: dict) -> pd.DataFrame:
     return rows.assign(verdict=rows["verdict"].replace("too coarse", "needed"), truth=off.values, true_verdict=right)
 
 
-def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
-    """The same contact with one radius, one modulus and its load, which can be made stiffer; features as lists."""
-    if "reduced_modulus" in groups["bodies"]:
-        return groups
-    speeds = {key: groups["bodies"][key] for key in ("speed_1", "speed_2")}
-    bodies = {key: scaling[key] for key in ("reduced_radius", "reduced_modulus")} | speeds
-    reduced = copy.deepcopy(groups) | {"bodies": bodies, "load": {"load_per_length": scaling["load_per_length"]}}
-    for surface in (reduced.get(f"surface_{i}", {}) for i in (1, 2)):
-        if surface.get("shape") == "feature":
-            surface.update({key: [surface[key]] for key in ("amplitude", "wavelength", "position")})
-    return reduced
-
-
 def judge(scene: tuple[str, Groups]) -> pd.DataFrame:
     """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth."""
     name, groups = scene
     said = run(groups, told)
     if said is None:
         return pd.DataFrame()
-    truth = fine(in_reduced_bodies(groups, said["scaling"]), said)
+    truth = fine(groups, said)
     full = run(truth, quantities)
     if full is None:
         return pd.DataFrame()

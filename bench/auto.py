@@ -9,8 +9,7 @@ is ended, so that a loaded machine judges the same scenes.
     met        h_min of 'auto' (of 'full') is within the target of the truth
     honest     the truth is within the error bars of 'auto' and its own
 
-Target: 95 % met. --seed draws another sample, for fitting. Finished scenes are kept in auto_SEED.csv, so that the same command
-continues an interrupted run. Writes auto.txt and auto.png.
+Target: 95 % met. --seed draws another sample, for fitting. Writes auto.csv, auto.txt and auto.png.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from pathlib import Path
 import h5py
 import namelists
 import pandas as pd
-from adequacy import STILL, passage_scene, scaled, steady_scene
+from adequacy import passage_scene, scaled, steady_scene
 from bench_program import Answer, Run, answer, conclude, new_parser, run_program, save, side_by_side
 from namelists import Groups, namelist
 
@@ -44,12 +43,11 @@ def run(groups: Groups, model: str, target: float) -> Run:
 
 
 def read(file: h5py.File) -> Answer:
-    """What the program says, the error bar of h_min, what was solved and what was left out."""
-    found = answer(file) | {"error": file["summary/h_min"].attrs["error_estimate"], "solved": "", "left_out": ""}
+    """What the program says, the error bar of h_min, and what was solved."""
+    found = {"error": file["summary/h_min"].attrs["error_estimate"], "solved": ""}
     if group := file.get("adequacy/decision"):
         found["solved"] = group.attrs["solved"].decode()
-        found["left_out"] = " ".join(name for name in group if group[name].attrs["decision"] == b"left out")
-    return Answer(found)
+    return Answer(answer(file) | found)
 
 
 def judge(scene: tuple[str, Groups]) -> dict[str, object]:
@@ -64,13 +62,11 @@ def judge(scene: tuple[str, Groups]) -> dict[str, object]:
         if status := runs[word].status:
             why = f"over {PATIENCE} s" if status < 0 else f"exit status {status}"
             return {"scene": name, "unjudged": f"{word}: {why}"}
-    exact, lean, full = (each.found for each in runs.values())
-    off = {q: lean[q] / exact[q] - 1 for q in STILL}
-    row = {"scene": name, "unjudged": "", "solved": lean["solved"], "left_out": lean["left_out"]}
+    exact, lean = (runs[word].found for word in ("truth", "auto"))
+    row = {"scene": name, "unjudged": "", "solved": lean["solved"]}
     row |= {f"{word}_seconds": runs[word].processor for word in ("auto", "full")}
-    errors = {"auto_error": off["h_min"], "full_error": full["h_min"] / exact["h_min"] - 1}
-    bar = (lean["error"] + exact["error"]) / exact["h_min"]
-    return row | errors | {"error_bar": bar, "h_central": off["h_central"], "p_max": off["p_max"]}
+    row |= {f"{word}_error": runs[word].found["h_min"] / exact["h_min"] - 1 for word in ("auto", "full")}
+    return row | {"error_bar": (lean["error"] + exact["error"]) / exact["h_min"]}
 
 
 def scene(source: random.Random, i: int, is_passage: bool) -> tuple[str, Groups]:
@@ -119,20 +115,20 @@ def soften(groups: Groups) -> None:
         stretch(groups, key, new / old)
 
 
-# Groups of the table: the kind of scenes, and a word of what was solved.
+# Groups of the table: the kind of scenes, a word of what was solved, and the mark in the figure.
 PARTS = {
-    "all": ("", ""),
-    "steady contacts": ("steady", ""),
-    "passages": ("passage", ""),
-    "  solved smooth and steady": ("passage", "smooth"),
-    "  solved rough and steady": ("passage", "its roughness"),
-    "  solved as passages": ("passage", "every"),
+    "all": ("", "", ""),
+    "steady contacts": ("steady", "", "o"),
+    "passages": ("passage", "", ""),
+    "  solved smooth and steady": ("passage", "smooth", "v"),
+    "  solved rough and steady": ("passage", "its roughness", "^"),
+    "  solved as passages": ("passage", "every", "s"),
 }
 
 
 def part_of(rows: pd.DataFrame, label: str) -> pd.DataFrame:
     """The rows of a group."""
-    kind, word = PARTS[label]
+    kind, word, _ = PARTS[label]
     return rows[rows["scene"].str.startswith(kind) & rows["solved"].str.contains(word)]
 
 
@@ -160,16 +156,11 @@ def summary(all_rows: pd.DataFrame, seed: int) -> str:
 def draw(rows: pd.DataFrame, path: Path) -> None:
     """Processor time of 'auto' over that of 'full', and how far off both are."""
     figure, (times, errors) = style.new_figure(style.TWO_COLUMNS, 75, ncols=2)
-    looks = {
-        "steady contact": ("o", "steady contacts"),
-        "passage, solved as one": ("s", "  solved as passages"),
-        "passage, solved steady and rough": ("^", "  solved rough and steady"),
-        "passage, solved steady and smooth": ("v", "  solved smooth and steady"),
-    }
-    for (label, (marker, part)), series in zip(looks.items(), style.SERIES, strict=False):
-        own = part_of(rows, part)
+    marked = {label: marker for label, (_, _, marker) in PARTS.items() if marker}
+    for (label, marker), series in zip(marked.items(), style.SERIES, strict=False):
+        own = part_of(rows, label)
         shape = {"linestyle": "none", "marker": marker, "markersize": 3.5, "color": series["color"], "alpha": 0.8}
-        times.loglog(1e3 * own["full_seconds"], 1e3 * own["auto_seconds"], label=label, **shape)
+        times.loglog(1e3 * own["full_seconds"], 1e3 * own["auto_seconds"], label=label.strip(), **shape)
         errors.loglog(*(100 * own[key].abs().clip(lower=1e-6) for key in ("full_error", "auto_error")), **shape)
     errors.axhline(100 * TARGET, color="0.3", linestyle="--", linewidth=0.8, zorder=0, label="target")
     for axes in (times, errors):
@@ -182,32 +173,20 @@ def draw(rows: pd.DataFrame, path: Path) -> None:
     style.save_figure(figure, [path])
 
 
-def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:
-    """The scenes, both kinds all along, so that a run that is ended has seen its share of each."""
-    source = [random.Random(f"auto {word} {seed}") for word in ("steady", "passage")]
-    scenes = [(i / counts[k], scene(source[k], i, k == 1)) for k in (0, 1) for i in range(counts[k])]
-    return [each for _, each in sorted(scenes, key=lambda pair: pair[0])]
-
-
 def main() -> int:
     """Command line; status 1 where fewer scenes meet the target than asked for."""
-    parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto", SEED, 1)
-    options = parser.parse_args()
-    folder, words = options.output, ["unjudged", "solved", "left_out"]
-    path = folder / f"auto_{options.seed}{'_quick' if options.quick else ''}.csv"
-    rows = pd.read_csv(path) if path.exists() else pd.DataFrame(columns=["scene", *words])
-    scenes = drawn(options.seed, QUICK if options.quick else COUNTS)
-    left = [each for each in scenes if each[0] not in set(rows["scene"])]
-    for row in side_by_side(judge, left, options.processes):
-        rows = pd.concat([rows, pd.DataFrame([row])], ignore_index=True)
-        save(path, rows)
-    rows[words] = rows[words].astype(object).fillna("")
+    options = new_parser(__doc__, f"{QUICK} scenes", "results/auto", SEED, 1).parse_args()
+    scenes = []
+    for kind, count in zip(("steady", "passage"), QUICK if options.quick else COUNTS, strict=True):
+        source = random.Random(f"auto {kind} {options.seed}")
+        scenes += [scene(source, i, kind == "passage") for i in range(count)]
+    rows = pd.DataFrame(side_by_side(judge, scenes, options.processes))
+    save(options.output / "auto.csv", rows)
     judged = rows[rows["unjudged"] == ""]
     if judged.empty:
-        sys.exit(f"auto.py: {path}: no scene is judged")
-    text = summary(rows, options.seed)
-    conclude(folder / "auto.txt", text)
-    draw(judged, folder / "auto.png")
+        sys.exit("auto.py: no scene is judged")
+    conclude(options.output / "auto.txt", summary(rows, options.seed))
+    draw(judged, options.output / "auto.png")
     return 0 if (judged["auto_error"].abs() <= TARGET).mean() >= WITHIN else 1
 
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import io
 import math
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from pathlib import Path
 
 import h5py
@@ -131,7 +129,7 @@ def run_program(
 
 
 class Answer(dict):
-    """Single values of a result by name, and the times of its runs: a row each, a column a phase."""
+    """Single values of a result by name, and the wall times of its runs [s]: a row each, a column a phase."""
 
     times: pd.DataFrame
 
@@ -142,17 +140,18 @@ class Answer(dict):
 
 
 def answer(file: h5py.File) -> Answer:
-    """From summary, report, last load, domain and head of a result."""
+    """From summary, report, last load, domain, time and head of a result."""
     groups = (file[name] for name in ("summary", "report") if name in file)
     found = {name: data[()] for group in groups for name, data in group.items() if data.shape == ()}
     found |= {name: data[-1] for name, data in file.get("sweep", {}).items() if data.ndim == 1}
-    found |= {**file["input/effective/domain"].attrs, **file.attrs}
+    inputs = file["input/effective"]
+    found |= {**inputs["domain"].attrs, **(inputs["time"].attrs if "time" in inputs else {}), **file.attrs}
     plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in found.items()}
     return Answer({name: value.decode() if isinstance(value, bytes) else value for name, value in plain.items()})
 
 
 def solve(text: str, runs: int = 0, seconds: float = 1e9, read: Callable[[h5py.File], Answer] = answer, **limits: object) -> Answer:
-    """The result of a namelist, and the times of so many runs of it in one process, of which none begins after `seconds`."""
+    """The result of a namelist, and the times of so many further runs of it."""
     run = run_program(text, read, **limits)
     if run.found is None:
         return Answer(converged=0, method="-", reason=run.words if run.status < 0 else f"refused: {run.words}")
@@ -161,60 +160,43 @@ def solve(text: str, runs: int = 0, seconds: float = 1e9, read: Callable[[h5py.F
     return run.found
 
 
+def phases(file: h5py.File) -> pd.Series:
+    """Wall time of each phase of a result [s]."""
+    seconds = file["report/phase_seconds"]
+    return pd.Series(seconds[()], seconds.attrs["phases"].decode().split(", "))
+
+
 def times_of(text: str, runs: int, seconds: float = 1e9) -> pd.DataFrame:
-    """Wall times of setup, steady, transient and all, and processor time [s], a row a run in one process."""
-    with tempfile.NamedTemporaryFile("w", suffix=".nml", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        command = [ASPERITY.with_name("asperity-bench"), file.name, str(runs), str(seconds)]
-        done = subprocess.run(command, env=ENVIRONMENT, check=True, capture_output=True, text=True)
-    return pd.read_csv(io.StringIO(done.stdout), skipinitialspace=True)
+    """Phases of so many runs of a namelist in one process, a row each; fewer where they would take longer than `seconds`."""
+    once = run_program(text, phases).found.sum()
+    return pd.DataFrame(run_program([text] * max(1, min(runs, int(seconds / once))), phases).results)
 
 
 @dataclass
 class Row:
-    """One line of a table; values in seconds unless `unit` says otherwise; a ratio `times` is to be large, all else small."""
+    """One line of a table: least and median of what was measured [s, or `unit`]; a ratio `times` is to be large, all else small."""
 
     work: str
     asked: float | None
-    least: float
-    median: float
+    values: InitVar[float | list[float]]
     unit: str = "s"
-    residual: float = math.nan
-    aim: float | None = None
     note: str = ""
-    processor: float = math.nan
+    residual: float = math.nan
+    least: float = field(init=False)
+    median: float = field(init=False)
     verdict: str = field(init=False)
 
-    def __post_init__(self) -> None:
-        """Whether the median is within what was asked."""
+    def __post_init__(self, values: float | list[float]) -> None:
+        """Whether the median, or only the least value, is within what was asked."""
+        self.least, self.median = float(np.min(values)), float(np.median(values))
         sign = -1 if self.unit == "times" else 1
-
-        def is_good(value: float, bound: float) -> bool:
-            return sign * value <= sign * bound
-
-        if self.asked is None:
-            self.verdict = ""
-        elif is_good(self.median, self.asked):
-            self.verdict = "met, aim too" if self.aim is not None and is_good(self.median, self.aim) else "met"
-        else:
-            spared = {"met (min.)": self.least, "met (CPU)": self.processor}
-            self.verdict = next((words for words, value in spared.items() if is_good(value, self.asked)), "MISSED")
-
-
-def several(work: str, asked: float | None, values: list[float], unit: str = "s", **more: object) -> Row:
-    """A row of measurements."""
-    return Row(work, asked, min(values), statistics.median(values), unit, **more)
-
-
-def one(work: str, value: float, unit: str, asked: float, aim: float | None = None, note: str = "") -> Row:
-    """A row of one measurement."""
-    return Row(work, asked, value, value, unit, aim=aim, note=note)
+        good, is_near = (self.asked is not None and sign * value <= sign * self.asked for value in (self.median, self.least))
+        self.verdict = "" if self.asked is None else "met" if good else "met (min.)" if is_near else "MISSED"
 
 
 def show_rows(title: str, rows: list[Row]) -> None:
     """Prints a table, and the notes below it."""
-    table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns=["note", "aim"], errors="ignore")
+    table = pd.DataFrame(rows).dropna(axis="columns", how="all").drop(columns="note", errors="ignore")
     notes = [f"  {row.work.strip()}: {row.note}" for row in rows if row.note]
     print("\n".join([f"\n{title}", table.to_string(index=False, na_rep="", float_format="{:.3g}".format), *notes]), flush=True)
 

@@ -28,12 +28,12 @@ import h5py
 import namelists
 import numpy as np
 import pandas as pd
-from bench_program import ROOT, Answer, conclude, new_parser, run_program, save, show, solve
+from bench_program import Answer, conclude, new_parser, run_program, save, show, solve
 from family_dry import PROBLEMS, height_file, heights, sizes
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from namelists import BARE, Groups, namelist
+from namelists import BARE, namelist
 
 import figure_style as style  # isort: skip
 
@@ -84,8 +84,6 @@ TARGETS, WANTED = (1e-1, 1e-2, 1e-3, 1e-4), (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4,
 FILMS, FRICTION = ["h_min", "h_central"], "friction_coefficient"
 HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
-# In time, where the curves lie closest, the methods take turns on each grid.
-TURNS = 3
 # Not drawn: what lies on the default, is far slower or has the errors of the default; conclusion.txt has them.
 HIDDEN = ("newton_krylov", "block_jacobi", WHOLE)
 # Curves with the numbers of intervals.
@@ -105,10 +103,9 @@ PANELS: dict[str, tuple[str, str, list[str]]] = {
 
 
 def new_point(panel: str, method: str, answer: Answer, error: float, times: pd.DataFrame) -> dict[str, object]:
-    """A row of chart.csv; the mean processor time counts where other programs made it smaller than the least wall time."""
-    own = times["steady"] + times["transient"]
-    seconds = min(own.min(), times["processor"].mean())
-    clock = {"seconds": seconds, "seconds_least": own.min(), "seconds_high": max(own.quantile(0.9), seconds), "error": error}
+    """A row of chart.csv."""
+    own = times[["steady", "transient", "error_bars"]].sum(axis=1)
+    clock = {"seconds": own.min(), "seconds_high": own.quantile(0.9), "error": error}
     head = {"panel": panel, "method": method, "intervals": int(answer["intervals"])} | clock | {"way": answer["method"]}
     return head | {name: answer.get(name, math.nan) for name in COLUMNS} | {"runs": len(times)}
 
@@ -133,25 +130,13 @@ def steady_points(panels: list[str], text: partial, sizes: list[int], effort: di
     good = [(method, answer) for (method, _), answer in others if answer.converged]
     points = [new_point(panel, m, a, error_of(panel, a, reference), a.times) for panel in panels for m, a in good]
     default = {n: found["auto", n] for n in sizes if found["auto", n].converged}
-    for full in list(default)[2:]:
-        times = bench_program.times_of(text(full, {}, output=BARE["output"]), **effort)
-        limits = limits_of(*(default[full // part] for part in (1, 2, 4)))
-        points += [new_point(p, LIMITS, default[full], error_of(p, limits, reference), times) for p in panels]
+    for n in list(default)[2:]:
+        limits = solve(text(n, {}, output=BARE["output"]), **effort)
+        values = {name.removesuffix("_extrapolated"): value for name, value in limits.items()}
+        known = [p for p in panels if all(f"{name}_extrapolated" in limits for name in PANELS[p][2])]
+        points += [new_point(p, LIMITS, limits, error_of(p, values, reference), limits.times) for p in known]
     points += whole_program(panels[0], points, {n: text(n, {}) for n in sizes}, effort)
     return points, [f"{m}:{n}: {a['reason'].strip()}" for (m, n), a in found.items() if not a.converged]
-
-
-def limits_of(full: Answer, half: Answer, quarter: Answer) -> dict[str, float]:
-    """Quantities on n, n/2 and n/4 intervals, extrapolated with the observed order between 1 and 2, as in /summary.
-
-    The time is that of the run with error bars, which passes the coarser grids on its way.
-    """
-    limits = {}
-    for name in (name for name in (*FILMS, "p_max", FRICTION) if name in full):
-        q1, q2, q4 = (answer[name] for answer in (full, half, quarter))
-        order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
-        limits[name] = q1 + (q1 - q2) / (2**order - 1)
-    return limits
 
 
 def whole_program(panel: str, points: list[dict], texts: dict[int, str], effort: dict[str, float]) -> list[dict]:
@@ -162,7 +147,7 @@ def whole_program(panel: str, points: list[dict], texts: dict[int, str], effort:
         while plain["intervals"] in texts and len(used) < effort["runs"] and sum(used) < effort["seconds"]:
             used.append(run_program(texts[plain["intervals"]]).wall)
         if used:
-            times = {"seconds": min(used), "seconds_least": min(used), "seconds_high": np.quantile(used, 0.9)}
+            times = {"seconds": min(used), "seconds_high": np.quantile(used, 0.9)}
             found.append(plain | {"method": WHOLE} | times)
     return found
 
@@ -191,62 +176,38 @@ def transient_points(panel: str, sizes: list[int], effort: dict[str, float]) -> 
 
     euler = {"scheme": "backward_euler"}
     methods = {name: (METHODS[name], {}) for name in IN_TIME} | {EULER: ({}, euler), THESIS: (THESIS_SOLVER, euler)}
-    largest = LARGEST | {"newton_dense": 256}
-    every = [(THESIS, min(THESIS_GRID, sizes[-1]))]
-    every += [(method, n) for n in sizes for method in methods if method != THESIS and n <= largest.get(method, n)]
+    largest, thesis_grid = LARGEST | {"newton_dense": 256}, min(THESIS_GRID, sizes[-1])
+    every = [(m, n) for m in methods for n in sizes if n <= largest.get(m, n) and (m != THESIS or n == thesis_grid)]
     stored = BARE | {"output": {"adequacy": False, "profile_stride": 1}}
     reference = solve(
         text(REFERENCE_FACTOR * sizes[-1], METHODS["newton_krylov"] | {"tolerance": 1e-8}, {}, **stored), read=pressures
     )
-    points, failures = [], []
-    for n in sizes:
-        texts = {method: text(n, *methods[method], **stored) for method, own in every if own == n}
-        found = {method: solve(text, read=pressures) for method, text in texts.items()}
-        turns = [m for m, answer in found.items() if answer.converged] * TURNS
-        times = [bench_program.times_of(texts[method], **effort).assign(method=method) for method in turns]
-        for method, own in pd.concat(times).groupby("method", sort=False):
-            error = largest_difference(found[method]["pressure"], reference["pressure"])
-            points.append(new_point(panel, method, found[method], error, own))
-        failures += [f"{method}:{n}: {answer['reason']}" for method, answer in found.items() if not answer.converged]
+    found = {(m, n): solve(text(n, *methods[m], **stored), read=pressures, **effort) for m, n in every}
+    errors = {key: largest_difference(a["pressure"], reference["pressure"]) for key, a in found.items() if a.converged}
+    points = [new_point(panel, key[0], found[key], error, found[key].times) for key, error in errors.items()]
     points += whole_program(panel, points, {n: text(n, {}, {}) for n in sizes if n & (n - 1) == 0}, effort)
-    return sorted(points, key=lambda point: [*methods, WHOLE].index(point["method"])), failures
-
-
-def profile_case() -> Groups:
-    """Reference profile C, harmonics 1 to 64, elastic at a mean pressure of 1 GPa."""
-    file = str(ROOT / "input" / "profiles_ABCD.csv")
-    return {
-        "case": {"problem": "dry_line"},
-        "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3},
-        "load": {"mean_pressure": 1e9},
-        "surface_1": {"shape": "file", "file": file, "positions": "x_m", "dataset": "zC_m", "harmonics": 64},
-    }
-
-
-def area_case(surface: dict) -> Groups:
-    """A rough area, elastic, about 10 % in contact."""
-    bodies, load = {"reduced_modulus": MODULUS}, {"mean_pressure": PRESSURE}
-    return {"case": {"problem": PROBLEMS[1]}, "bodies": bodies, "load": load, "surface_1": surface}
-
-
-def area_heights() -> np.ndarray:
-    """The rough area on its first grid: waves from an eighth to a twenty-fourth of the length."""
-    waves = {"wavelength_rolloff": 1.25e-4, "wavelength_short": 1e-3 / 24}
-    surface = {"shape": "synthetic", "seed": 1, "rms_height": 1e-6} | waves
-    text = namelist(area_case(surface) | {"domain": sizes(2, FIRST, LENGTH)})
-    return run_program(text, lambda file: file["solution/height_undeformed"][()]).found
+    return points, [f"{m}:{n}: {a['reason']}" for (m, n), a in found.items() if not a.converged]
 
 
 def dry_points(folder: Path, quick: bool, peers: str | None) -> Iterator[dict[str, object]]:
-    """Of each method on each grid: processor seconds of the fastest and the slowest run, error of the mean separation."""
-    z = area_heights()
+    """Of each method on each grid: processor seconds of the fastest and the slowest run, error of the mean separation.
+
+    The profile is C, harmonics 1 to 64, elastic at a mean pressure of 1 GPa; the area is elastic, about 10 % in contact, with
+    waves from an eighth to a twenty-fourth of the length.
+    """
+    profile = dry_areas.profile_case("C", 1e9, harmonics=64)
+    waves = {"wavelength_rolloff": 1.25e-4, "wavelength_short": 1e-3 / 24}
+    surface = {"shape": "synthetic", "seed": 1, "rms_height": 1e-6} | waves
+    area = {"case": {"problem": PROBLEMS[1]}, "bodies": {"reduced_modulus": MODULUS}, "load": {"mean_pressure": PRESSURE}}
+    first = namelist(area | {"surface_1": surface, "domain": sizes(2, FIRST, LENGTH)})
+    z = run_program(first, lambda file: file["solution/height_undeformed"][()]).found
     path = folder / "area.h5"
     path.write_bytes(height_file(z, [LENGTH / FIRST] * 2))
     grids = {key: nodes[:2] for key, nodes in NODES.items()} if quick else NODES
-    area = area_case({"shape": "file", "file": str(path.resolve()), "dataset": "z"})
+    area["surface_1"] = {"shape": "file", "file": str(path.resolve()), "dataset": "z"}
 
     def solved(kind: str, method: str, nodes: int, tolerance: float) -> list[Answer]:
-        case, domain = (profile_case(), {"intervals": nodes}) if kind == "profile" else (area, sizes(2, nodes, LENGTH))
+        case, domain = (profile, {"intervals": nodes}) if kind == "profile" else (area, sizes(2, nodes, LENGTH))
         case = case | BARE | {"domain": domain, "solver": {"method": method, "tolerance": tolerance, "max_cycles": 3000}}
         return sorted((solve(namelist(case)) for _ in range(RUNS)), key=lambda answer: answer["cpu_seconds"])
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import f90nml
 from bench_program import ASPERITY, ENVIRONMENT, ROOT, run_program
 from family_dry import height_file
-from judge import FINER, Member, Resolution, finer_passage
+from judge import FINER, Answer, Member, finer_passage
 from namelists import NO_BARS, Groups, namelist
 
 # Domain of a truth at rest; ends of one in time, at least.
@@ -80,10 +80,10 @@ def finer_contact(case: Groups, files: dict[str, str | bytes]) -> Groups:
     return truth | {"surface_1": {"shape": "file", "file": "heights.h5", "dataset": "z"}}
 
 
-def refined(case: Groups, factor: int, found: Resolution) -> Groups:
+def refined(case: Groups, factor: int, found: Answer) -> Groups:
     """The truth of a history or a point: `factor` times the intervals."""
     key = "intervals_x" if case["case"]["problem"] == "ehl_point" else "intervals"
-    return case | {"accuracy": NO_BARS, "domain": {key: factor * found.intervals}, "output": {}}
+    return case | {"accuracy": NO_BARS, "domain": {key: factor * found[key]}, "output": {}}
 
 
 def members(kind: str) -> Callable[[], list[Member]]:

@@ -12,7 +12,7 @@ from functools import partial
 import namelists
 from family_steady import OILS as LAWS
 from family_steady import Draw, half_axis, log_uniform, point_in_si
-from judge import Member, Resolution, beside, finer_passage
+from judge import Answer, Member, beside, finer_passage
 from namelists import NO_BARS, Groups
 
 # Domains of the truth of a wave at rest and in time, so long that they change nothing; the case leaves its own to the program.
@@ -211,10 +211,10 @@ def point_at_random(source: random.Random, i: int, heaviest: float) -> tuple[Gro
     return point_in_si(source, groups, m, ratio) | {"domain": {"intervals_x": 64}}, slide, film
 
 
-def finer_point(groups: Groups, found: Resolution) -> Groups:
+def finer_point(groups: Groups, found: Answer) -> Groups:
     """The truth of a passage of a point: twice the intervals, and half the step, on the same domain."""
-    time = groups["time"] | {"time_step": found.step / 2}
-    return groups | {"domain": {"intervals_x": 2 * found.intervals}, "time": time, "accuracy": NO_BARS}
+    time = groups["time"] | {"time_step": found["time_step"] / 2}
+    return groups | {"domain": {"intervals_x": 2 * found["intervals_x"]}, "time": time, "accuracy": NO_BARS}
 
 
 def point_passing(source: random.Random, i: int) -> Member:

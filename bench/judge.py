@@ -47,19 +47,8 @@ REFUSED, NOTED, UNKNOWN, JUDGED = "refused", "noted", "not known", "judged"
 
 
 @dataclass(frozen=True)
-class Resolution:
-    """Spacing, time step (none: NaN), ends of the domain, of a result; over the half-width and its time."""
-
-    spacing: float
-    step: float
-    x_inlet: float
-    x_outlet: float
-    intervals: int
-
-
-@dataclass(frozen=True)
 class Member:
-    """A case as the user writes it, and the one whose answer counts as true, or what makes it from the case's resolution.
+    """A case as the user writes it, and the one whose answer counts as true, or what makes it from the case's answer.
 
     `exact` holds quantities that are known in closed form [SI], by path; with all of them there `truth` may be missing. `files` are
     written beside the namelist, by name. With a `target`, a relative error that the namelist asks for, that is judged in place of
@@ -67,7 +56,7 @@ class Member:
     """
 
     case: Groups
-    truth: Groups | Callable[[Resolution], Groups] | None = None
+    truth: Groups | Callable[[Answer], Groups] | None = None
     exact: dict[str, float] = field(default_factory=dict)
     files: dict[str, str | bytes] = field(default_factory=dict)
     target: float = 0.0
@@ -136,31 +125,33 @@ def beside(groups: Groups, domain: dict, fine: dict, **others: dict) -> Member:
 
 def finer_passage(
     groups: Groups, ends: tuple[float, float], fewest: Callable[[float], int] | int, longest: float, **time: object
-) -> Callable[[Resolution], Groups]:
-    """The truth of a passage, made from the resolution of its case.
+) -> Callable[[Answer], Groups]:
+    """The truth of a passage, made from the answer of its case.
 
     Its domain reaches `ends` and FARTHER; it has FINER intervals, but no fewer than `fewest` (of its length), and a FINER time
     step, but none above `longest`; `time` are further keys.
     """
 
-    def finer(found: Resolution) -> Groups:
-        domain = {"x_inlet": min(FARTHER * found.x_inlet, ends[0]), "x_outlet": max(found.x_outlet, ends[1])}
+    def finer(found: Answer) -> Groups:
+        start, end = found["x_inlet"], found["x_outlet"]
+        domain = {"x_inlet": min(FARTHER * start, ends[0]), "x_outlet": max(end, ends[1])}
         length = domain["x_outlet"] - domain["x_inlet"]
         domain |= GRADED  # with a tail
-        domain["intervals"] = rounded_up(max(FINER * length / found.spacing, fewest(length) if callable(fewest) else fewest))
-        step = min(found.step / FINER, longest)
+        least, spacing = fewest(length) if callable(fewest) else fewest, (end - start) / found["intervals"]
+        domain["intervals"] = rounded_up(max(FINER * length / spacing, least))
+        step = min(found["time_step"] / FINER, longest)
         return groups | {"domain": domain, "accuracy": NO_BARS, "time": groups["time"] | {"time_step": step} | time}
 
     return finer
 
 
-def finer_sample(groups: Groups, factor: int) -> Callable[[Resolution], Groups | None]:
+def finer_sample(groups: Groups, factor: int) -> Callable[[Answer], Groups | None]:
     """The truth of a steady contact: SAMPLE_FINER intervals, on a domain of `factor` times the length, if there is one."""
 
-    def finer(found: Resolution) -> Groups | None:
-        far = found.x_outlet - factor * (found.x_outlet - found.x_inlet) if factor > 1 else found.x_inlet
-        domain = {"x_inlet": far, "x_outlet": found.x_outlet}
-        domain["intervals"] = SAMPLE_FINER * factor * found.intervals
+    def finer(found: Answer) -> Groups | None:
+        start, end = found["x_inlet"], found["x_outlet"]
+        far = end - factor * (end - start) if factor > 1 else start
+        domain = {"x_inlet": far, "x_outlet": end, "intervals": SAMPLE_FINER * factor * found["intervals"]}
         return groups | {"domain": domain, "accuracy": NO_BARS} if factor == 1 or far > -FARTHEST else None
 
     return finer
@@ -172,8 +163,8 @@ def rounded_up(wanted: float) -> int:
     return power * math.ceil(wanted / power)
 
 
-def read(family: Family, file: h5py.File) -> tuple[Answer, str, dict[str, tuple[float, float]], Resolution | None]:
-    """What is judged of a result: its answer, note, quantities with their estimates by path (of a sweep the last), resolution."""
+def read(family: Family, file: h5py.File) -> tuple[Answer, str, dict[str, tuple[float, float]]]:
+    """What is judged of a result: its answer, note, quantities with their estimates by path (of a sweep the last)."""
     found = answer(file)
     parts = found.get("note", "").split("; ") if not family.is_sample else []
     note = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
@@ -181,12 +172,7 @@ def read(family: Family, file: h5py.File) -> tuple[Answer, str, dict[str, tuple[
     for path in (path for path in family.quantities if path in file):
         bar = sum(file[path].attrs.get(part, math.nan) for part in family.estimate.split("+"))
         values[path] = tuple(float(np.ravel(each)[-1]) for each in (file[path][()], bar))
-    n, resolution = found.get("intervals_x", found.get("intervals")), None
-    if "x_inlet" in found and n:
-        start, end = found["x_inlet"], found["x_outlet"]
-        step = float(file["input/effective/time"].attrs.get("time_step", math.nan))
-        resolution = Resolution((end - start) / n, step, start, end, int(n))
-    return found, "; ".join(note), values, resolution
+    return found, "; ".join(note), values
 
 
 def judge(family: Family, member: Member, name: str) -> list[Row]:
@@ -195,14 +181,14 @@ def judge(family: Family, member: Member, name: str) -> list[Row]:
     run = run_program(namelist(member.case), take, member.files)
     if reason := why_not(run):
         return [Row(family.name, name, path, REFUSED, reason=reason) for path in family.quantities]
-    rows, (_, note, values, resolution) = [], run.found
+    rows, (found, note, values) = [], run.found
     for path, (value, estimate) in values.items():
         bar = member.target * abs(value) or estimate
         verdict = NOTED if note else UNKNOWN if math.isnan(bar) else JUDGED
         rows.append(Row(family.name, name, path, verdict, value, bar, reason=note))
     truth = {path: (value, 0.0) for path, value in member.exact.items()}
     if member.truth and any(row.verdict == JUDGED for row in rows):
-        finer = member.truth(resolution) if callable(member.truth) else member.truth
+        finer = member.truth(found) if callable(member.truth) else member.truth
         fine = run_program(namelist(finer), take, member.files) if finer else None
         if fine is None or why_not(fine):
             return [replace(row, verdict="no truth", reason=why_not(fine) if fine else "") for row in rows]

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import pandas as pd
 from bench_program import ROOT
-from families import table as families_table
 from stability import is_right
 from stability_cells import NAMES
 
@@ -40,38 +39,28 @@ def measured_on() -> str:
 
 
 def fenced(text: str) -> str:
-    """A block of preformatted text."""
-    return f"```text\n{text.rstrip()}\n```\n"
-
-
-def folded(text: str) -> str:
     """A block of preformatted text, long lines folded with their indent."""
     lines = []
-    for line in text.splitlines():
+    for line in text.rstrip().splitlines():
         indent = " " * (len(line) - len(line.lstrip()))
         lines += textwrap.wrap(line, 128, subsequent_indent=indent + "    ") or [""]
-    return fenced("\n".join(lines))
+    return "```text\n" + "\n".join(lines) + "\n```\n"
 
 
 def as_it_is(*paths: Path) -> str:
     """The text of files."""
-    return folded("".join(path.read_text(encoding="utf-8") for path in paths))
+    return fenced("".join(path.read_text(encoding="utf-8") for path in paths))
 
 
 def bench_text(path: Path) -> str:
     """Targets of speed and memory, and the median of what was measured; a star where that misses the target."""
     rows = pd.read_csv(path).dropna(subset=["asked"]).fillna({"unit": ""})
-    stars = rows["verdict"].isin(("MISSED", "met (min.)", "met (CPU)"))
+    stars = rows["verdict"] != "met"
     lines = [
         f"{work:<44} <= {asked:<6g} {median:8.3g} {unit:<2} {'*' * star}".rstrip()
         for work, asked, median, unit, star in zip(*(rows[key] for key in ("work", "asked", "median", "unit")), stars, strict=True)
     ]
     return fenced("\n".join(lines))
-
-
-def families_text(path: Path) -> str:
-    """The table of the families."""
-    return fenced(families_table(pd.read_csv(path)))
 
 
 def maps_text(*paths: Path) -> str:
@@ -87,7 +76,7 @@ def maps_text(*paths: Path) -> str:
 
 def dry_text(path: Path) -> str:
     """The table of `make bench-dry`, the shares of contact [%] of a row beside each other."""
-    rows, lines = pd.read_csv(path).rename(columns={"value": "median"}), []
+    rows, lines = pd.read_csv(path), []
     for work, own in rows.groupby(rows["work"].str.replace(r", \d+ %", "", regex=True), sort=False):
         shares = own["work"].str.extract(r"(\d+) %")[0].add(": ").fillna("")
         cells = shares + own["median"].map("{:.3g}".format) + own["verdict"].eq("MISSED").map({True: "*", False: ""})
@@ -101,8 +90,8 @@ BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
     "bench": (["bench/bench.csv"], [], bench_text),
     "chart": (["chart/conclusion.txt"], ["chart/chart.png"], as_it_is),
     "targets": (["accuracy/cost_time.txt"], [], as_it_is),
-    "families": (["accuracy/families.csv"], [], families_text),
-    "passages": (["accuracy/passages/families.csv"], [], families_text),
+    "families": (["accuracy/families.txt"], [], as_it_is),
+    "passages": (["accuracy/passages/families.txt"], [], as_it_is),
     "stability": ([f"stability/stability_{name}.csv" for name in NAMES], ["stability/stability.png"], maps_text),
     "dry": (["bench/dry.csv"], [], dry_text),
     "adequacy": (["adequacy/adequacy.txt"], [], as_it_is),
@@ -118,12 +107,6 @@ def with_block(page: str, name: str, text: str) -> str:
     return page[: page.index(begin) + len(begin)] + text + page[page.index(end) :]
 
 
-def put_block(name: str, text: str) -> None:
-    """Puts a text, what it was measured on in front of it, into a block of the page. Raises ValueError."""
-    page = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(with_block(page, name, f"{measured_on()}\n\n{text}"), encoding="utf-8")
-
-
 def main() -> int:
     """Writes the blocks; status 1 if one has no results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -136,7 +119,8 @@ def main() -> int:
             print(f"{name}: stays, missing: {', '.join(missing[:3])}", file=sys.stderr)
             status = 1
             continue
-        put_block(name, text(*needed))
+        page = with_block(PAGE.read_text(encoding="utf-8"), name, f"{measured_on()}\n\n{text(*needed)}")
+        PAGE.write_text(page, encoding="utf-8")
         for path in images:
             shutil.copy(path, IMAGES)
         print(f"{name}: written")

@@ -80,10 +80,9 @@ def report(each: StabilityMap, cells: pd.DataFrame, folder: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draw_maps(maps: list[StabilityMap], found: list[pd.DataFrame], columns: int, title: str, path: Path) -> None:
+def draw_maps(found: list[tuple[StabilityMap, pd.DataFrame]], columns: int, title: str, path: Path) -> None:
     """Draws maps, the panels of each in rows of at most `columns`."""
-    pairs = zip(maps, found, strict=True)
-    panels = [(each, method, cells[cells["method"] == method]) for each, cells in pairs for method in each.methods]
+    panels = [(each, method, cells[cells["method"] == method]) for each, cells in found for method in each.methods]
     columns = math.ceil(len(panels) / math.ceil(len(panels) / columns))
     rows = math.ceil(len(panels) / columns)
     figure, axes = style.new_figure(style.TWO_COLUMNS, 22 + 48 * rows, nrows=rows, ncols=columns, squeeze=False)
@@ -92,9 +91,9 @@ def draw_maps(maps: list[StabilityMap], found: list[pd.DataFrame], columns: int,
         if i % columns:
             panel.set_ylabel("")
             panel.set_yticklabels([])
-        if len(maps) == 1 and i + columns < len(panels):
+        if len(found) == 1 and i + columns < len(panels):
             panel.label_outer()
-        if len(maps) > 1 and i % columns == 0:
+        if len(found) > 1 and i % columns == 0:
             panel.set_title(f"\n{panel.get_title()}", fontsize=8.5)
             panel.annotate(content[0].title, (0, 1), (0, 17), "axes fraction", "offset points", fontsize=8.5).set_in_layout(False)
     for panel in axes.flat[len(panels) :]:
@@ -104,7 +103,7 @@ def draw_maps(maps: list[StabilityMap], found: list[pd.DataFrame], columns: int,
     bar.set_ticks([1, 2, 5, 10, 20, 30], labels=["1", "2", "5", "10", "20", "30"])
     bar.minorticks_off()
     figure.suptitle(title, fontsize=9)
-    seen = set(pd.concat(found)["status"])
+    seen = {status for _, cells in found for status in cells["status"]}
     handles = [Patch(facecolor=GREEN(0.5), label="converged")]
     look = {"edgecolor": "0.4", "linewidth": 0.4}
     handles += [Patch(facecolor=colour, label=f"{label} ({s})", **look) for w, (colour, s, label) in CLASSES.items() if w in seen]
@@ -141,22 +140,20 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", metavar="MAP", choices=NAMES, default=NAMES, help=words)
     parser.add_argument("--dry", action="store_true", help="dry contacts")
     options = parser.parse_args()
-    folder, found, text = options.output, {}, ""
+    folder, found, text = options.output, [], ""
     maps = dry_maps(options.quick) if options.dry else (each for each in all_maps(options.quick) if each.key in options.only)
     for each in maps:
         print(each.key, end=": ", file=sys.stderr)
         cells = solve_map(each, options.processes)
         save(folder / f"stability_{each.key}.csv", cells.drop(columns=["column", "row"]))
         text += report(each, cells, folder / "not_converged")
-        if options.dry or each.key in SHOWN:
-            found[each.key] = each, cells
         if not options.dry:
-            draw_maps([each], [cells], 4, each.title, folder / f"stability_{each.key}")
+            draw_maps([(each, cells)], 4, each.title, folder / f"stability_{each.key}")
             each.methods = AUTO | CYCLES
-    if options.dry:
-        draw_maps(*map(list, zip(*found.values(), strict=True)), 2, "", folder / "dry_stability")
-    elif len(found) == len(SHOWN):
-        draw_maps(*map(list, zip(*found.values(), strict=True)), 4, "", folder / "stability")
+        if options.dry or each.key in SHOWN:
+            found.append((each, cells))
+    if options.dry or len(found) == len(SHOWN):
+        draw_maps(found, 2 if options.dry else 4, "", folder / ("dry_stability" if options.dry else "stability"))
     conclude(folder / ("dry_conclusion.txt" if options.dry else "conclusion.txt"), text)
 
 

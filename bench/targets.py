@@ -4,8 +4,8 @@
 The time, choice included, is compared with the best fixed grid: the fewest intervals (1 %: 64 to 1024, 0.1 %: to 4096) with dT = dX
 and the thesis's scheme from which on all meet it; for 1 % also with the cheaper of the best fixed grids of both schemes. The exact
 answer is that of the thesis's scheme on 2048 intervals, for 0.1 % that of the kappa scheme on 4096 with dT = dX/2. Times are of one
-core, the least wall time of several runs, or their mean processor time where other work on the machine made that smaller. Writes
-cost_time.csv and .txt. Targets of steady contacts: group `graded` of families.py, and chart.py.
+core, the least of several runs. Writes cost_time.csv and .txt. Targets of steady contacts: group `graded` of families.py, and
+chart.py.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ EFFORT = {"runs": 3, "seconds": 0.2, "limit": 300}
 
 
 def least_seconds(answer: Answer) -> float:
-    """Least wall time, or mean processor time."""
-    return min(answer.times["all"].min(), answer.times["processor"].mean()) if answer.converged else math.nan
+    """Wall time of all phases."""
+    return answer.times.sum(axis=1).min() if answer.converged else math.nan
 
 
 def passage_cost(item: tuple[str, str, Passage, float]) -> dict[str, object]:
@@ -68,15 +68,11 @@ def cost_text(costs: pd.DataFrame) -> str:
         ratios = known["seconds"] / known["best_seconds"]
         both = (known["seconds"] / known[["best_seconds", "kappa_seconds"]].min(axis=1))[known["kappa_seconds"] > 0]
         met, in_all = 100 * (judged["error"] <= target).mean(), known["seconds"].sum() / known["best_seconds"].sum()
-        numbers = f"{upper(ratios, 0.5):8.2f}{upper(ratios, 0.9):7.2f}{ratios.max():9.2f}{in_all:8.2f}"
-        either = f"{upper(both, 0.5):8.2f}" if len(both) else f"{'-':>8s}"
+        median, most = ratios.quantile([0.5, 0.9], interpolation="higher")
+        numbers = f"{median:8.2f}{most:7.2f}{ratios.max():9.2f}{in_all:8.2f}"
+        either = f"{both.quantile(0.5, interpolation='higher'):8.2f}" if len(both) else f"{'-':>8s}"
         text += f"{f'{sample} passages, {100 * target:g}':22s}{len(judged):6d}{met:9.1f}{numbers}{either}\n"
     return text
-
-
-def upper(values: pd.Series, part: float) -> float:
-    """The value below which this part lies."""
-    return values.quantile(part, interpolation="higher")
 
 
 def main() -> None:

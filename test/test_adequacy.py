@@ -3,8 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, TRANSIENT, contents, ended, same_bits, write
-from conftest import ROOT
+from cases import ROOT, STEADY, TRANSIENT, contents, ended, same_bits, write
 from test_postproc import run
 
 OFF = "&output adequacy = .false. /\n"

@@ -11,11 +11,9 @@ import pathlib
 import random
 import re
 
-import f90nml
 import h5py
 import pytest
-from cases import AT_REST, STEADY, called, ended, members, text, write
-from conftest import ROOT
+from cases import AT_REST, ROOT, STEADY, called, ended, members, text, write
 
 FOLDER = pathlib.Path(__file__).parent / "bad_input"
 BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
@@ -193,18 +191,6 @@ def test_random_subscripts(asperity, tmp_path):
     assert "Error" not in done.stderr
     for name, is_good in verdicts.items():
         assert (f"\n{name}:3: &load mean_pressure: found " in f"\n{done.stderr}") != is_good, (tmp_path / name).read_text()
-
-
-def test_ranges_of_f90nml(asperity, tmp_path):
-    namelist = f90nml.Namelist(case={"problem": "dry_line"}, bodies={"reduced_modulus": 2e11})
-    namelist["load"] = {"mean_pressure": [1e6, 2e6, 3e6]}
-    namelist["surface_1"] = {"shape": "sinusoid", "amplitude": 1e-7, "wavelength": 1e-3}
-    namelist["domain"] = {"length": 1e-3, "intervals": 64}
-    namelist.default_start_index = 1
-    namelist["load"].start_index["mean_pressure"] = [1]
-    namelist.write(tmp_path / "ranges.nml")
-    assert "(1:3)" in (tmp_path / "ranges.nml").read_text()
-    assert asperity("--check", "ranges.nml").returncode == 0
 
 
 def test_a_mistyped_key_is_named(asperity, tmp_path):

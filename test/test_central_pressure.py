@@ -7,8 +7,7 @@ import h5py
 import namelists
 import numpy as np
 import pytest
-from cases import ended, write
-from conftest import ROOT
+from cases import ROOT, ended, write
 from scipy.interpolate import CubicSpline
 
 MINIMAL = ROOT / "input" / "minimal.nml"

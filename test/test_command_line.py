@@ -10,8 +10,7 @@ import subprocess
 
 import h5py
 import pytest
-from cases import MOES, POINT, STEADY, contents, damaged, ended, seal, text, write
-from conftest import ROOT
+from cases import MOES, POINT, ROOT, STEADY, contents, damaged, ended, seal, text, write
 
 COARSE = STEADY.replace("intervals = 256", "intervals = 64") + "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
 SPHERE = ROOT / "input" / "dry_sphere.nml"

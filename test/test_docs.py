@@ -15,8 +15,7 @@ import h5py
 import nbclient
 import nbformat
 import pytest
-from cases import called
-from conftest import ROOT
+from cases import ROOT, called
 
 PAGES = ["README.md", *(f"docs/{name}.md" for name in ("CONTRIBUTING", "guide", "dry", "batch", "theory", "developer", "tasks"))]
 OTHERS = ("CHANGELOG", "decisions", "input", "ford", "thesis", "performance", "testing")

@@ -2,13 +2,14 @@
 
 from pathlib import Path
 
+import cases
 import h5py
 import numpy as np
 import pytest
-from cases import contents, ended, same_bits, write
-from dry_cases import HARD, HEIGHTS, STEEL, case_text, close, profile, rows, solve, write_heights, write_profile
+from cases import HARD, HEIGHTS, STEEL, case_text, close, ended, profile, solve, write, write_heights, write_profile
 from test_postproc import run
 
+DATA = cases.ROOT / "test" / "data"
 # Of the sweep, and of the reference table.
 COLUMNS = [
     *("contact_area_fraction Ar_An_ep", "plastic_area_fraction Ap_An", "plasticity_index Ap_Ar", "mean_separation mean_gap_ep"),
@@ -22,7 +23,7 @@ COLUMNS = [
 @pytest.mark.parametrize("counter", ["rigid", "steel"])
 @pytest.mark.parametrize("name", ["A", "C"])
 def test_sweep_of_a_profile(asperity, tmp_path, name, counter):
-    table = [row for row in rows("sweep_AC.csv") if row["profile"] == name and row["counter"] == counter]
+    table = [row for row in cases.rows(DATA / "sweep_AC.csv") if row["profile"] == name and row["counter"] == counter]
     loads = [float(row["pbar_MPa"]) * 1e6 for row in table]
     assert len(loads) == 13
     second = STEEL if counter == "steel" else ""
@@ -39,7 +40,7 @@ def test_sweep_of_a_profile(asperity, tmp_path, name, counter):
     close(sweep["rsk_loaded"], [row["lel_Rsk"] for row in table])
 
 
-@pytest.mark.parametrize("row", rows("truncation_A_100kN.csv"), ids=lambda row: row["n"])
+@pytest.mark.parametrize("row", cases.rows(DATA / "truncation_A_100kN.csv"), ids=lambda row: row["n"])
 def test_truncated_profile(asperity, tmp_path, row):
     surface = profile(row["profile"], int(row["n"]))
     with solve(asperity, tmp_path, surface, [250e6]) as file:
@@ -91,9 +92,9 @@ def test_fields_that_are_stored(asperity, tmp_path):
     """Some of them, and in single precision: the same numbers, rounded; everything else to the bit."""
     for problem, size in SIZES.items():
         surface = SYNTHETIC.format(seed=1, skewness=0.0, kurtosis=3.0)
-        full = contents(Path(solve(asperity, tmp_path, surface, [1e7], "", size, problem).filename))
+        full = cases.contents(Path(solve(asperity, tmp_path, surface, [1e7], "", size, problem).filename))
         chosen = size + "\n&output fields = 'gap', 'pressure', precision = 'single' /"
-        few = contents(Path(solve(asperity, tmp_path, surface, [1e7], "", chosen, problem).filename))
+        few = cases.contents(Path(solve(asperity, tmp_path, surface, [1e7], "", chosen, problem).filename))
         fields = {name for name in full if name.startswith("solution/") and "@" not in name} - {"solution/x", "solution/y"}
         assert len(fields) == 6
         assert {name for name in fields if name in few} == {"solution/pressure", "solution/gap"}
@@ -102,7 +103,7 @@ def test_fields_that_are_stored(asperity, tmp_path):
             np.testing.assert_array_equal(few[name], full[name].astype(np.float32))
         for name in full:
             if name.startswith(("sweep/", "summary/", "surface/")) and "@" not in name:
-                assert same_bits(full[name], few[name]), name
+                assert cases.same_bits(full[name], few[name]), name
 
 
 @pytest.mark.path
@@ -160,7 +161,7 @@ def test_figures_of_a_profile_and_an_area(run_case, tmp_path):
     assert "no.h5" in ended(run("dry", tmp_path / "no.h5", "--output", tmp_path), 1).stderr
 
 
-@pytest.mark.parametrize("row", rows("jgh_512.csv"), ids=lambda row: row["pbar_over_pstar"])
+@pytest.mark.parametrize("row", cases.rows(DATA / "jgh_512.csv"), ids=lambda row: row["pbar_over_pstar"])
 def test_bisinusoid(solved_case, tmp_path, row):
     nodes, length, height = 512, 1e-3, 1e-6
     wave = np.cos(2 * np.pi * np.arange(nodes) / nodes)

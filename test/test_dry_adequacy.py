@@ -5,8 +5,7 @@ import contextlib
 import h5py
 import numpy as np
 import pytest
-from cases import called, contents, ended, text, write
-from dry_cases import HARD, HEIGHTS, LEAN, case_text, profile, write_heights
+from cases import HARD, HEIGHTS, LEAN, called, case_text, contents, ended, profile, text, write, write_heights
 
 BELOW = "matters below the accuracy"
 QUANTITIES = ("contact_area_fraction", "mean_separation", "p_max")

@@ -5,8 +5,7 @@ import random
 import h5py
 import numpy as np
 import pytest
-from cases import ended, text, write
-from dry_cases import HARD, HEIGHTS, case_text, profile, solve, write_heights, write_profile
+from cases import HARD, HEIGHTS, case_text, ended, profile, solve, text, write, write_heights, write_profile
 
 RADIUS, MODULUS, PEAK = 0.01, 230e9, 1e9
 LINE = 4 * RADIUS * PEAK / MODULUS  # half-width of the Hertzian line

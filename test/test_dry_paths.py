@@ -5,8 +5,7 @@ import os
 import h5py
 import numpy as np
 import pytest
-from cases import ended, write
-from dry_cases import case_text, close, solve
+from cases import case_text, close, ended, solve, write
 
 SURFACE = "shape = 'synthetic', rms_height = 0.5e-6, wavelength_rolloff = 1e-4, wavelength_short = 1.25e-5"
 DOMAIN = "&domain length_x = 3e-4, length_y = 2.4e-4, intervals_x = 60, intervals_y = 48 /"

@@ -8,8 +8,7 @@ import chapter7_claims
 import numpy as np
 import pytest
 from asperities import DISTANCES, moment, summits_of
-from cases import rows, run_quick
-from conftest import ROOT
+from cases import ROOT, rows, run_quick
 from dry_profiles import verdict
 
 

@@ -10,9 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from asperity import commands, duty
-from cases import seal
-from conftest import ROOT
-from result_maker import put
+from cases import ROOT, seal
 
 DEGREE = math.pi / 180
 INPUT = ROOT / "input" / "duty"
@@ -183,6 +181,14 @@ def test_paths_and_keys_of_the_namelist(write, tmp_path):
     assert case["history"] == {"file": "mesh.csv", "interpolation": "cubic", "periodic": False}
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert write("gear", GEAR, "--output", "file/folder")[0] == 3
+
+
+def put(group: h5py.Group, name: str, values: object, units: str = "1", scale: float = 1.0) -> None:
+    """A dataset with the attributes that every dataset has."""
+    dataset = group.create_dataset(name, data=values)
+    dataset.attrs["long_name"] = name.replace("_", " ")
+    dataset.attrs["si_units"] = units
+    dataset.attrs["si_scale"] = scale
 
 
 def made_result(heat, bar=0.01, cycles=1):

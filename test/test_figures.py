@@ -8,9 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from cases import POINT, STEADY, TRANSIENT, called, ended
-from conftest import ROOT
-from dry_cases import case_text, profile
+from cases import POINT, ROOT, STEADY, TRANSIENT, called, case_text, ended, profile
 
 sys.path.insert(0, str(ROOT / "postproc"))
 import compare

@@ -126,41 +126,32 @@ WAVE = "&surface_1 shape = '{}', amplitude = 0.1e-6, wavelength = {}, position =
 DX = 5.5 / 256 * 1.05797e-4
 
 
-def solved(asperity, tmp_path, content):
-    write(tmp_path, "case.nml", content)
-    done = ended(asperity("case.nml", "--verbose"))
-    with h5py.File(tmp_path / "case.h5") as file:
-        h_min = file["summary/h_min"]
-        note = text(file["report/note"][()]) if "report/note" in file else ""
-        reason = text(h_min.attrs["no_estimate"]) if "no_estimate" in h_min.attrs else ""
-        return h_min[()], h_min.attrs["error_estimate"], file["report/nodes_per_wave"][()], note, reason, done.stderr + done.stdout
-
-
 @pytest.mark.parametrize("shape", ["feature", "sinusoid"])
-def test_chosen_grid_sees_a_wave_of_a_spacing(asperity, tmp_path, shape):
+def test_chosen_grid_sees_a_wave_of_a_spacing(told_case, shape):
     """Its crests all lie at the same place between the nodes of 256 intervals, where the sinusoid is a plane.
 
     Behind the outlet at 1.5 the sinusoid would carry on under pressure and add to the friction by 0.6 %, which is noted.
     """
-    h_min, error, nodes, note, _, _ = solved(asperity, tmp_path, OPEN + WAVE.format(shape, DX))
-    assert 32 <= nodes <= 40
+    found, _ = told_case(OPEN + WAVE.format(shape, DX))
+    assert 32 <= found["report/nodes_per_wave"] <= 40
     if shape == "feature":
-        assert note == ""
+        assert "report/note" not in found
     else:
-        assert note.startswith("the film is still under pressure at the outlet X = 1.500, which changes its")
+        assert found["report/note"].startswith(b"the film is still under pressure at the outlet X = 1.500, which changes its")
     fine = AT_REST.replace("= 256", "= 65536") + "&accuracy error_bars = .false. /\n" + WAVE.format(shape, DX)
-    truth = solved(asperity, tmp_path, fine)[0]
-    assert abs(h_min - truth) < min(error, 0.02 * truth)
+    truth = told_case(fine)[0]["summary/h_min"]
+    assert abs(found["summary/h_min"] - truth) < min(found["summary/h_min@error_estimate"], 0.02 * truth)
 
 
 @pytest.mark.path
-def test_coarse_grid_is_told_and_has_no_estimate(asperity, tmp_path):
-    _, error, nodes, note, reason, told = solved(asperity, tmp_path, AT_REST + WAVE.format("feature", 8.01 * DX))
-    assert nodes == pytest.approx(8.01, rel=1e-4)
+def test_coarse_grid_is_told_and_has_no_estimate(told_case):
+    found, told = told_case(AT_REST + WAVE.format("feature", 8.01 * DX))
+    assert found["report/nodes_per_wave"] == pytest.approx(8.01, rel=1e-4)
+    note = text(found["report/note"])
     assert note == "the finest wave of the surfaces has 8.01 nodes, 32 are needed: 1024 intervals"
     assert note in " ".join(told[told.index("dimensionless") :].split())
-    assert np.isnan(error)
-    assert reason == "the finest wave of the surfaces has 8.01 nodes, an estimate needs 16"
+    assert np.isnan(found["summary/h_min@error_estimate"])
+    assert found["summary/h_min@no_estimate"] == b"the finest wave of the surfaces has 8.01 nodes, an estimate needs 16"
 
 
 # Rigid cylinders nearly: the film ruptures at X = 2.9, far behind the end of the contact.
@@ -172,21 +163,19 @@ LIGHT = """&case problem = 'ehl_line' /
 FIGURES = ("h_min", "h_central", "p_max")
 
 
-def solve(asperity, folder, case):
+def solve(told_case, case):
     """Runs a case that converges: figures with value and error of the domain, note (or None), x_outlet [half-widths], log."""
-    write(folder, "case.nml", case)
-    done = ended(asperity("case.nml", "--verbose"))
-    with h5py.File(folder / "case.h5") as file:
-        figures = {name: (file["summary"][name][()], file["summary"][name].attrs["error_domain"]) for name in FIGURES}
-        note = text(file["report/note"][()]) if "report/note" in file else None
-        return figures, note, float(file["input/effective/domain"].attrs["x_outlet"]), " ".join((done.stderr + done.stdout).split())
+    found, log = told_case(case)
+    figures = {name: (found[f"summary/{name}"], found[f"summary/{name}@error_domain"]) for name in FIGURES}
+    note = text(found["report/note"]) if "report/note" in found else None
+    return figures, note, float(found["input/effective/domain@x_outlet"]), " ".join(log.split())
 
 
 @pytest.mark.path
-def test_outlet_ahead_of_rupture_is_noted_and_part_of_the_estimate(asperity, tmp_path):
+def test_outlet_ahead_of_rupture_is_noted_and_part_of_the_estimate(told_case):
     # both grids have the spacing of 41.5/1024
-    cut, note, _, log = solve(asperity, tmp_path, LIGHT.replace("OUTLET", ", x_outlet = 1.5, intervals = 1024"))
-    whole, no_note, _, _ = solve(asperity, tmp_path, LIGHT.replace("OUTLET", ", x_outlet = 43.0, intervals = 2048"))
+    cut, note, _, log = solve(told_case, LIGHT.replace("OUTLET", ", x_outlet = 1.5, intervals = 1024"))
+    whole, no_note, _, _ = solve(told_case, LIGHT.replace("OUTLET", ", x_outlet = 43.0, intervals = 2048"))
     assert note.startswith("the film is still under pressure at the outlet X = 1.5")
     assert note.endswith("without x_outlet the program takes 3.448")
     assert note in log
@@ -199,8 +188,8 @@ def test_outlet_ahead_of_rupture_is_noted_and_part_of_the_estimate(asperity, tmp
 
 
 @pytest.mark.parametrize("given", ["&accuracy target = 1e-3 /", "&accuracy error_bars = .false. /"])
-def test_a_wanted_accuracy_is_not_met_in_silence(asperity, tmp_path, given):
-    figures, note, _, _ = solve(asperity, tmp_path, LIGHT.replace("OUTLET", ", x_outlet = 1.5") + given)
+def test_a_wanted_accuracy_is_not_met_in_silence(told_case, given):
+    figures, note, _, _ = solve(told_case, LIGHT.replace("OUTLET", ", x_outlet = 1.5") + given)
     assert note.startswith("the film is still under pressure at the outlet")
     if "target" in given:
         assert figures["h_min"][1] > 1e-2 * figures["h_min"][0]
@@ -208,17 +197,17 @@ def test_a_wanted_accuracy_is_not_met_in_silence(asperity, tmp_path, given):
         assert "is not known" in note
 
 
-def test_chosen_outlet_lies_behind_rupture(asperity, tmp_path):
+def test_chosen_outlet_lies_behind_rupture(asperity, told_case, tmp_path):
     for grid, place in ("even", 3.448), ("graded", 5.896):
         case = LIGHT.replace("OUTLET", f", grid = '{grid}'").replace("-40.0", "-400.0")
-        figures, note, outlet, _ = solve(asperity, tmp_path, case)
+        figures, note, outlet, _ = solve(told_case, case)
         assert note is None
         assert outlet == pytest.approx(place, abs=1e-3)
         assert figures["h_min"][1] < 1e-3 * figures["h_min"][0]
     # the pressure reaches to X = 1.56 over the ridge, where smooth surfaces would have an outlet at 1.52
     ridge = "&surface_1 shape = 'feature', amplitude = 0.21e-6, wavelength = 4.2e-5, position = 1.57 /\n"
     case = AT_REST.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "") + ridge
-    _, note, outlet, _ = solve(asperity, tmp_path, case)
+    _, note, outlet, _ = solve(told_case, case)
     assert note is None
     assert outlet > 2.0
     with h5py.File(tmp_path / "case.h5") as file:
@@ -227,10 +216,10 @@ def test_chosen_outlet_lies_behind_rupture(asperity, tmp_path):
     assert not [line for line in lines if line.startswith(("   x_inlet", "   x_outlet"))]
 
 
-def test_outlet_in_time_is_watched_at_every_step(asperity, tmp_path):
+def test_outlet_in_time_is_watched_at_every_step(told_case):
     ridge = TRANSIENT.replace("time_step = 0.05", "time_step = 0.02").replace("position = -1.5", "position = -0.5")
-    cut, note, _, _ = solve(asperity, tmp_path, ridge.replace("x_outlet = 1.5", "x_outlet = 1.05"))
-    whole, no_note, _, _ = solve(asperity, tmp_path, ridge.replace("x_outlet = 1.5", "x_outlet = 6.1").replace("256", "512"))
+    cut, note, _, _ = solve(told_case, ridge.replace("x_outlet = 1.5", "x_outlet = 1.05"))
+    whole, no_note, _, _ = solve(told_case, ridge.replace("x_outlet = 1.5", "x_outlet = 6.1").replace("256", "512"))
     assert "the film is still under pressure at the outlet X = 1.05" in note
     assert "outlet" not in no_note
     for name in FIGURES:

@@ -5,8 +5,7 @@ import re
 
 import h5py
 import pytest
-from cases import STEADY, TRANSIENT, text, write
-from conftest import ROOT
+from cases import ROOT, STEADY, TRANSIENT, text, write
 from film_formulas import contacts
 
 ROLLER = """&case problem = 'ehl_line' /

@@ -6,8 +6,7 @@ import tomllib
 
 import h5py
 import pytest
-from cases import MOES, STEADY, TRANSIENT, contents, ended, text, write
-from conftest import ROOT
+from cases import MOES, ROOT, STEADY, TRANSIENT, ended, text
 
 
 def check(asperity, folder, content):
@@ -203,13 +202,6 @@ PARABOLA = """&case problem = 'dry_area' /
 """
 
 
-def solved(asperity, folder, content, name="a"):
-    """Contents of the result, and what is said."""
-    write(folder, f"{name}.nml", content)
-    done = ended(asperity(f"{name}.nml"))
-    return contents(folder / f"{name}.h5"), done
-
-
 def fields(found):
     return {name: value for name, value in found.items() if name.startswith(("solution", "summary", "scaling"))}
 
@@ -221,7 +213,7 @@ def assert_same(one, other, rel):
             assert other[name] == pytest.approx(value, rel=rel, abs=rel, nan_ok=True), name
 
 
-def test_mean_speed_and_slide_to_roll_are_the_two_speeds(asperity, tmp_path):
+def test_mean_speed_and_slide_to_roll_are_the_two_speeds(told_case):
     """u1 = U (1 - S/2), u2 = U (1 + S/2), of either sign and beyond simple sliding, where a surface runs backwards."""
     chance = random.Random(17)
     for mean, slide in [(0.6, 5 / 3), (0.6, 0.0), (0.6, -2.0)] + [
@@ -229,9 +221,9 @@ def test_mean_speed_and_slide_to_roll_are_the_two_speeds(asperity, tmp_path):
     ]:
         first, second = mean * (1 - slide / 2), mean * (1 + slide / 2)
         assert second - first == pytest.approx(slide * mean)
-        two, _ = solved(asperity, tmp_path, CASE.replace(SPEEDS, f"speed_1 = {first!r}, speed_2 = {second!r}"))
+        two, _ = told_case(CASE.replace(SPEEDS, f"speed_1 = {first!r}, speed_2 = {second!r}"))
         way = f"entrainment_speed = {mean!r}" + (f", slide_to_roll = {slide!r}" if slide else "")
-        one, _ = solved(asperity, tmp_path, CASE.replace(SPEEDS, way))
+        one, _ = told_case(CASE.replace(SPEEDS, way))
         assert_same(fields(one), fields(two), 1e-9)
         assert one["scaling@slide_to_roll"] == pytest.approx(slide, abs=1e-12)
         kept = [float(one[f"input/effective/bodies@{key}"]) for key in ("entrainment_speed", "slide_to_roll", "speed_1", "speed_2")]
@@ -239,25 +231,24 @@ def test_mean_speed_and_slide_to_roll_are_the_two_speeds(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("key", ["radius_1", "radius_2"])
-def test_a_plane_has_no_curvature(asperity, tmp_path, key):
-    reduced, _ = solved(asperity, tmp_path, CASE.replace(RADII, "reduced_radius = 0.01"))
-    plane, _ = solved(asperity, tmp_path, CASE.replace(RADII, f"{key} = 0.01, plane = .true."))
+def test_a_plane_has_no_curvature(told_case, key):
+    reduced, _ = told_case(CASE.replace(RADII, "reduced_radius = 0.01"))
+    plane, _ = told_case(CASE.replace(RADII, f"{key} = 0.01, plane = .true."))
     assert_same(fields(reduced), fields(plane), 0)
-    ball, _ = solved(asperity, tmp_path, PARABOLA.format("reduced_radius = 0.01"))
-    dry, _ = solved(asperity, tmp_path, PARABOLA.format(f"{key} = 0.01, plane = .true."))
+    ball, _ = told_case(PARABOLA.format("reduced_radius = 0.01"))
+    dry, _ = told_case(PARABOLA.format(f"{key} = 0.01, plane = .true."))
     assert_same(fields(ball), fields(dry), 0)
 
 
 @pytest.mark.parametrize("alpha", [1.2e-8, 2.2e-8])
-def test_alpha_alone_takes_the_usual_p0(asperity, tmp_path, alpha):
-    both, done = solved(asperity, tmp_path, CASE.replace(ROELANDS, f"pressure_viscosity = {alpha}, roelands_p0 = 1.96e8"))
-    assert "given alone" not in done.stderr
-    alone, done = solved(asperity, tmp_path, CASE.replace(ROELANDS, f"pressure_viscosity = {alpha}"))
+def test_alpha_alone_takes_the_usual_p0(asperity, told_case, alpha):
+    both, said = told_case(CASE.replace(ROELANDS, f"pressure_viscosity = {alpha}, roelands_p0 = 1.96e8"))
+    assert "given alone" not in said
+    alone, said = told_case(CASE.replace(ROELANDS, f"pressure_viscosity = {alpha}"))
     assert_same(fields(both), fields(alone), 0)
     z = float(alone["input/effective/lubricant@roelands_z"])
     assert float(alone["input/effective/lubricant@roelands_p0"]) == 1.96e8
     words = f"&lubricant pressure_viscosity is given alone: Roelands with P0 = 1.96E+08 Pa, z = {z:.4f}"
-    assert f"a.nml:5: {words}\n" in done.stderr
-    with h5py.File(tmp_path / "a.h5") as file:
-        assert text(file["report/note"][()]) == words
-    assert f"a.nml:5: {words}\n" in asperity("--check", "a.nml").stdout
+    assert f"case.nml:5: {words}\n" in said
+    assert text(alone["report/note"]) == words
+    assert f"case.nml:5: {words}\n" in asperity("--check", "case.nml").stdout

@@ -4,8 +4,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from cases import STEADY, write
-from dry_cases import LEAN, case_text
+from cases import LEAN, STEADY, case_text, write
 from test_height_tables import FILE, SPACING, heights, read_back
 
 NODES = 96

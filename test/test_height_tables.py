@@ -5,8 +5,7 @@ import random
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, write
-from dry_cases import LEAN, case_text
+from cases import AT_REST, LEAN, case_text, write
 
 FILE = "shape = 'file', file = '{}'"
 SPACING = 2e-6

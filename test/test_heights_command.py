@@ -14,9 +14,7 @@ import numpy as np
 import pytest
 from asperity import heights
 from asperity.height_tables import METRES
-from cases import called, ended
-from conftest import ROOT
-from dry_cases import LEAN, solve
+from cases import LEAN, ROOT, called, ended, solve
 
 UNITS = {"m": ["m"], "mm": ["mm", "Millimeters"], "um": ["um", "\u00b5m", "\u03bcm", "micron"], "nm": ["nm", "nanometre"]}
 FORMS = ["{} [{}]", "{} ({})", "{}/{}", "{}_{}", "{}[{}]"]

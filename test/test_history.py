@@ -74,14 +74,13 @@ def test_a_damaged_table_is_one_finding(run_case, tmp_path, damage):
         run_case(case, "--check")
 
 
-def test_a_steady_film_needs_motion(run_case, tmp_path):
+def test_a_steady_film_needs_motion(solved_case, run_case, tmp_path):
     """'quasi_steady' is refused where the contact reverses, and what squeeze changes is then not known."""
     table(tmp_path, [0, 1e-3], u1=[0.6, -0.6], u2=[0.6, -0.6])
     done = run_case(CASE.replace("transient = .true.", "transient = .true., scheme = 'quasi_steady'"), "--check", status=1)
     assert "&time scheme: found 'quasi_steady' with a history that stops or reverses, expected 'bdf2': at rest " in done.stderr
     bars = CASE.replace("&accuracy error_bars = .false. /\n&output adequacy = .false. /\n", "&solver film_floor = 1e-12 /\n")
-    run_case(bars, "--quiet")
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(bars) as file:
         assert "stops or reverses" in str(dict(file["adequacy/squeeze"].attrs))
 
 
@@ -349,7 +348,7 @@ def test_a_stop_ends_on_any_grid(run_case, solved_cases, tmp_path):
     assert "it closes between two nodes: it takes more &domain intervals" in " ".join(done.stderr.split())
 
 
-def test_a_history_starts_where_kappa_has_no_steady_film(run_case, tmp_path):
+def test_a_history_starts_where_kappa_has_no_steady_film(solved_case, run_case, tmp_path):
     """Its first moment is then that of upwind2. (Found among random histories that rest.)"""
     clock = np.array([0, 0.79, 1.38, 2.08, 2.69, 3.04, 3.45, 3.83, 4.16]) * 1e-3
     load = [50494.458, 26033.046, 45459.466, 55501.0, 23848.226, 33704.133, 52338.766, 78026.512, 30802.05]
@@ -362,7 +361,6 @@ def test_a_history_starts_where_kappa_has_no_steady_film(run_case, tmp_path):
     given = case.replace("transient = .true.", "transient = .true., duration = 1e-5") + "&solver space_scheme = 'upwind2' /\n"
     with h5py.File(tmp_path / "case.h5") as file:
         kappa, scheme = file["summary/h_central"][()], file["input/effective/solver"].attrs["space_scheme"]
-    run_case(given, "--quiet")
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(given) as file:
         assert b"kappa" in scheme
         assert kappa == pytest.approx(file["summary/h_central"][()], rel=5e-3)

@@ -7,14 +7,13 @@ import re
 import resource
 import signal
 import subprocess
-import sys
 import time
 
+import bench_program
 import h5py
 import numpy as np
 import pytest
-from cases import HANGING, STEADY, TRANSIENT, called, contents, ended, members, same_bits, write
-from dry_cases import case_text, write_profile
+from cases import HANGING, STEADY, TRANSIENT, called, case_text, contents, ended, members, same_bits, write, write_profile
 from kill_and_resume import BUSY, busy, different, killed_at_last, read_part, start, undisturbed, wait_for
 
 STEP = 0.01
@@ -168,15 +167,6 @@ CASES = {
 }
 
 
-# Starts the program from a small process, and prints its largest memory [kB]: a process that is forked off inherits that.
-MEASURE = """import os, sys
-started = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ)
-_, status, usage = os.wait4(started, 0)
-print(usage.ru_maxrss)
-sys.exit(os.waitstatus_to_exitcode(status))
-"""
-
-
 def call(program, folder, text, kinds=(), limit=0.0, **env):
     def restrict():
         for kind in kinds:
@@ -188,9 +178,9 @@ def call(program, folder, text, kinds=(), limit=0.0, **env):
 
 def memory_of(program, folder):
     """Largest memory of a case [MB]."""
-    done = called([sys.executable, "-S", "-E", "-c", MEASURE, program, "case.nml", "--quiet"], cwd=folder)
-    assert done.returncode in (0, 2), done.stderr
-    return int(done.stdout) * 1024 / MEGABYTE
+    run = bench_program.measured([program, "case.nml", "--quiet"], folder)
+    assert run.status in (0, 2), run.words
+    return run.memory * 1024**2 / MEGABYTE
 
 
 def test_memory_does_not_grow_with_a_profile(program, tmp_path):

@@ -3,8 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, ended, write
-from dry_cases import LEAN, case_text
+from cases import LEAN, STEADY, case_text, ended, write
 
 # Case 1 with the constants of the prototype, whose inputs have eight digits; EXPONENTIAL: A = 2 p_h, l = 0.45 sigma.
 CASE = """&case problem = 'ehl_line' /
@@ -207,7 +206,7 @@ def test_rolling_heats_the_inlet(solved_case, loading):
         assert 1 - films[1] / films[0] == pytest.approx(loss, rel=0.2, abs=1e-3), supply
 
 
-def test_a_dry_sweep_is_a_law(run_case, asperity, tmp_path):
+def test_a_dry_sweep_is_a_law(solved_case, asperity, tmp_path):
     """What the dry contact of a profile bears, at its mean gap: the same rows as a table in CSV."""
     loads = [2e6, 1e7, 5e7, 2e8]
     wave = "shape = 'sinusoid', amplitude = 4e-7, wavelength = 1e-4"
@@ -218,8 +217,7 @@ def test_a_dry_sweep_is_a_law(run_case, asperity, tmp_path):
     write(tmp_path, "law.csv", "gap [m],pressure [Pa]\n" + "".join(f"{g!r},{p!r}\n" for g, p in zip(gaps, pressures, strict=True)))
     fields = []
     for law in ("dry.h5", "law.csv"):
-        run_case(case_of(0.1, TABLE.replace("law.csv", law)) + LEAN, "--quiet")
-        with h5py.File(tmp_path / "case.h5") as file:
+        with solved_case(case_of(0.1, TABLE.replace("law.csv", law)) + LEAN) as file:
             fields.append([file["solution"][key][()] for key in ("asperity_pressure", "separation", "pressure")])
     assert all(np.array_equal(*pair) for pair in zip(*fields, strict=True))
     solid, gap, total = fields[0]

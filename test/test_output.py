@@ -162,18 +162,6 @@ def test_shear_stresses_at_the_times_of_the_profiles(solved_cases):
         assert name not in plain["transient"]
 
 
-@pytest.mark.parametrize("name", RESULTS)
-def test_a_result_reproduces_itself(results, asperity, tmp_path, name):
-    with h5py.File(results / f"{name}.h5") as file:
-        (tmp_path / f"{name}.nml").write_bytes(file["input/namelist"][()])
-    assert asperity(f"{name}.nml", "--quiet").returncode == 0
-    first, second = contents(results / f"{name}.h5"), contents(tmp_path / f"{name}.h5")
-    assert first.keys() == second.keys()
-    different = [path for path in first if not same_bits(first[path], second[path])]
-    assert [path for path in different if path.split("/")[0] in ("solution", "transient", "summary")] == []
-    assert set(different) <= {"report/wall_seconds", "report/phase_seconds"}
-
-
 @pytest.mark.path
 def test_missing_folder_is_status_3(asperity, tmp_path):
     """As is a folder in the place of the result, and one that takes no files."""

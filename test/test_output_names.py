@@ -7,8 +7,7 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from cases import HANGING, LONG, STEADY, TRANSIENT, ended, members, text, write
-from dry_cases import case_text
+from cases import HANGING, LONG, STEADY, TRANSIENT, case_text, ended, members, text, write
 from kill_and_resume import busy, different, killed_at_last, start, undisturbed, wait_for
 from test_signals import DRY as LONG_DRY
 

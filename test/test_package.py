@@ -13,8 +13,7 @@ import f90nml
 import h5py
 import numpy as np
 import pytest
-from cases import called, ended
-from conftest import ROOT
+from cases import ROOT, called, ended
 from PIL import Image
 
 MINIMAL = ROOT / "input" / "minimal.nml"

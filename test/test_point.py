@@ -5,8 +5,7 @@ import sys
 import h5py
 import numpy as np
 import pytest
-from cases import called, ended, write
-from conftest import ROOT
+from cases import ROOT, called, ended, write
 
 BALL = """&case problem = 'ehl_point' /
 &bodies plane = .true., radius_x_1 = 12.7e-3, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,

@@ -4,19 +4,17 @@ import contextlib
 import importlib.util
 import io
 import re
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
-import result_maker
-from cases import STEADY, STOKES, called, ended, seal
-from conftest import ROOT
-from dry_cases import case_text
+from cases import LEAN, ROOT, STEADY, STOKES, TRANSIENT, called, case_text, ended, seal
 
 sys.path.append(str(ROOT / "postproc"))
 
@@ -24,7 +22,6 @@ import figure_style
 from result_file import read_result
 
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
-RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
 
 
 def load(script: str) -> ModuleType:
@@ -59,16 +56,27 @@ def files_of(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.fixture(scope="module")
+def results(solve_all: Callable) -> Path:
+    return solve_all({"smooth": STEADY + LEAN, "ridge": TRANSIENT + LEAN, "moes": MOES.format(10.0, 5.0, 0.05)})
+
+
 @pytest.fixture(name="steady")
-def _steady(tmp_path: Path) -> Path:
-    x, pressure, film = result_maker.smooth_contact()
-    fields = {"x": x, "pressure": pressure, "film_thickness": film}
-    return result_maker.write_result(tmp_path / "smooth.h5", fields)
+def _steady(results: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copy(results / "smooth.h5", tmp_path))
 
 
 @pytest.fixture(name="moving")
-def _moving(tmp_path: Path) -> Path:
-    return result_maker.write_result(tmp_path / "ridge.h5", result_maker.passage(), RIDGE)
+def _moving(results: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copy(results / "ridge.h5", tmp_path))
+
+
+@contextlib.contextmanager
+def changed(path: Path) -> Iterator[h5py.File]:
+    """A result, open for changes, which has a seal again afterwards."""
+    with h5py.File(path, "r+") as file:
+        yield file
+    seal(path)
 
 
 @pytest.mark.parametrize("si", [(), ("--si",)])
@@ -88,7 +96,7 @@ def test_far_inlet_leaves_the_units(asperity: Callable, tmp_path: Path) -> None:
 
 def test_profile_of_a_time_and_convergence(steady: Path, moving: Path, tmp_path: Path) -> None:
     target = tmp_path / "deep" / "middle.png"
-    drawn("profile", moving, "--time", 1.4, "--output", target)
+    drawn("profile", moving, "--time", 0.7, "--output", target)
     assert files_of(target.parent) == ["middle.png"]
     drawn("convergence", steady, moving, "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == ["ridge_convergence.png", "smooth_convergence.png"]
@@ -99,7 +107,7 @@ def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: 
     assert files_of(tmp_path / "out") == ["smooth_compare.pdf", "smooth_compare.png"]
     head, first, second = said.splitlines()[:3]
     assert "h_min [-]" in head
-    assert first.split()[:2] == ["smooth", "129"]
+    assert first.split()[:2] == ["smooth", "257"]
     assert "+0.000%" in first
     assert second.split()[0] == "ridge"
     assert "at least two" in ended(run("compare", steady), 1).stderr
@@ -147,43 +155,48 @@ def test_transient_draws_map_strip_and_animation(moving: Path, tmp_path: Path, s
         {"shape": "'feature', 'sinusoid'", "amplitude": "2e-7, 1.0d-7", "wavelength": "2*1e-4", "position": "-2.5 0.0"},
     ],
 )
-def test_transient_with_other_surfaces(tmp_path: Path, features: dict[str, object]) -> None:
-    result = result_maker.write_result(tmp_path / "a.h5", result_maker.passage(), features)
-    drawn("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip", "--format", "png")
+def test_transient_with_other_surfaces(moving: Path, tmp_path: Path, features: dict[str, object]) -> None:
+    with changed(moving) as file:
+        file["input/effective/surface_2"].attrs.update(features)
+    drawn("transient", moving, "--output", tmp_path / "out", "--parts", "xt", "film_strip", "--format", "png")
     assert len(files_of(tmp_path / "out")) == 2
 
 
 @pytest.mark.parametrize("script", ["profile", "convergence", "transient"])
-def test_not_converged_is_said(tmp_path: Path, script: str) -> None:
-    result = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
+def test_not_converged_is_said(moving: Path, tmp_path: Path, script: str) -> None:
+    with changed(moving) as file:
+        file.attrs.update(converged=0, reason="cycle limit of 12 reached")
     extra = ("--parts", "xt") if script == "transient" else ()
-    done = ended(run(script, result, "--output", tmp_path / "out", *extra))
+    done = ended(run(script, moving, "--output", tmp_path / "out", *extra))
     assert "not converged: cycle limit of 12 reached" in done.stderr
     assert len(done.stderr.splitlines()) == 1
 
 
 def test_figures_of_the_program(run_case, tmp_path: Path) -> None:
+    """Numbers of every step, profiles of every 40th: the figures show the profiles at their times."""
     text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
-    text, found = re.subn(r"(intervals = )512", r"\g<1>128", text)
-    text, also_found = re.subn(r"(time_step = )5.37109375e-3", r"\g<1>2.1484375e-2", text)
-    assert (found, also_found) == (1, 1)
-    run_case(text, "--quiet", name="demo")
-    result = tmp_path / "demo.h5"
+    run_case(text + "&output profile_stride = 40 /\n", "--quiet", name="demo")
     for script in ("profile", "convergence", "transient"):
-        drawn(script, result, "--output", tmp_path / "out", "--format", "png")
+        extra = ("--time", 1.0) if script == "profile" else ()
+        drawn(script, tmp_path / "demo.h5", "--output", tmp_path / "out", "--format", "png", *extra)
     assert files_of(tmp_path / "out") == [f"demo_{kind}" for kind in ("convergence.png", "film_strip.png", "profile.png", "xt.png")]
-    read = read_result(result, with_transient=True)
+    read = read_result(tmp_path / "demo.h5", with_transient=True)
     (ridge,) = read.features
     assert (ridge.word, ridge.surface, ridge.position) == ("ridge", 2, -2.5)
     assert ridge.speed == pytest.approx(11 / 6, rel=1e-12)
-    transient = load("transient")
-    steps, followed = transient.strip_steps(read, [-1.0, 0.0, 1.0])
-    places = followed.centre(read.transient["time"].values[steps])
-    assert places == pytest.approx([-1.0, 0.0, 1.0], abs=0.5 * ridge.speed * 2.1484375e-2)
+    times, film = read.transient["time"].values, read.transient["film_thickness"].values
+    assert times.size == 407
+    assert read.profile_time.values == pytest.approx(times[::40], abs=0)
+    assert read.transient["pressure"].values.shape[0] == 11
+    steps, followed = load("transient").strip_steps(read, [-1.0, 0.0, 1.0])
+    places = followed.centre(read.profile_time.values[steps])
+    assert places == pytest.approx([-1.0, 0.0, 1.0], abs=0.5 * ridge.speed * 40 * times[1] + 1e-12)
     # where the path says the ridge is, the film is thinner than at the start
-    film = read.transient["film_thickness"].values
     thinner = np.interp(places[1], read.x, film[steps[1]]) / np.interp(places[1], read.x, film[0])
     assert thinner < 0.8
+    pressure, _, found = load("profile").fields(read, 1.0)
+    assert found == pytest.approx(1.0, abs=20 * times[1])
+    assert np.array_equal(pressure, read.transient["pressure"].values[np.flatnonzero(read.profile_time.values == found)[0]])
 
 
 def test_a_periodic_history_has_its_last_cycle_and_paths_there_and_back(run_case, tmp_path: Path) -> None:
@@ -202,40 +215,20 @@ def test_a_periodic_history_has_its_last_cycle_and_paths_there_and_back(run_case
     assert np.ptp(read.transient["time"].values) == pytest.approx(2e-4 / read.transient["time"].si_scale, rel=0.01)
 
 
-def test_profiles_have_times_of_their_own(run_case, tmp_path: Path) -> None:
-    """Numbers of every step, profiles of every 40th: the figures show the profiles at their times."""
-    text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
-    run_case(text + "&output profile_stride = 40 /\n", "--quiet", name="demo")
-    for script in ("profile", "convergence", "transient"):
-        extra = ("--time", 1.0) if script == "profile" else ()
-        drawn(script, tmp_path / "demo.h5", "--output", tmp_path / "out", "--format", "png", *extra)
-    read = read_result(tmp_path / "demo.h5", with_transient=True)
-    assert read.transient["time"].values.size == 407
-    assert read.profile_time.values == pytest.approx(read.transient["time"].values[::40], abs=0)
-    assert read.transient["pressure"].values.shape[0] == 11
-    transient = load("transient")
-    steps, followed = transient.strip_steps(read, [-1.0, 0.0])
-    places = followed.centre(read.profile_time.values[steps])
-    assert places == pytest.approx([-1.0, 0.0], abs=0.5 * followed.speed * 40 * read.transient["time"].values[1] + 1e-12)
-    pressure, _, found = load("profile").fields(read, 1.0)
-    assert found == pytest.approx(1.0, abs=20 * read.transient["time"].values[1])
-    assert np.array_equal(pressure, read.transient["pressure"].values[np.flatnonzero(read.profile_time.values == found)[0]])
-
-
-def test_results_of_older_versions_are_drawn(tmp_path: Path) -> None:
+def test_results_of_older_versions_are_drawn(moving: Path, tmp_path: Path) -> None:
     """Without profile_time the times of the numbers are those of the profiles; in files of layout 2 inputs are datasets."""
-    result = result_maker.write_result(tmp_path / "old.h5", result_maker.passage(), RIDGE, has_profile_time=False)
-    drawn("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip", "--format", "png")
-    read = read_result(result, with_transient=True)
+    with changed(moving) as file:
+        del file["transient/profile_time"]
+    drawn("transient", moving, "--output", tmp_path / "out", "--parts", "xt", "film_strip", "--format", "png")
+    read = read_result(moving, with_transient=True)
     assert read.profile_time.values.size == read.transient["pressure"].values.shape[0]
     assert len(read.features) == 1
-    with h5py.File(result, "a") as file:
+    with changed(moving) as file:
         for group in file["input/effective"].values():
             for key, value in list(group.attrs.items()):
                 group[key] = value
                 del group.attrs[key]
-    seal(result)
-    assert read_result(result).features == read.features
+    assert read_result(moving).features == read.features
 
 
 MOES = """&case problem = 'ehl_line' /
@@ -340,6 +333,8 @@ def test_friction_of_a_chosen_time(run_case, tmp_path: Path, steady: Path) -> No
     ):
         run_case(text, "--quiet", name=name)
         assert words in ended(run("friction", tmp_path / f"{name}.h5", *time), 1).stderr
+    with changed(steady) as file:
+        del file["summary/rolling_friction_coefficient"]
     assert "has no friction" in ended(run("friction", steady), 1).stderr
 
 
@@ -390,11 +385,13 @@ def test_film_statistics_of_the_program(run_case, tmp_path: Path) -> None:
     assert 0 < below < 1
 
 
-def test_history_of_a_transient_is_cut_at_its_start(moving: Path, tmp_path: Path) -> None:
-    convergence = load("convergence")
-    assert [part for _, part in convergence.sections(read_result(moving))] == [slice(0, 9)]
-    bad = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
-    assert [part for _, part in convergence.sections(read_result(bad))] == [slice(0, 9), slice(9 + 3 * 80, None)]
+def test_history_of_a_transient_is_cut_at_its_start() -> None:
+    """Nine cycles of the start, three of each of two steps, and two behind the last one after a failure."""
+    history = np.array([*np.geomspace(1e-2, 4e-9, 9), *[2e-3, 3e-5, 4e-7], *[2e-3, 3e-5, 5e-7], 2e-3, 3e-2])
+    steps = {"residual": SimpleNamespace(values=history[[8, 11, 14]])}
+    for converged, parts in ((True, [slice(0, 9)]), (False, [slice(0, 9), slice(15, None)])):
+        result = SimpleNamespace(report={"residual_history": history}, transient=steps, converged=converged)
+        assert [part for _, part in load("convergence").sections(result)] == parts
 
 
 def refused(script: str, path: Path, tmp_path: Path) -> str:
@@ -424,9 +421,8 @@ def no_result(kind: str, steady: Path) -> Path:
             file["data"] = np.arange(3)
     elif kind == "dry":
         path = steady
-        with h5py.File(path, "r+") as file:
+        with changed(path) as file:
             file.attrs["problem"] = "dry_line"
-        seal(path)
     return path
 
 
@@ -446,9 +442,8 @@ def test_no_result(script: str, kind: str, steady: Path, tmp_path: Path) -> None
 def test_missing_groups_and_fields(steady: Path, moving: Path, tmp_path: Path) -> None:
     assert "has no /transient" in refused("transient", steady, tmp_path)
     assert "has no /statistics" in refused("film_statistics", moving, tmp_path)
-    with h5py.File(steady, "r+") as file:
+    with changed(steady) as file:
         del file["solution/pressure"]
-    seal(steady)
     assert "has no /solution/pressure" in refused("profile", steady, tmp_path)
     # one bad file, and none is drawn
     ended(run("profile", moving, tmp_path / "none.h5", "--output", tmp_path / "out"), 1)
@@ -456,12 +451,9 @@ def test_missing_groups_and_fields(steady: Path, moving: Path, tmp_path: Path) -
     assert "cannot write" in ended(run("profile", moving, "--output", moving), 3).stderr
 
 
-def test_si_of_a_dimensionless_study(tmp_path: Path) -> None:
-    x, pressure, film = result_maker.smooth_contact()
-    fields = {"x": x, "pressure": pressure, "film_thickness": film}
-    result = result_maker.write_result(tmp_path / "moes.h5", fields, has_si=False)
-    assert "leave out --si" in ended(run("profile", result, "--si", "--output", tmp_path / "out"), 1).stderr
-    assert run("profile", result, "--output", tmp_path / "out").returncode == 0
+def test_si_of_a_dimensionless_study(results: Path, tmp_path: Path) -> None:
+    assert "leave out --si" in ended(run("profile", results / "moes.h5", "--si", "--output", tmp_path / "out"), 1).stderr
+    assert run("profile", results / "moes.h5", "--output", tmp_path / "out").returncode == 0
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
@@ -472,15 +464,16 @@ def test_help_has_an_example(script: str) -> None:
     assert f"python postproc/{script}.py" in done.stdout
 
 
-def test_values_that_are_not_finite(tmp_path: Path) -> None:
-    fields = result_maker.passage()
-    fields["pressure"][-1, 40:50] = np.inf
-    fields["film_thickness"][-1] = np.nan
-    fields["film_thickness"][-1, :9] = 1.0
-    result = result_maker.write_result(tmp_path / "nan.h5", fields, RIDGE, converged=False)
+def test_values_that_are_not_finite(moving: Path, tmp_path: Path) -> None:
+    with changed(moving) as file:
+        file.attrs.update(converged=0, reason="cycle limit of 12 reached")
+        for group, place in (("transient", -1), ("solution", ...)):
+            pressure, film = (file[group][name][place] for name in ("pressure", "film_thickness"))
+            pressure[40:50], film[9:] = np.inf, np.nan
+            file[group]["pressure"][place], file[group]["film_thickness"][place] = pressure, film
     for script in ("profile", "convergence"):
-        assert run(script, result, "--output", tmp_path / "out", "--format", "png").returncode == 0
-    ended(run("transient", result, "--output", tmp_path / "out", "--frames", 3, "--format", "png"))
+        assert run(script, moving, "--output", tmp_path / "out", "--format", "png").returncode == 0
+    ended(run("transient", moving, "--output", tmp_path / "out", "--frames", 3, "--format", "png"))
 
 
 def test_regime_of_any_result(solved_cases, tmp_path: Path) -> None:

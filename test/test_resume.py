@@ -11,8 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from asperity import read_part
-from cases import HANGING, LONG, POINT, STEADY, TRANSIENT, ended, members, seal, text, write
-from conftest import ROOT
+from cases import HANGING, LONG, POINT, ROOT, STEADY, TRANSIENT, ended, members, seal, text, write
 from kill_and_resume import busy, check_part, different, kill_often, killed_at_last, start, stored_times, undisturbed, wait_for
 
 SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]

@@ -5,8 +5,7 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, STEADY, ended, text, write
-from dry_cases import HEIGHTS, case_text, profile, solve, write_heights, write_profile
+from cases import AT_REST, HEIGHTS, STEADY, case_text, ended, profile, solve, text, write, write_heights, write_profile
 from kill_and_resume import different, killed_at_last, undisturbed, wait_for
 from test_long_run import peak_memory
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import h5py
 import pytest
-from cases import AT_REST, HANGING, LONG, STEADY, TRANSIENT, called, ended, write
-from conftest import ROOT
+from cases import AT_REST, HANGING, LONG, ROOT, STEADY, TRANSIENT, called, ended, write
 from kill_and_resume import start, wait_for
 from test_resume import SIGNALS, names
 
@@ -57,11 +56,11 @@ def write_heights(folder, rows):
     (folder / "rough.csv").write_text("x,z\n" + table, encoding="ascii")
 
 
-def pieces(reader):
-    """What comes through a pipe or a terminal, line by line or updated line by updated line."""
+def shown(reader):
+    """What comes through a pipe or a terminal, as it comes."""
     with contextlib.suppress(OSError):  # a terminal: the other end is closed
         while text := os.read(reader, 65536):
-            yield from filter(None, (piece.strip() for piece in re.split(rb"[\r\n]+", text)))
+            yield text
     os.close(reader)
 
 
@@ -94,7 +93,7 @@ def test_no_long_silence(program, tmp_path, case, is_terminal, words, last, kept
     reader, writer = channel(is_terminal)
     with subprocess.Popen([program, "case.nml"], cwd=tmp_path, stderr=writer, env=ONE_THREAD) as running:
         os.close(writer)
-        for piece in pieces(reader):
+        for piece in filter(None, (line.strip() for text in shown(reader) for line in re.split(rb"[\r\n]+", text))):
             message = piece.decode()
             now = processor_seconds(running.pid) or before
             assert now - before < SILENCE, message
@@ -256,24 +255,12 @@ WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
 
 def test_terminal_shows_one_updating_line(program, tmp_path):
     write(tmp_path, "a.nml", WHOLE)
-    try:
-        reader, writer = pty.openpty()
-    except OSError:
-        pytest.skip("not applicable: no pseudo-terminals here")
+    reader, writer = channel(is_terminal=True)
     with subprocess.Popen([program, "a.nml"], cwd=tmp_path, stdout=writer, stderr=writer) as running:
         os.close(writer)
-        shown = b""
-        while True:
-            try:
-                piece = os.read(reader, 65536)
-            except OSError:  # the other end is closed
-                break
-            if not piece:
-                break
-            shown += piece
-    os.close(reader)
+        text = b"".join(shown(reader)).decode()
     assert running.returncode == 0
-    lines = shown.decode().replace("\r\n", "\n").split("\n")
+    lines = text.replace("\r\n", "\n").split("\n")
     assert len(lines) == 13  # the updating line with the table's first line, eleven more, and what follows the last
     assert "\r" in lines[0]
     assert "cycle 1" in lines[0]

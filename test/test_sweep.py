@@ -234,7 +234,7 @@ def test_a_damaged_index_is_told(tmp_path, damage):
 
 
 def test_a_base_is_read_the_same_whatever_ends_its_lines(tmp_path):
-    """Any mixture of line ends, with and without byte-order mark, subscripts for lists."""
+    """Any mixture of line ends, with and without byte-order mark, subscripts for lists; of the sweep too."""
     source = random.Random(30)
     text = BASE.replace("&load", "! \u00d6l: a comment / & \n&surface_1\n amplitude{}\n wavelength = 1e-4, 2e-4 ! [m]\n/\n&load")
     lists = (" = 1e-7, 2e-7", "(1) = 1e-7\n amplitude(2) = 2e-7", "(2) = 2e-7, amplitude(1) = 1e-7", "(1:2) = 1e-7, 2e-7")
@@ -247,6 +247,8 @@ def test_a_base_is_read_the_same_whatever_ends_its_lines(tmp_path):
         lines = text.format(source.choice(lists)).split("\n")
         mixed = "".join(line + (ends if source.random() < 0.8 else source.choice(["\r", "\n", "\r\n"])) for line in lines)
         (tmp_path / "base.nml").write_bytes(source.choice([b"", codecs.BOM_UTF8]) + mixed.encode())
+        end = source.choice([b"\r", b"\n", b"\r\n"])
+        sweep_file.write_bytes(source.choice([b"", codecs.BOM_UTF8]) + f"{LOAD}[4e8]\n".encode().replace(b"\n", end))
         assert read_base(read_sweep_file(sweep_file), tmp_path) == expected
 
 

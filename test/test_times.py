@@ -6,8 +6,7 @@ import random
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, TRANSIENT, ended, text, write
-from dry_cases import write_profile
+from cases import STEADY, TRANSIENT, ended, text, write, write_profile
 
 WAVE = "&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 1e-4, position = 0.2 /\n"
 RIDGE = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4{} /\n"

@@ -37,7 +37,7 @@ def main():
     wanted = parser.parse_args()
     files = {
         path: {word for _, statement in statements(path) for word in re.findall(r"\w+", statement)}
-        for pattern in ("src/**/*.f90", "app/*.f90", "bench/*.f90", "test/**/*.pf")
+        for pattern in ("src/**/*.f90", "app/*.f90", "test/**/*.pf")
         for path in sorted(wanted.root.glob(pattern))
     }
     sources = [path for path in files if path.relative_to(wanted.root).parts[0] == "src"]

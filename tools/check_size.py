@@ -32,9 +32,9 @@ SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dr
 BOUNDS = {
     "sources": 46_600,
     "how sure": 5_199,
-    "tests": 32_000,
-    "bench": 4_272,
-    "words of pages": 44_966,
+    "tests": 31_591,
+    "bench": 3_999,
+    "words of pages": 44_950,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,

@@ -1,7 +1,9 @@
 """Limits of memory, environment variables, signals and long work: the same answer, or one message; a line every 5 s."""
 
+import itertools
 import os
 import random
+import re
 import resource
 import signal
 import subprocess
@@ -237,56 +239,27 @@ def look_at(folder: Path, chosen: list[str], number: int, status: int, message: 
     return None
 
 
-# The quick form is test_silence.py.
-def listen(command, folder, prepare=None):
-    """Runs a command, after a call in its process: its status, and lines of standard error with the processor time when they came
-    [s], the end last."""
-    heard = []
-    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL}
-    with subprocess.Popen(command, cwd=folder, env=ONE_THREAD, preexec_fn=prepare, **pipes) as running:  # noqa: PLW1509  one thread
-        for line in running.stderr:
-            heard.append((line.decode("utf-8", "replace").rstrip("\n"), processor_seconds(running.pid)))
-        _, status, usage = os.wait4(running.pid, 0)
-        running.returncode = os.waitstatus_to_exitcode(status)
-    heard.append(("", usage.ru_utime + usage.ru_stime))
-    return running.returncode, heard
-
-
-# Longest silence and longest run [s of processor time].
+# Longest silence and longest run [s of processor time]; the quick form is test_signals.py.
 SILENCE, LIMIT = 5.0, 40
 
 
 @attack("silence of long runs: dense systems, areas, targets, reading, writing, coarse runs", 30, quick=0)
 def silences(program: Path, source: random.Random, folder: Path) -> str | None:
-    kind = source.choice(["dense", "area", "heights", "fields", "target", "fine"])
-    (folder / "case.nml").write_text(long_case(kind, source, folder), encoding="utf-8")
-    threads = source.choice(["1", "2"])
-    resource_limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 2))  # noqa: E731
-    status, heard = listen([program, "case.nml", "--threads", threads], folder, resource_limit)
-    times = [0.0] + [seconds for _, seconds in heard]
-    silence, line = max((times[i + 1] - times[i], line) for i, (line, _) in enumerate(heard))
-    if silence >= SILENCE:
-        return f"{kind}: {silence:.1f} s of silence before {line!r}"
-    return None if status in {0, 2, 4} else f"{kind}: status {status}: {heard[0][0]}"
-
-
-def long_case(kind: str, source: random.Random, folder: Path) -> str:
-    """A case of which something takes long: matrices, a sweep or one load, a table of any length, fields, a target, a fine grid."""
-    if kind == "dense":
-        return STEADY.replace("256", str(source.choice([2048, 4096, 8192]))) + "&solver method = 'newton_dense' /\n"
-    if kind == "area":
-        loads = ", ".join(f"{10 ** source.uniform(7, 10):.3g}" for _ in range(source.choice([1, 4])))
-        return LONG_AREA.replace("1e7, 1e8, 3e8, 1e9, 3e9", loads).replace("2048", str(source.choice([1000, 2048, 2187])))
+    kind, factor, threads = source.choice(list(PROBLEMS)), source.choice([1, 2]), source.choice(["1", "2"])
+    text = re.sub(r"(intervals\w* = )(\d+)", lambda found: f"{found[1]}{factor * int(found[2])}", PROBLEMS[kind])
+    (folder / "case.nml").write_text(text, encoding="utf-8")
     if kind == "heights":
         write_heights(folder, source.choice([300_000, 3_000_000, 8_000_000]))
-        return HEIGHTS
-    if kind == "fields":  # coarse runs and packing take as long as the steps
-        steps, intervals = source.choice([(2000, 4096), (500, 16384), (250, 65536)])
-        return TRANSIENT.replace("256", str(intervals)).replace("time_step = 0.05", f"time_step = {1 / steps}")
-    if kind == "target":
-        wanted = 10 ** source.uniform(-6, -2.5)
-        case = source.choice([STEADY, TRANSIENT]).replace(", intervals = 256", "").replace(", time_step = 0.05", "")
-        return case + f"&accuracy target = {wanted:.2g} /\n"
-    way = source.choice(["method = 'fas_block_jacobi'", "smoother = 'gauss_seidel'", "method = 'newton_krylov'", "start = 'hertz'"])
-    outlet = source.choice(["1.05", "1.5", "4.0"])  # which may cut the film off
-    return STEADY.replace("1.5, intervals = 256", f"{outlet}, intervals = {source.choice([32768, 131072])}") + f"&solver {way} /\n"
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 2))  # noqa: E731
+    command, heard = [program, "case.nml", "--threads", threads], [("the start", 0.0)]
+    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL}
+    with subprocess.Popen(command, cwd=folder, env=ONE_THREAD, preexec_fn=limit, **pipes) as running:  # noqa: PLW1509  one thread
+        for line in running.stderr:
+            heard.append((line.decode("utf-8", "replace").rstrip("\n"), processor_seconds(running.pid)))
+        _, status, usage = os.wait4(running.pid, 0)
+        running.returncode = status = os.waitstatus_to_exitcode(status)
+    heard.append(("the end", usage.ru_utime + usage.ru_stime))
+    silence, line = max((after[1] - before[1], before[0]) for before, after in itertools.pairwise(heard))
+    if silence >= SILENCE:
+        return f"{kind}: {silence:.1f} s of silence behind {line!r}"
+    return None if status in {0, 2, 4} else f"{kind}: status {status}: {heard[1][0]}"

@@ -11,8 +11,7 @@ import tempfile
 from pathlib import Path
 
 import h5py
-from cases import POINT, STEADY, TRANSIENT, damaged, seal, write
-from dry_cases import HARD, case_text
+from cases import HARD, POINT, STEADY, TRANSIENT, case_text, damaged, seal, write
 from kill_and_resume import busy, different, start, undisturbed, wait_for
 from run import ROOT, attack, call
 from test_output_names import DRY, heights

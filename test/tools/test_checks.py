@@ -1,10 +1,11 @@
-"""The checks of `make lint` find planted mistakes; a test that exists and did not run is a failure of `make test`."""
+"""The checks of `make lint` find planted mistakes; a test that exists and did not run is a failure; blocks of bench/page.py."""
 
 import pathlib
 import shutil
 import subprocess
 import sys
 
+import page
 import pytest
 from cases import called
 
@@ -217,3 +218,32 @@ def test_failing_skipped_and_missing_python_tests(tmp_path):
     assert "end-to-end test did not run: test_b.test_never" in output
     assert "skipped, which counts as failed: test_skipped: no time" in output
     assert output.splitlines()[-1] == "3 passed, 3 failed"
+
+
+PAGE_TEXT = "before\n<!-- dry: written by bench/page.py -->\nold\n<!-- dry: end -->\nafter\n"
+
+
+def test_only_the_block_changes():
+    assert page.with_block(PAGE_TEXT, "dry", "new\n") == PAGE_TEXT.replace("old", "new")
+    assert page.with_block(page.with_block(PAGE_TEXT, "dry", "new\n"), "dry", "old\n") == PAGE_TEXT
+
+
+@pytest.mark.parametrize(
+    "text", [PAGE_TEXT.replace("dry: end", "end"), PAGE_TEXT * 2, "nothing\n", "\n".join(reversed(PAGE_TEXT.splitlines()))]
+)
+def test_a_page_without_the_block_is_refused(text):
+    with pytest.raises(ValueError, match="expected one block between <!-- dry: written"):
+        page.with_block(text, "dry", "new\n")
+
+
+@pytest.mark.parametrize("name", page.BLOCKS)
+def test_the_page_has_every_block(name):
+    text = page.PAGE.read_text(encoding="utf-8")
+    assert page.with_block(text, name, "new\n").count("new\n") == text.count("new\n") + 1
+
+
+def test_long_lines_are_folded_with_their_indent():
+    lines = page.fenced("  " + "word " * 40).splitlines()
+    assert lines[0] == "```text"
+    assert max(map(len, lines)) <= 128
+    assert lines[2].startswith("      word")
