@@ -156,7 +156,7 @@ contains
                is_same = reader%text_of(path, trim(entry%key)) == entry%text
             else
                if (size(entry%reals) > 1) cycle   ! tilts of an area: known by their checksum
-               found = reader%number_of(path, trim(entry%key), not_known())
+               found = reader%real_value(path, trim(entry%key), not_known())
                is_same = ieee_is_finite(found)
                if (is_same) is_same = .not. abs(found - entry%reals(1)) > 0.0_wp
             end if
