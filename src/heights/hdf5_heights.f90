@@ -319,7 +319,7 @@ contains
          call reader%refuse('scale_factor', 'found 0, expected a number other than 0')
       end if
       if (allocated(reader%failure)) return
-      has_marks = any(exceeds(huge(1.0_wp), abs([marks, valid])))
+      has_marks = any(exceeds(-abs([marks, valid]), -huge(1.0_wp)))   ! NaN is none
       do i = 1, merge(size(z), 0, has_marks)
          if (.not. is_missing(z(i), marks, valid)) cycle
          call reader%refuse(dataset, 'node '//to_text(offset(1) + i)//': found '// &
