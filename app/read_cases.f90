@@ -42,16 +42,18 @@ module read_cases
       integer :: owner = 0
       !> Where the path leads to: the file, or folder and name of what is not there yet.
       character(:), allocatable :: key
-      !> Number of the first place with this key, and of the next one with a key of the same hash.
-      integer :: first = 0, next = 0
+      !> Number of the next place with a key of the same hash.
+      integer :: next = 0
    end type place_t
+
+   !> Most files that a namelist names beside its output.
+   integer, parameter :: most_files = 4
 
 contains
 
    !> Reads the files of `command` into `cases`; those with findings are reported and make `status`
-   !> that of bad input, if the others are to run without them. Errors: else the findings of all
-   !> files, results that cannot have their names, or a table that cannot take their rows
-   !> (input_error); standard output is lost.
+   !> that of bad input, if the others are to run without them. Errors (input_error): else all
+   !> findings; results or a table that cannot be as they are named; standard output is lost.
    subroutine read_all_cases(command, cases, status, error)
       type(command_t), intent(in) :: command
       type(case_t), allocatable, intent(out) :: cases(:)
@@ -161,92 +163,89 @@ contains
    end subroutine report_good
 
    !> All objections to the results of `cases` in the folder `output_dir` (empty: where the cases
-   !> say), a line each. Of two outputs in one place the later one is objected to, and only a result
-   !> can be in the way of another one's files. A run that goes on with a checkpoint looks at it
-   !> itself, and at NAME.part.
+   !> say), a line each: of two outputs in one place to the later one, if one is a result. A run
+   !> that goes on with a checkpoint looks at it itself, and at NAME.part.
    function output_findings(cases, output_dir, is_resume) result(problems)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
-      character(:), allocatable :: problems
       logical, intent(in) :: is_resume
+      character(:), allocatable :: path, problems
       type(place_t), allocatable :: places(:)
-      character(:), allocatable :: found
-      integer :: i, inputs
-
-      call list_places(cases, output_dir, places, inputs)
-      call link_places(places)
-      problems = ''
-      do i = inputs + 1, size(places)
-         associate (output => places(i), other => places(places(i)%first))
-            if (output%first <= inputs) then
-               found = 'found the '//trim(other%what)//' '//other%path//' as its ' &
-                  //trim(output%what)//', expected another &case output'
-            else if (other%owner /= output%owner .and. any([other%what, output%what] &
-               == 'result')) then
-               found = 'found the '//trim(output%what)//' '//output%path//', which is also '// &
-                  'that of '//cases(other%owner)%file//', expected different names'
-            else
-               found = taken_finding(output, is_resume)
-            end if
-            if (found == '') cycle
-            if (problems /= '') problems = problems//new_line('a')
-            problems = problems//cases(output%owner)%file//': '//found
-         end associate
-      end do
-   end function output_findings
-
-   !> Namelists and height files (`inputs`), then results, each with what its run writes.
-   subroutine list_places(cases, output_dir, places, inputs)
-      type(case_t), intent(in) :: cases(:)
-      character(*), intent(in) :: output_dir
-      type(place_t), allocatable, intent(out) :: places(:)
-      integer, intent(out) :: inputs
-      character(:), allocatable :: path
+      integer, allocatable :: last(:)
       integer :: i, j, n
 
-      n = size(cases)*(4 + size(working_endings))
-      do i = 1, size(cases)
-         n = n + count(cases(i)%effective%key == 'file')
-      end do
+      n = size(cases)*(1 + most_files + 3 + size(working_endings))
       allocate (places(n))
+      allocate (last(0:n), source=0)   ! the last place of each hash
       n = 0
+      problems = ''
       do i = 1, size(cases)
-         call add(cases(i)%file, 'namelist')
+         call add(cases(i)%file, 'namelist', is_output=.false.)
          do j = 1, size(cases(i)%effective)
             associate (entry => cases(i)%effective(j))
                if (entry%key == 'file') call add(path_from_namelist(cases(i), trim(entry%text)), &
-                  'height file')
+                  'height file', is_output=.false.)
             end associate
          end do
       end do
-      inputs = n
       do i = 1, size(cases)
          path = result_path(cases(i), output_dir)
-         call add(path, 'result')
+         call add(path, 'result', is_output=.true.)
          if (cases(i)%has_xdmf) then
-            call add(xdmf_path(path), 'XDMF file')
-            call add(xdmf_path(path)//'.part', 'temporary file')
+            call add(xdmf_path(path), 'XDMF file', is_output=.true.)
+            call add(xdmf_path(path)//'.part', 'temporary file', is_output=.true.)
          end if
          do j = 1, size(working_endings)
-            call add(path//trim(working_endings(j)), 'temporary file')
+            call add(path//trim(working_endings(j)), 'temporary file', is_output=.true.)
          end do
       end do
-      places = places(:n)
 
    contains
 
-      !> One more, of case `i`.
-      subroutine add(path, what)
+      !> Adds one more place of case `i`, by a hash of its key, and the objections to an output.
+      subroutine add(path, what, is_output)
          character(*), intent(in) :: path, what
+         logical, intent(in) :: is_output
+         character(:), allocatable :: found
+         integer :: bucket, first, k
 
          n = n + 1
          places(n)%path = path
          places(n)%what = what
          places(n)%owner = i
          places(n)%key = key_of(path)
+         bucket = 0
+         do k = 1, len(places(n)%key)
+            bucket = modulo(31*bucket + iachar(places(n)%key(k:k)), size(last))
+         end do
+         first = last(bucket)
+         do while (first > 0)
+            if (places(first)%key == places(n)%key) exit
+            first = places(first)%next
+         end do
+         if (first == 0) then
+            places(n)%next = last(bucket)
+            last(bucket) = n
+            first = n
+         end if
+         if (.not. is_output) return
+         associate (output => places(n), other => places(first))
+            if (any(other%what == [character(len=16) :: 'namelist', 'height file'])) then
+               found = 'found the '//trim(other%what)//' '//other%path//' as its '//what// &
+                  ', expected another &case output'
+            else if (other%owner /= i .and. any([other%what, output%what] == 'result')) then
+               found = 'found the '//what//' '//path//', which is also that of '// &
+                  cases(other%owner)%file//', expected different names'
+            else
+               found = taken_finding(output, is_resume)
+            end if
+         end associate
+         if (found == '') return
+         if (problems /= '') problems = problems//new_line('a')
+         problems = problems//cases(i)%file//': '//found
       end subroutine add
 
-   end subroutine list_places
+   end function output_findings
 
    !> Where `path` leads to.
    function key_of(path) result(key)
@@ -263,31 +262,6 @@ contains
       found = file_at(folder_of(path), follows=.true.)
       if (found%kind /= kind_missing) key = found%word//path(index('/'//path, '/', back=.true.):)
    end function key_of
-
-   !> Finds the first of the places with the same key, by a hash of it.
-   pure subroutine link_places(places)
-      type(place_t), intent(inout) :: places(:)
-      integer :: bucket, i, k, last(0:size(places))
-
-      last = 0
-      do i = 1, size(places)
-         associate (place => places(i))
-            bucket = 0
-            do k = 1, len(place%key)
-               bucket = modulo(31*bucket + iachar(place%key(k:k)), size(last))
-            end do
-            place%next = last(bucket)
-            place%first = place%next
-            search: do while (place%first > 0)
-               if (places(place%first)%key == place%key) exit search
-               place%first = places(place%first)%next
-            end do search
-            if (place%first > 0) cycle
-            place%first = i
-            last(bucket) = i
-         end associate
-      end do
-   end subroutine link_places
 
    !> The objection to an `output` because of what is there already; empty: nothing, or an older
    !> one. (A folder stops its own case only, later; so does a link instead of a temporary file.)

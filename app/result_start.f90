@@ -156,7 +156,7 @@ contains
             if (allocated(entry%text)) then
                is_same = reader%text_of(path, trim(entry%key)) == entry%text
             else if (size(entry%reals) == 1) then   ! not tilts of an area: known by their checksum
-               found = reader%number_of(path, trim(entry%key), huge(1.0_wp))
+               found = reader%real_value(path, trim(entry%key), huge(1.0_wp))
                is_same = .not. abs(found - entry%reals(1)) > 0.0_wp
             end if
          end associate

@@ -113,7 +113,7 @@ contains
       do k = 1, size(profiles)
          path = '/solution/'//trim(profiles(k))
          if (k > 1 .and. .not. reader%has(path)) cycle
-         associate (column => reader%reals(path)*reader%number_of(path, 'si_scale', 1.0_wp))
+         associate (column => reader%reals(path)*reader%real_value(path, 'si_scale', 1.0_wp))
             if (allocated(reader%failure)) exit
             if (k == 1) allocate (values(size(column), size(profiles)))
             columns = columns + 1
@@ -178,11 +178,11 @@ contains
          path = '/summary/'//trim(names(i))
          if (.not. reader%has(path)) cycle
          row%values(i) = reader%real_value(path)
-         row%errors(i) = reader%number_of(path, 'error_estimate', not_known())
+         row%errors(i) = reader%real_value(path, 'error_estimate', not_known())
          row%units(i) = reader%text(path, 'units')
       end do
-      if (reader%number_of('/', 'layout', 0.0_wp) >= sealed_layout) call reader%refuse('checksum', &
-         fault)
+      if (reader%real_value('/', 'layout', 0.0_wp) >= sealed_layout) call reader%refuse( &
+         'checksum', fault)
       call reader%close(error)
       row%is_read = .not. allocated(error)
       if (row%is_read) return

@@ -6,7 +6,7 @@ module run_dry_case
    use result_end, only: case_outcome_t, outcome_of
    use case_record, only: case_t, list_dry
    use dry_adequacy, only: measure_dry_adequacy
-   use dry_case, only: dry_case_t, is_refinable, refine_heights
+   use dry_case, only: dry_case_t, make_heights
    use dry_errors, only: area_doubt, dry_trial_t, estimate_dry_errors, finer_nodes, unknown_doubt
    use dry_record, only: dry_record_t, dry_sweep_t
    use dry_result, only: close_dry_case, write_dry_adequacy, write_dry_result
@@ -82,8 +82,8 @@ contains
 
    !> Solves all loads of `dry` and estimates the errors of its quantities, if asked for. With a
    !> target of the contact area, the grid becomes the first one whose estimate meets it, or the
-   !> finest allowed one, with a note. Times cover all grids. Errors as in `solve_dry_sweep` and
-   !> `refine_heights`.
+   !> finest allowed one, with a note. Times cover all grids. Errors as in `solve_dry_sweep`;
+   !> findings of the surfaces.
    subroutine solve_to_target(dry, record, error)
       type(dry_case_t), intent(inout) :: dry
       type(dry_record_t), intent(out) :: record
@@ -94,8 +94,7 @@ contains
       integer :: most, nodes(2)
 
       allocate (trials(0))
-      most = 0
-      if (is_refinable(dry)) most = max_nodes(dry)
+      most = max_nodes(dry)
       seconds = 0.0_wp
       phases = 0.0_wp
       do
@@ -116,8 +115,13 @@ contains
          end associate
          nodes = finer_nodes(trials, dry%target, most)
          if (nodes(1) == 0) exit
-         call refine_heights(dry, nodes, error)
-         if (allocated(error)) return
+         dry%grid%nx = nodes(1)
+         dry%grid%ny = nodes(2)
+         call make_heights(dry)
+         if (dry%values%findings%count > 0) then
+            call fail(error, input_error, dry%values%findings%report('finer grid'))
+            return
+         end if
       end do
       if (allocated(error)) return
       associate (doubt => trials(size(trials))%doubt)
@@ -156,11 +160,14 @@ contains
       end associate
    end subroutine solve_grid
 
-   !> Most nodes that a grid for the target may have.
+   !> Most nodes that a grid for the target may have; 0: heights of a file have no Fourier series.
    integer function max_nodes(dry) result(most)
       type(dry_case_t), intent(in) :: dry
       real(wp), parameter :: smaller = 0.9_wp
 
+      most = 0
+      if (.not. dry%is_periodic .and. (allocated(dry%files(1)%file) &
+         .or. allocated(dry%files(2)%file))) return
       most = max_chosen(merge(1, 2, dry%grid%ny == 1))
       do while (memory_fault('a grid', dry%memory_on([most/min(2, dry%grid%ny), min(2, &
          dry%grid%ny)]), thread_memory(dry%grid%threads)) /= '')

@@ -8,10 +8,10 @@ module hdf5_input
       c_ptr
    use disk_file, only: file_fault
    use errors, only: error_t, fail, input_error
-   use hdf5, only: h5_real_kind, h5aclose_f, h5aexists_by_name_f, h5aget_space_f, h5aget_type_f, &
-      h5aopen_by_name_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, h5dclose_f, &
-      h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, h5dget_type_f, h5dopen_f, &
-      h5dread_f, h5dvlen_reclaim_f, h5f_acc_rdonly_f, h5fclose_f, h5fis_hdf5_f, h5fopen_f, &
+   use hdf5, only: h5_real_kind, h5aexists_by_name_f, h5aget_space_f, h5aget_type_f, &
+      h5aopen_by_name_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, h5dget_create_plist_f, &
+      h5dget_space_f, h5dget_storage_size_f, h5dget_type_f, h5dopen_f, h5dread_f, &
+      h5dvlen_reclaim_f, h5f_acc_rdonly_f, h5fclose_f, h5fis_hdf5_f, h5fopen_f, h5idec_ref_f, &
       h5kind_to_type, h5lexists_f, h5p_default_f, h5pclose_f, h5pget_chunk_f, &
       h5pget_external_count_f, h5pget_layout_f, h5r_object_f, h5rget_name_f, h5s_select_set_f, &
       h5sclose_f, h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
@@ -46,8 +46,8 @@ module hdf5_input
    !> An open file for reading.
    type, extends(hdf5_handle_t) :: hdf5_input_t
    contains
-      procedure :: content_of, has, has_attribute, number_of, read_numbers, read_part, real_value, &
-         reals, refuse, scale_of, text, text_of
+      procedure :: content_of, has, has_attribute, read_numbers, read_part, real_value, reals, &
+         refuse, scale_of, text, text_of
       procedure :: close => close_reader
    end type hdf5_input_t
 
@@ -117,17 +117,12 @@ contains
    logical function has(self, path)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
-      integer :: last, slash, status
+      integer :: status
 
-      has = .not. allocated(self%failure)
-      last = 1
-      do while (has .and. last <= len_trim(path))
-         slash = index(path(last + 1:), '/')
-         last = merge(last + slash - 1, len_trim(path), slash > 0)
-         call h5lexists_f(self%id, path(:last), has, status)
-         has = has .and. status >= 0
-         last = last + 1
-      end do
+      has = .false.
+      if (allocated(self%failure)) return
+      call h5lexists_f(self%id, trim(path), has, status)   ! status < 0: nor what lies before it
+      has = has .and. status >= 0
    end function has
 
    !> Whether the object at `path` has this `attribute`.
@@ -196,19 +191,27 @@ contains
    end subroutine open_source
 
    !> What the dataset at `path` holds, closed again; without extents if it cannot be opened. With
-   !> `are_numbers` a failure, too: it holds none, or does not store them.
+   !> `are_numbers` a failure, too: it holds none, or is too large for what is stored of it.
    function content_of(self, path, are_numbers) result(source)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical, intent(in) :: are_numbers
       type(hdf5_source_t) :: source
+      integer(hsize_t) :: stored
+      real(wp) :: bytes
+      integer :: status
 
       call open_source(self, source, path)
       if (.not. allocated(source%extents)) allocate (source%extents(0))
       if (allocated(self%failure)) return
       if (are_numbers) then
          call self%refuse(path, fault(source, number_class, any_count))
-         call self%refuse(path, fault_of_size(source))
+         bytes = real(source%bytes, wp)*real(source%values, wp)
+         call h5dget_storage_size_f(source%id, stored, status)
+         if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side none is a failure
+         if (bytes > real(large_dataset, wp) .and. bytes/max_packed > real(stored, wp)) call &
+            self%refuse(path, 'found a dataset of '//to_text(nint(bytes, int64))//' bytes of '// &
+            'which the file stores '//to_text(int(stored, int64))//', expected all of them')
       end if
       call close_source(source)
    end function content_of
@@ -270,34 +273,13 @@ contains
       end if
    end function fault_of_storage
 
-   !> "found ..., expected ..." where a dataset is too large for what is stored of it; else empty.
-   function fault_of_size(source) result(fault)
-      type(hdf5_source_t), intent(in) :: source
-      character(:), allocatable :: fault
-      integer(hsize_t) :: stored
-      real(wp) :: bytes
-      integer :: status
-
-      fault = ''
-      bytes = real(source%bytes, wp)*real(source%values, wp)
-      call h5dget_storage_size_f(source%id, stored, status)
-      if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side a size of 0 is a failure
-      if (bytes > real(large_dataset, wp) .and. bytes/max_packed > real(stored, wp)) fault = &
-         'found a dataset of '//to_text(nint(bytes, int64))//' bytes of which the file stores ' &
-         //to_text(int(stored, int64))//', expected all of them'
-   end function fault_of_size
-
    !> Closes the source and its type.
    subroutine close_source(source)
       type(hdf5_source_t), intent(in) :: source
-      integer :: status
+      integer :: count, status
 
-      call h5tclose_f(source%type_id, status)
-      if (source%is_attribute) then
-         call h5aclose_f(source%id, status)
-      else
-         call h5dclose_f(source%id, status)
-      end if
+      call h5idec_ref_f(source%type_id, count, status)
+      call h5idec_ref_f(source%id, count, status)
    end subroutine close_source
 
    !> Reads all values of an open source as `type_id` to `place`, and closes it.
@@ -346,30 +328,24 @@ contains
       call close_source(source)
    end function reals
 
-   !> The number of a dataset or attribute that holds one.
-   function real_value(self, path, attribute) result(value)
+   !> The number of a dataset or attribute that holds one; `default` if there is no such attribute.
+   function real_value(self, path, attribute, default) result(value)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       character(*), intent(in), optional :: attribute
+      real(wp), intent(in), optional :: default
       real(wp), target :: value
 
       value = 0.0_wp
+      if (present(default)) then
+         value = default
+         if (.not. self%has_attribute(path, attribute)) return
+      end if
       call self%read_numbers(path, 1_int64, h5kind_to_type(wp, h5_real_kind), c_loc(value), &
          attribute)
    end function real_value
 
-   !> The number of the `attribute` of the object at `path`; `default` if there is none.
-   real(wp) function number_of(self, path, attribute, default) result(value)
-      class(hdf5_input_t), intent(inout) :: self
-      character(*), intent(in) :: path, attribute
-      real(wp), intent(in) :: default
-
-      value = default
-      if (self%has_attribute(path, attribute)) value = self%real_value(path, attribute)
-   end function number_of
-
-   !> Reads the `count` numbers of a dataset or attribute, which must have just these, converted to
-   !> `type_id`, to `place`, which has room for them.
+   !> Reads all numbers of a dataset or attribute, which must be `count`, as `type_id` to `place`.
    subroutine read_numbers(self, path, count, type_id, place, attribute)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -433,8 +409,7 @@ contains
       if (is_fixed) text = trim(self%text(path, attribute))
    end function text_of
 
-   !> Path of the first scale of the `dimension` of a dataset (1: the fastest), to which the list of
-   !> that dimension refers; empty if there is none.
+   !> Path of the first scale in the list of a `dimension` (1: the fastest) of a dataset, or empty.
    function scale_of(self, path, dimension) result(scale)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path

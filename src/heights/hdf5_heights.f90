@@ -46,13 +46,11 @@ module hdf5_heights
 
 contains
 
-   !> Heights of `dataset` in `file`, in the unit of its attribute `units` or `unit`, or times its
-   !> attribute `si_scale`. `spacing` (2) [m] from its attributes `spacing_x`, `spacing_y` or
-   !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in its
-   !> dimension scales or in the datasets x and y beside it, in theirs; 0 where there are none.
-   !> Errors (input_error): no such file or dataset, another number of dimensions; units that are
-   !> unknown, contradict each other or are said of one only; positions that are uneven; the key
-   !> positions.
+   !> Heights of a dataset, in the unit of its attribute `units` or `unit`, or times its attribute
+   !> `si_scale`. `spacing` (2) [m] from its attributes `spacing_x`, `spacing_y` or `spacing`, in
+   !> the unit of `spacing_units` or `spacing_unit`, or from positions in its dimension scales or
+   !> the datasets x and y beside it, in theirs; 0: there are none. Errors (input_error): no such
+   !> dataset, other dimensions; unknown or different units; uneven positions; the key positions.
    subroutine open_hdf5_heights(source, request, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
       type(height_request_t), intent(in) :: request
@@ -153,9 +151,8 @@ contains
          ', expected the same of both')
    end subroutine find_scale
 
-   !> Spacings of the dimensions that have none yet, from dimension scales or the datasets x and y
-   !> beside the heights, if they hold a number for each node. Failures: the positions are uneven or
-   !> no positions; only they or only the heights have a unit.
+   !> Spacings that are not known yet, from dimension scales or the datasets x and y, if they hold a
+   !> number for each node. Failures: uneven or no positions; a unit of them or the heights only.
    subroutine find_positions(reader, source, extents, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
@@ -243,8 +240,8 @@ contains
          end do
          deallocate (x)
       end do
-      fault = range%fault(must_rise=.false.)
-      if (range%mark_of_fault() > 0) fault = 'node '//to_text(range%mark_of_fault())//': '//fault
+      call range%find_fault(.false., fault, first)
+      if (first > 0) fault = 'node '//to_text(first)//': '//fault
       call reader%refuse(path, fault)
    end subroutine read_positions
 
@@ -309,12 +306,12 @@ contains
       call reader%read_part(dataset, offset, extents, z)
       if (reader%text_of(dataset, '_Unsigned') == 'true') call reader%refuse(dataset, &
          'found _Unsigned = true, expected an unsigned type of HDF5')
-      marks = [reader%number_of(dataset, '_FillValue', huge(1.0_wp)), &
-         reader%number_of(dataset, 'missing_value', huge(1.0_wp))]
-      valid = [reader%number_of(dataset, 'valid_min', -huge(1.0_wp)), &
-         reader%number_of(dataset, 'valid_max', huge(1.0_wp))]
-      factor = reader%number_of(dataset, 'scale_factor', 1.0_wp)
-      shift = reader%number_of(dataset, 'add_offset', 0.0_wp)
+      marks = [reader%real_value(dataset, '_FillValue', huge(1.0_wp)), &
+         reader%real_value(dataset, 'missing_value', huge(1.0_wp))]
+      valid = [reader%real_value(dataset, 'valid_min', -huge(1.0_wp)), &
+         reader%real_value(dataset, 'valid_max', huge(1.0_wp))]
+      factor = reader%real_value(dataset, 'scale_factor', 1.0_wp)
+      shift = reader%real_value(dataset, 'add_offset', 0.0_wp)
       if (.not. all(ieee_is_finite([factor, shift]))) then
          call reader%refuse(dataset, 'found '//to_text(factor, 4)//' and '//to_text(shift, 4)// &
             ' in scale_factor and add_offset, expected numbers')
@@ -322,7 +319,7 @@ contains
          call reader%refuse('scale_factor', 'found 0, expected a number other than 0')
       end if
       if (allocated(reader%failure)) return
-      has_marks = any(exceeds(huge(1.0_wp), abs([marks, valid])))
+      has_marks = any(exceeds(-abs([marks, valid]), -huge(1.0_wp)))   ! NaN is none
       do i = 1, merge(size(z), 0, has_marks)
          if (.not. is_missing(z(i), marks, valid)) cycle
          call reader%refuse(dataset, 'node '//to_text(offset(1) + i)//': found '// &

@@ -46,30 +46,18 @@ contains
       real(wp), intent(out) :: spacing
       type(error_t), allocatable, intent(out) :: error
       type(text_lines_t) :: lines
-
-      table%file = request%file
-      spacing = 0.0_wp
-      call open_lines(lines, request%file, error)
-      if (allocated(error)) return
-      call read_head(table, lines, request, error)
-      if (.not. allocated(error)) call read_rows(table, lines, spacing, error)   ! error: handed up
-      call lines%close()
-   end subroutine open_table
-
-   !> Reads the comments and the names, up to the first row of numbers.
-   subroutine read_head(table, lines, request, error)
-      type(height_table_t), intent(inout) :: table
-      type(text_lines_t), intent(inout) :: lines
-      type(height_request_t), intent(in) :: request
-      type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault, stated, unit
       logical :: is_there
       integer :: place
 
+      table%file = request%file
+      spacing = 0.0_wp
       unit = ''
-      do
+      call open_lines(lines, request%file, error)
+      if (allocated(error)) return
+      do   ! comments, up to the names or the first row of numbers
          call lines%next(is_there, error)
-         if (allocated(error)) return
+         if (allocated(error)) exit
          call encoding_fault(lines%line(:lines%length), fault, place)
          if (place > 0) fault = 'found '//fault//', expected a table in UTF-8, or HDF5'
          if (.not. is_there) fault = 'found no rows, expected positions and heights in two columns'
@@ -77,13 +65,16 @@ contains
          stated = unit_among(lines%line(:lines%length))
          if (unit == '') unit = stated
       end do
-      if (fault == '') call find_columns(table, lines, unit, request, fault)
-      if (fault /= '') call refuse(lines, lines%number, 1, fault, error)
-   end subroutine read_head
+      if (.not. allocated(error)) then
+         if (fault == '') call find_columns(table, lines, unit, request, fault)
+         if (fault /= '') call refuse(lines, lines%number, 1, fault, error)
+      end if
+      if (.not. allocated(error)) call read_rows(table, lines, spacing, error)   ! error: handed up
+      call lines%close()
+   end subroutine open_table
 
-   !> Separator, columns and units, from the present line, the first that is no comment: names, or
-   !> numbers, which are read again. `unit` is one in a comment. `fault`: "found ..., expected ..."
-   !> where they are not clear.
+   !> Separator, columns and units, from the first line that is no comment: names, or numbers, which
+   !> are read again. `unit` is one in a comment. `fault`: where they are not clear.
    subroutine find_columns(table, lines, unit, request, fault)
       type(height_table_t), intent(inout) :: table
       type(text_lines_t), intent(inout) :: lines
@@ -124,7 +115,8 @@ contains
       if (numbers > 0 .and. fault == '') call lines%seek(lines%place, lines%number)
    end subroutine find_columns
 
-   !> The two wanted columns and their units; `bounds` (2, n) are those of the names in `row`.
+   !> The two wanted columns, by their names with units or without, and their units; `bounds` (2, n)
+   !> are those of the names in `row`. `fault`: there is none of a name, or more than one; units.
    subroutine settle_columns(table, row, bounds, unit, request, fault)
       type(height_table_t), intent(inout) :: table
       character(*), intent(in) :: row, unit
@@ -132,16 +124,33 @@ contains
       type(height_request_t), intent(in) :: request
       character(:), allocatable, intent(inout) :: fault
       character(len=6), parameter :: keys(2) = ['x_unit', 'z_unit']
-      character(:), allocatable :: stated, wanted
+      character(:), allocatable :: in_name, stated, wanted
+      integer :: found, i, k, last
       logical :: is_silent(2)
-      integer :: k
 
       do k = 1, 2
          wanted = request%positions
          if (k == 2) wanted = request%dataset
-         call find_name(row, bounds, wanted, table%used(k), stated, fault)
-         if (fault == '') call settle_unit(stated, request%units(k), 'the names '// &
-            shown(row), keys(k), table%per_metre(k), fault)
+         stated = ''
+         found = 0
+         do i = 1, size(bounds, 2)
+            associate (name => row(bounds(1, i):bounds(2, i)))
+               call find_unit(name, in_name, last)
+               if (merge(i == table%used(k), name == wanted .or. name(:last) == wanted, wanted &
+                  == '')) then
+                  found = found + 1
+                  table%used(k) = i
+                  stated = in_name
+               end if
+            end associate
+         end do
+         if (found /= min(size(bounds, 2), 1)) then
+            fault = 'found '//counted(found, 'column')//' '//quoted(wanted)//' in the names ' &
+               //shown(row)//', expected one'
+         else
+            call settle_unit(stated, request%units(k), 'the names '//shown(row), keys(k), &
+               table%per_metre(k), fault)
+         end if
          if (fault /= '') return
          is_silent(k) = stated//request%units(k) == ''
       end do
@@ -154,33 +163,6 @@ contains
          fault = silence_fault(is_silent, table%per_metre)
       end if
    end subroutine settle_columns
-
-   !> Which `column` has the name `wanted`, with its unit or without (empty: it is known), and the
-   !> unit that its name states. `fault`: there is none, or more than one.
-   subroutine find_name(row, bounds, wanted, column, stated, fault)
-      character(*), intent(in) :: row, wanted
-      integer, intent(in) :: bounds(:, :)
-      integer, intent(inout) :: column
-      character(:), allocatable, intent(out) :: stated
-      character(:), allocatable, intent(inout) :: fault
-      character(:), allocatable :: unit
-      integer :: found, i, last
-
-      stated = ''
-      found = 0
-      do i = 1, size(bounds, 2)
-         associate (name => row(bounds(1, i):bounds(2, i)))
-            call find_unit(name, unit, last)
-            if (merge(i == column, name == wanted .or. name(:last) == wanted, wanted == '')) then
-               found = found + 1
-               column = i
-               stated = unit
-            end if
-         end associate
-      end do
-      if (found /= min(size(bounds, 2), 1)) fault = 'found '//counted(found, 'column')//' '// &
-         quoted(wanted)//' in the names '//shown(row)//', expected one'
-   end subroutine find_name
 
    !> Reads all rows, notes where they are and checks their positions and heights.
    subroutine read_rows(table, lines, spacing, error)
@@ -212,8 +194,7 @@ contains
          call heights%add(numbers(2:), line)
          table%nodes = table%nodes + 1
       end do
-      line = positions%mark_of_fault()
-      fault = positions%fault(must_rise=.true.)
+      call positions%find_fault(.true., fault, line)
       if (fault == '') call heights%find_fault(.true., fault, line)
       if (fault == '') spacing = positions%distance()
       if (fault /= '') call refuse(lines, merge(line, lines%number - 1, line > 0), 1, fault, error)
@@ -272,8 +253,7 @@ contains
    end function is_row
 
    !> The `numbers` of the present line as they are written: the height, and with `first` = 1 the
-   !> position before it. Errors, with line and byte: no numbers, or none that can be; another
-   !> number of fields than in the first row.
+   !> position. Errors, with line and byte: no numbers, or none that can be; other fields.
    subroutine read_row(table, lines, first, numbers, error)
       type(height_table_t), intent(in) :: table
       type(text_lines_t), intent(in) :: lines

@@ -128,8 +128,7 @@ contains
       unit = ''
    end function unit_among
 
-   !> "found ..., expected ..." where a unit is said of positions (1) or of heights (2) alone and is
-   !> not the metre; else empty.
+   !> The fault that a unit is said of positions (1) or heights (2) alone and is no metre; or empty.
    pure function silence_fault(is_silent, per_metre) result(fault)
       logical, intent(in) :: is_silent(2)
       real(wp), intent(in) :: per_metre(2)

@@ -4,15 +4,15 @@
 !> The limits lie far beyond measured surfaces; squares and quotients within them stay finite.
 module measured_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
-   use height_form, only: height_sums_t
-   use kinds, only: are_finite, int64, wp
+   use height_form, only: height_sums_t, trend_t
+   use kinds, only: int64, wp
+   use profile, only: height_source_t
    use text, only: counted, to_text
    implicit none (type, external)
    private
 
-   public :: are_heights, height_fault, height_range_t, height_request_t, heights_t, is_height, &
-      is_position, place_words, position_fault, position_range_t, range_fault, scale_fault, &
-      spacing_fault
+   public :: height_fault, height_range_t, height_request_t, heights_t, is_height, is_position, &
+      place_words, position_fault, position_range_t, scale_fault, spacing_fault
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
@@ -22,26 +22,26 @@ module measured_heights
       character(len=12) :: units(2) = ''
    end type height_request_t
 
-   !> Heights on a uniform grid.
+   !> Heights of a file, on a uniform grid.
    type :: heights_t
       !> Heights (nx*ny) [m], x fastest; not allocated: too many to be held.
       real(wp), allocatable :: z(:)
-      !> nx, ny; ny = 1: a profile.
-      integer :: grid(2) = 0
       !> Spacing of the nodes [m]; 0: the file does not tell.
       real(wp) :: spacing(2) = 0.0_wp
       !> Path of the file; not allocated: there is none.
       character(:), allocatable :: file
       !> Checksum of the heights.
       character(len=16) :: digits = ''
-      !> Their sums, for slopes and form.
+      !> Their grid nx, ny (ny = 1: a profile), and their sums, for slopes and form.
       type(height_sums_t) :: sums
+      !> Where all of a profile are; not allocated: in z.
+      class(height_source_t), allocatable :: source
+      !> What was subtracted from them, and will be from those of the source.
+      type(trend_t) :: trend
    end type heights_t
 
    !> Largest height and position [m].
    real(wp), parameter :: largest_height = 1.0e3_wp, largest_position = 1.0e9_wp
-   !> Highest less lowest point of a surface that is not flat, at least [m].
-   real(wp), parameter :: least_range = 1.0e-20_wp
    !> Spacing of the nodes [m].
    real(wp), parameter :: least_spacing = 1.0e-15_wp, largest_spacing = 1.0e6_wp
    !> Metres in the unit of a dataset.
@@ -72,7 +72,7 @@ module measured_heights
       !> Marks of the positions that set the bounds.
       integer(int64), private :: low_mark = 0_int64, high_mark = 0_int64
    contains
-      procedure :: add => add_position, fault, mark_of_fault, distance
+      procedure :: add => add_position, find_fault => find_position_fault, distance
    end type position_range_t
 
 contains
@@ -83,15 +83,6 @@ contains
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
-
-   !> Whether all `z` [m] can be heights.
-   pure logical function are_heights(z)
-      real(wp), contiguous, intent(in) :: z(:)
-
-      are_heights = are_finite(z)
-      if (are_heights) are_heights = count((abs(z) >= tiny(z) .or. abs(z) <= 0.0_wp) &
-         .and. abs(z) <= largest_height) == size(z)
-   end function are_heights
 
    !> Whether `x` [m] can be a position.
    pure elemental logical function is_position(x)
@@ -154,17 +145,6 @@ contains
          'found '//shown(scale)//', expected '//to_text(least_scale, 2) &
          //' to '//to_text(largest_scale, 2)//', metres in one unit of the dataset'
    end function scale_fault
-
-   !> The same for the lowest and the highest point of a surface [m].
-   pure function range_fault(lowest, highest) result(fault)
-      real(wp), intent(in) :: lowest, highest
-      character(:), allocatable :: fault
-
-      fault = ''
-      if (highest > lowest .and. highest - lowest < least_range) fault = &
-         'found heights that differ by '// &
-         shown(highest - lowest)//' m, expected 0 or at least '//to_text(least_range, 2)//' m'
-   end function range_fault
 
    !> A number, or infinity in the words of the messages.
    pure function shown(value)
@@ -269,38 +249,29 @@ contains
    end function distance
 
    !> "found ..., expected ..." where the positions are not those of a uniform grid, or fall though
-   !> they `must_rise`; else empty.
-   pure function fault(self, must_rise)
+   !> they `must_rise`, else empty; and the mark of the one that does not fit the others, or 0.
+   pure subroutine find_position_fault(self, must_rise, fault, mark)
       class(position_range_t), intent(in) :: self
       logical, intent(in) :: must_rise
-      character(:), allocatable :: fault
-
-      if (self%count < 2) then
-         fault = 'found '//counted(int(self%count), 'row')//' of numbers, expected at least 2'
-      else if (self%falls .and. must_rise) then
-         fault = 'found falling positions, expected rising ones'
-      else if (.not. self%distance() > 0.0_wp) then
-         fault = 'found positions that neither rise nor fall, expected those of a uniform grid'
-      else if (self%mark_of_fault() > 0) then
-         fault = 'found uneven positions, expected a uniform grid'
-      else
-         fault = spacing_fault(self%distance())
-      end if
-   end function fault
-
-   !> Mark of the position that does not fit the others; 0: all do.
-   pure function mark_of_fault(self) result(mark)
-      class(position_range_t), intent(in) :: self
-      integer(int64) :: mark
+      character(:), allocatable, intent(out) :: fault
+      integer(int64), intent(out) :: mark
+      real(wp) :: spacing
 
       mark = 0_int64
-      if (self%count < 2) return
-      if (.not. self%distance() > 0.0_wp) return
-      if (self%distance() < self%low) then
-         mark = self%low_mark
-      else if (self%distance() > self%high) then
-         mark = self%high_mark
+      if (self%count < 2) then
+         fault = 'found '//counted(int(self%count), 'row')//' of numbers, expected at least 2'
+         return
       end if
-   end function mark_of_fault
+      spacing = self%distance()
+      if (.not. spacing > 0.0_wp) then
+         fault = 'found positions that neither rise nor fall, expected those of a uniform grid'
+      else
+         if (spacing > self%high) mark = self%high_mark
+         if (spacing < self%low) mark = self%low_mark
+         fault = spacing_fault(spacing)
+         if (mark > 0) fault = 'found uneven positions, expected a uniform grid'
+      end if
+      if (self%falls .and. must_rise) fault = 'found falling positions, expected rising ones'
+   end subroutine find_position_fault
 
 end module measured_heights

@@ -47,10 +47,12 @@ contains
       type(input_values_t), intent(inout) :: values
       real(wp) :: speed_sum
       integer :: i
+      character(len=16) :: radii(3)
 
       if (.not. values%has_group('bodies')) return
-      if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-         'reduced_radius'//trim(axis_of(values)), radius_keys(values))
+      radii = radius_keys(values)
+      if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, trim(radii(1)), &
+         radii(2:))
       call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
          'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
       if (.not. values%is_given('bodies', 'entrainment_speed')) then
@@ -93,8 +95,7 @@ contains
       end if
    end subroutine check_ways
 
-   !> Findings about a dry contact: elasticity given twice or in part; no radius of a parabola; a
-   !> radius without one.
+   !> Findings of a dry contact: elasticity twice or in part; a parabola or a radius alone.
    subroutine check_dry_bodies(values)
       type(input_values_t), intent(inout) :: values
       character(len=16), parameter :: parts(*) = [character(len=16) :: 'youngs_modulus_1', &
@@ -129,52 +130,45 @@ contains
       end if
    end subroutine check_dry_bodies
 
-   !> What the names of radii have behind them: those of a point contact are of x and of y.
-   pure function axis_of(values) result(axis)
-      type(input_values_t), intent(in) :: values
-      character(len=2) :: axis
-
-      axis = merge('_x', '  ', values%problem == point)
-   end function axis_of
-
-   !> Keys of the radii of both bodies, in the plane of x.
+   !> Keys of the reduced radius and of the radii of both bodies, in the plane of x.
    pure function radius_keys(values) result(keys)
       type(input_values_t), intent(in) :: values
-      character(len=10) :: keys(2)
+      character(len=16) :: keys(3)
 
-      keys(1) = 'radius'//trim(axis_of(values))//'_1'
-      keys(2) = 'radius'//trim(axis_of(values))//'_2'
+      keys = [character(len=16) :: 'reduced_radius', 'radius_1', 'radius_2']
+      if (values%problem == point) keys = [character(len=16) :: 'reduced_radius_x', 'radius_x_1', &
+         'radius_x_2']
    end function radius_keys
 
    !> Whether one body has a radius and the other is a plane.
    pure logical function has_plane(values)
       type(input_values_t), intent(in) :: values
 
-      has_plane = values%logical_value('bodies', 'plane') .and. count(values%is_given('bodies', &
-         radius_keys(values))) == 1
+      associate (keys => radius_keys(values))
+         has_plane = values%logical_value('bodies', 'plane') .and. count(values%is_given('bodies', &
+            keys(2:))) == 1
+      end associate
    end function has_plane
 
    !> A finding: two radii of bodies that do not touch, or lie in each other; a plane beside more or
    !> less than one radius, or one that is not convex.
    subroutine check_radii(values)
       type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: key
-      character(len=10) :: keys(2)
+      character(len=16) :: key, keys(3)
 
-      key = 'reduced_radius'//trim(axis_of(values))
       keys = radius_keys(values)
-      if (has_plane(values) .and. values%is_given('bodies', key)) then
-         call values%refuse('bodies', key, 'found together with plane, expected one of the two')
+      if (has_plane(values) .and. values%is_given('bodies', keys(1))) then
+         call values%refuse('bodies', keys(1), 'found together with plane, expected one of the two')
       else if (has_plane(values)) then
-         key = trim(keys(findloc(values%is_given('bodies', keys), .true., dim=1)))
+         key = keys(findloc(values%is_given('bodies', keys), .true., dim=1))
          if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
             'found '//to_text(values%real_value('bodies', key))// &
             ' with plane = .true., expected a radius > 0 [m]')
       else if (values%logical_value('bodies', 'plane')) then
          call values%refuse('bodies', 'plane', 'found .true., expected exactly one of '// &
-            joined(keys, ' and ')//' with it')
+            joined(keys(2:), ' and ')//' with it')
       end if
-      call check_curvature(values, keys)
+      call check_curvature(values, keys(2:))
    end subroutine check_radii
 
    !> A finding: two radii, of which both have a value, of bodies that do not touch.
@@ -221,7 +215,7 @@ contains
       type(input_values_t), intent(in) :: values
       type(bodies_t), intent(out) :: bodies
 
-      bodies%reduced_radius = radius_of(values, trim(axis_of(values)))
+      bodies%reduced_radius = radius_of(values, trim(merge('_x', '  ', values%problem == point)))
       bodies%reduced_modulus = modulus_of(values)
       bodies%speed_1 = values%real_value('bodies', 'speed_1')
       bodies%speed_2 = values%real_value('bodies', 'speed_2')
@@ -274,8 +268,7 @@ contains
       if (.not. has_plane(values)) radius = reduced_radius(radii(1), radii(2))
    end function radius_of
 
-   !> E' [Pa]: given, of both bodies, or of the first against a rigid one, 2/E' = (1 - nu^2)/E; 0 if
-   !> there is none.
+   !> E' [Pa]: given, of both bodies, or against a rigid one, 2/E' = (1 - nu^2)/E; 0: there is none.
    real(wp) function modulus_of(values) result(modulus)
       type(input_values_t), intent(in) :: values
 

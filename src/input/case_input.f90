@@ -5,9 +5,11 @@ module case_input
    use case_validation, only: check_regime, conserver, even_reason, validate
    use dry_input, only: fill_dry_case
    use duty_input, only: read_duty
-   use file_heights, only: check_files
+   use file_heights, only: read_files
+   use film_surface, only: make_surface
    use findings, only: findings_t
    use input_values, only: input_values_t, value_t
+   use measured_heights, only: heights_t
    use key_row, only: dry, film, has_word, point
    use key_rules, only: find_unusual, unusual_t
    use line_case, only: fill_scaling, plan_line_case
@@ -35,8 +37,9 @@ contains
       type(entry_t), intent(in), optional :: entries(:)
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
+      type(heights_t), allocatable :: files(:)
       character(:), allocatable :: oil
-      logical :: is_alone
+      logical :: is_alone, is_valid
 
       case%file = file
       case%namelist = content
@@ -54,8 +57,9 @@ contains
             call read_duty(values, path_from_namelist(case, ''), case%duty)
          end if
          call validate(values)
-         if (values%findings%count == 0) call fill_case(values, case)
-         if (values%findings%count > 0) call check_files(values, path_from_namelist(case, ''))
+         is_valid = values%findings%count == 0
+         call read_files(values, path_from_namelist(case, ''), files)
+         if (is_valid) call fill_case(values, files, case)
          case%unusual = find_unusual(values)
          if (oil /= '') case%unusual = [case%unusual, unusual_t(values%line_of('lubricant', &
             'viscosity'), oil, '')]
@@ -70,21 +74,26 @@ contains
       findings = values%findings
    end subroutine read_case
 
-   !> The case that values without findings describe. Findings: what does not go together in it.
-   subroutine fill_case(values, case)
+   !> The case that valid values and the `files` of its surfaces describe. Findings, beside those of
+   !> the files: what does not go together in it.
+   subroutine fill_case(values, files, case)
       type(input_values_t), intent(inout) :: values
+      type(heights_t), allocatable, intent(inout) :: files(:)
       type(case_t), intent(inout) :: case
-
       character(:), allocatable :: key
+      integer :: before
 
+      before = values%findings%count
       case%title = values%text_value('case', 'title')
       case%output = trim(values%text_value('case', 'output'))
       case%has_xdmf = values%logical_value('output', 'xdmf')
       case%problem = values%word_value('case', 'problem')
       case%model = values%word_value('case', 'model')
       if (has_word(dry, case%problem)) then
+         if (before > 0 .and. .not. allocated(files(1)%file)) return   ! its grid is not known
          case%dry%values = values
-         call fill_dry_case(path_from_namelist(case, ''), case%dry)
+         call move_alloc(files, case%dry%files)
+         call fill_dry_case(case%dry)
          values = case%dry%values
          if (values%findings%count > 0) return
          call list_effective(values, case)
@@ -94,22 +103,23 @@ contains
       call fill_lubricant(values, case%lubricant, case%materials)
       call fill_common(values, case)
       if (case%problem == point) then
-         call fill_point_case(values, case)
+         call fill_point_case(values, files, case)
          return
       end if
       call fill_bodies(values, case%bodies)
       call fill_numerics(values, case)
       call fill_scaling(values, case, key)
       call check_regime(values, key, case)
-      if (values%findings%count > 0) return
+      if (values%findings%count > before) return
       call list_effective(values, case)
       if (allocated(case%duty)) call set_effective(case, 'history', 'table_checksum', &
          text=case%duty%digits)
-      call plan_line_case(values, case)
+      call make_surface(values, 'surface_1', files(1), case, case%contact%surface_1)
+      call make_surface(values, 'surface_2', files(2), case, case%contact%surface_2)
+      if (values%findings%count == 0) call plan_line_case(values, case)
    end subroutine fill_case
 
-   !> &time, &output, &accuracy, tolerance and film floor of lines and points; 0 where the program
-   !> chooses.
+   !> &time, &output, &accuracy, tolerance and film floor of films; 0 where the program chooses.
    subroutine fill_common(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case

@@ -73,8 +73,7 @@ module case_record
       type(line_contact_t) :: contact
       type(time_settings_t) :: time
       type(solver_settings_t) :: solver
-      !> Layers across the film, on which the full momentum equations are solved too; 0: they are
-      !> not. With the inertia of the oil.
+      !> Layers across the film of the full momentum equations (0: none), with the oil's inertia.
       integer :: layers = 0
       logical :: has_inertia = .false.
    end type line_case_t
@@ -179,8 +178,7 @@ contains
       end if
    end function effective_text
 
-   !> Sets or adds a value in the list of effective values: `reals` (at least one), `integer` or
-   !> `text`.
+   !> Sets or adds an effective value: `reals` (at least one), `integer` or `text`.
    pure subroutine set_effective(case, group, key, reals, integer, text)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key
@@ -208,6 +206,7 @@ contains
    end subroutine set_effective
 
    !> Fills `case%effective` in the order of the key table; what the program chooses later says so.
+   !> For a line, what follows from the given values: bodies, load, parameters of Roelands' law.
    subroutine list_effective(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
@@ -217,9 +216,8 @@ contains
       n = 0
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
-            if (.not. slot%has_value) then
-               if (row%default /= 'chosen' .or. row%key == 'output') cycle
-            end if
+            if (.not. slot%has_value .and. any([row%default /= 'chosen', &
+               row%key == 'output'])) cycle
             if (.not. has_word(row%problems, values%problem)) cycle
             if (.not. is_used(values, row)) cycle
             n = n + 1
@@ -239,13 +237,7 @@ contains
          end associate
       end do
       case%effective = entries(:n)
-      if (values%problem == lubricated) call list_derived(case)
-   end subroutine list_effective
-
-   !> What follows from the given values of a line: bodies, load, parameters of Roelands' law.
-   subroutine list_derived(case)
-      type(case_t), intent(inout) :: case
-
+      if (values%problem /= lubricated) return
       if (case%scaling%is_dimensional) then
          call set_effective(case, 'bodies', 'reduced_radius', [case%bodies%reduced_radius])
          call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
@@ -262,7 +254,7 @@ contains
          call set_effective(case, 'lubricant', 'roelands_p0', [oil%roelands_p0])
          call set_effective(case, 'lubricant', 'roelands_z', [oil%roelands_z])
       end associate
-   end subroutine list_derived
+   end subroutine list_effective
 
    !> The times of a passage through a `contact`, line or point, and where its surfaces began.
    subroutine list_passage(case, contact, times)
@@ -313,7 +305,7 @@ contains
             call set_effective(case, 'domain', 'intervals_y', integer=dry%grid%ny)
          end if
          do i = 1, size(surfaces)
-            call list_trend(case, surfaces(i), dry%trends(i))
+            call list_trend(case, surfaces(i), dry%files(i)%trend)
             if (.not. has_shape(dry%values, surfaces(i), 'synthetic')) cycle
             call read_synthesis(dry%values, surfaces(i), maxval(dry%lengths), &
                2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)

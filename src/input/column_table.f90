@@ -30,9 +30,8 @@ module column_table
 
 contains
 
-   !> Reads a table: comments (#), names with units, rows of numbers, separated by commas. Errors
-   !> (input_error), with the line: any other form; a first column that does not rise; numbers out
-   !> of range.
+   !> Reads a table: comments (#), names with units, rows of numbers, by commas. Errors with line
+   !> (input_error): any other form; a first column that does not rise; numbers out of range.
    subroutine read_columns(file, table, error)
       character(*), intent(in) :: file
       type(column_table_t), intent(inout) :: table

@@ -3,15 +3,14 @@
 module dry_input
    use body_input, only: find_load, modulus_of, radius_of
    use dry_sweep, only: recommended_room
-   use dry_case, only: dry_case_t, make_heights, prepare_files, same_length
+   use dry_case, only: dry_case_t, make_heights, same_length
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, &
       method_conjugate_gradient, method_steepest_descent, no_hardness
    use grid_transform, only: even_nodes
-   use file_heights, only: read_surface
+   use file_heights, only: level_surface
    use hertz, only: line_half_width, point_radius
    use input_values, only: has_shape, input_values_t, surfaces, value_t
    use kinds, only: int64, pi, wp
-   use measured_heights, only: heights_t
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
    implicit none (type, external)
@@ -34,14 +33,15 @@ module dry_input
 
 contains
 
-   !> Fills `dry` from its values; `folder` of the namelist. Findings: grid, surface, load, kernel.
-   subroutine fill_dry_case(folder, dry)
-      character(*), intent(in) :: folder
+   !> Fills `dry` from its values and files. Findings, beside those of a second file that cannot be
+   !> read: grid, surface, load, kernel.
+   subroutine fill_dry_case(dry)
       type(dry_case_t), intent(inout) :: dry
       type(value_t) :: fields
       character(:), allocatable :: fault
+      integer :: before
 
-      dry%folder = folder
+      before = dry%values%findings%count
       dry%reduced_modulus = modulus_of(dry%values)
       dry%radius = radius_of(dry%values, '')
       dry%wants_adequacy = dry%values%logical_value('output', 'adequacy')
@@ -55,8 +55,8 @@ contains
       if (dry%values%has_value('domain', 'periodic')) dry%is_periodic = &
          dry%values%logical_value('domain', 'periodic')
       call find_grid(dry)
-      if (dry%values%findings%count == 0) call check_waves(dry)
-      if (dry%values%findings%count > 0) return
+      if (dry%values%findings%count == before) call check_waves(dry)
+      if (dry%values%findings%count > before) return
       fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
       associate (nodes => int(dry%grid%nx, int64)*dry%grid%ny)
          if (nodes > max_nodes) fault = 'found '//to_text(nodes)//' nodes, expected at most '// &
@@ -64,7 +64,7 @@ contains
       end associate
       if (fault /= '') call dry%values%refuse('domain', trim(merge('intervals  ', 'intervals_x', &
          dry%values%problem == 'dry_line')), fault)
-      if (dry%values%findings%count == 0) call prepare_files(dry)
+      call level_files(dry)
       if (dry%values%findings%count > 0) return
       call make_heights(dry)
       if (dry%values%findings%count > 0) return
@@ -82,10 +82,23 @@ contains
          dry%settings%tolerance = values%real_value('solver', 'tolerance')
          dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
       end associate
-      ! Only the way to a target makes the heights again.
-      if (.not. dry%target > 0.0_wp) dry%files = heights_t()
       if (dry%values%findings%count == 0) call check_parabola(dry)
    end subroutine fill_dry_case
+
+   !> Levels both files, unless there are findings, once the lengths of the domain are known.
+   subroutine level_files(dry)
+      type(dry_case_t), intent(inout) :: dry
+      integer :: i
+
+      do i = 1, size(surfaces)
+         associate (file => dry%files(i))
+            if (allocated(file%file) .and. dry%values%findings%count == 0) then
+               where (file%spacing <= 0.0_wp) file%spacing = dry%lengths/file%sums%grid
+               call level_surface(dry%values, surfaces(i), dry%is_periodic, file, dry%note)
+            end if
+         end associate
+      end do
+   end subroutine level_files
 
    !> Mean pressures, or separations, and hardness. Findings: a load above hardness times area; a
    !> separation of an open line, without contact, or of an elastic surface pressed beyond flat.
@@ -135,8 +148,7 @@ contains
          // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
-   !> Findings are two parabolas; an open domain shorter than the contact of Hertz (what yields is
-   !> wider still). Note: what periodic images do.
+   !> Finds two parabolas; an open domain shorter than the contact of Hertz. Note: periodic images.
    subroutine check_parabola(dry)
       type(dry_case_t), intent(inout) :: dry
       real(wp) :: growth, length, load, needed, width
@@ -215,7 +227,7 @@ contains
       character(:), allocatable :: count
       logical :: has_target
       real(wp) :: length
-      integer :: directions, first, given, i, nodes(2)
+      integer :: before, directions, first, given, i, nodes(2)
 
       directions = 2
       axes = ['_x', '_y']
@@ -226,36 +238,35 @@ contains
       has_target = dry%values%is_given('accuracy', 'target')
       nodes = [1, 1]
       dry%lengths = 0.0_wp
-      first = findloc(has_shape(dry%values, surfaces, 'file'), .true., dim=1)
-      if (first > 0) call read_surface(dry%values, surfaces(first), dry%folder, dry%files(first))
-      if (dry%values%findings%count > 0) return
-      associate (file => dry%files(max(first, 1)))
+      before = dry%values%findings%count
+      first = max(1, findloc(has_shape(dry%values, surfaces, 'file'), .true., dim=1))
+      associate (file => dry%files(first), grid => int(dry%files(first)%sums%grid))
          do i = 1, directions
             count = 'intervals'//trim(axes(i))
             given = dry%values%integer_value('domain', count)
-            if (file%grid(i) > 0) nodes(i) = file%grid(i)
+            if (grid(i) > 0) nodes(i) = grid(i)
             length = nodes(i)*file%spacing(i)
-            if (given > 0 .and. file%grid(i) > 0 .and. given /= nodes(i) &
+            if (given > 0 .and. grid(i) > 0 .and. given /= nodes(i) &
                .and. .not. dry%is_periodic) then
                call dry%values%refuse('domain', count, 'found ' // to_text(given) &
                   // ', expected the ' // to_text(nodes(i)) // ' nodes of the file: without a '// &
                   'period its heights have no Fourier series to resample')
             else if (given > 0) then
                nodes(i) = given
-            else if (file%grid(i) <= 0 .and. .not. has_target) then
+            else if (grid(i) <= 0 .and. .not. has_target) then
                call dry%values%refuse_missing('domain', count)
             end if
             call find_length(dry, 'length'//trim(axes(i)), length, file%file)
             dry%lengths(i) = length
          end do
-         if (has_target .and. dry%values%findings%count == 0) call choose_first_grid(dry, &
-            file%grid, directions, nodes)
+         if (has_target .and. dry%values%findings%count == before) call choose_first_grid(dry, &
+            grid(1) > 0, directions, nodes)
       end associate
       dry%grid%nx = nodes(1)
       dry%grid%ny = nodes(2)
       dry%first_nodes = nodes
       dry%grid%aspect = 1.0_wp
-      if (dry%values%findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2) &
+      if (dry%values%findings%count == before .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2) &
          /dry%lengths(1)
    end subroutine find_grid
 
@@ -284,11 +295,12 @@ contains
    end subroutine find_length
 
    !> `nodes` with which the search begins, as many in every wave as a contact area needs: even, or
-   !> those of a periodic file (`in_file`) times a power of two; an open file stays on its own.
-   !> A finding is a synthetic surface whose shortest waves would be those of the grid.
-   subroutine choose_first_grid(dry, in_file, directions, nodes)
+   !> those of a periodic file times a power of two; an open file stays on its own. A finding is a
+   !> synthetic surface whose shortest waves would be those of the grid.
+   subroutine choose_first_grid(dry, has_file, directions, nodes)
       type(dry_case_t), intent(inout) :: dry
-      integer, intent(in) :: in_file(2), directions
+      logical, intent(in) :: has_file
+      integer, intent(in) :: directions
       integer, intent(inout) :: nodes(2)
       real(wp) :: finest, spacing
       integer :: i
@@ -298,11 +310,10 @@ contains
             surfaces(i), 'wavelength_short')) call dry%values%refuse_missing(surfaces(i), &
             'wavelength_short', 'with &accuracy target')
       end do
-      if (dry%values%findings%count > 0) return
-      if (in_file(1) > 0 .and. .not. dry%is_periodic) return
+      if (has_file .and. .not. dry%is_periodic) return
       finest = minval(finest_wave(dry%values, surfaces))/min_nodes
       associate (lengths => dry%lengths(:directions))
-         if (in_file(1) > 0) then
+         if (has_file) then
             do while (any((1.0_wp - rounding)*lengths/finest > nodes(:directions)) &
                .and. maxval(nodes) <= max_in_direction/2)
                nodes(:directions) = 2*nodes(:directions)

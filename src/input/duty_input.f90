@@ -1,5 +1,4 @@
-!> &history: the table of loads, radii and speeds over time, from its file to the values of a
-!> reference state and to rows in SI.
+!> &history: from the table of loads, radii and speeds to a reference state and rows in SI.
 module duty_input
    use body_input, only: speeds
    use column_table, only: column_table_t, read_columns
@@ -134,9 +133,8 @@ contains
       end do
    end subroutine check_motion
 
-   !> Finds an angle without a speed of rotation, a speed without an angle; turns angles into times
-   !> from the first row on. Finds a column beside another way to give the same, and radii of a
-   !> point that change.
+   !> Turns angles into times, from the first row on. Finds an angle or a speed of rotation alone, a
+   !> column beside another way to give the same, and radii of a point that change.
    subroutine check_columns(values, rows, file, error)
       type(input_values_t), intent(in) :: values
       type(duty_rows_t), intent(inout) :: rows

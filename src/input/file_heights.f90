@@ -1,28 +1,26 @@
-!> Heights of a file become a surface, in oil and dry: they are read from a table or HDF5, which its
-!> content tells, tilt, form and the waves beyond the cut-offs are subtracted, and wrong units are
-!> found.
+!> Heights of a file, a table or HDF5 by its content, become a surface, in oil and dry: tilt, form
+!> and the waves beyond the cut-offs are subtracted, and wrong units are found.
 module file_heights
    use errors, only: error_t, fail, input_error
    use file_bytes, only: checksum_t
    use gauss_filter, only: least_nodes, smooth_heights
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
    use hdf5_input, only: is_hdf5
-   use height_form, only: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, &
-      rms_height, rms_slope, subtract_form, tilt_of, trend_t
+   use height_form, only: closes, curvature_of, extent_of, form_of, height_sums_t, rms_height, &
+      rms_slope, subtract_form, tilt_of, trend_t
    use height_table, only: conversion, height_table_t, open_table
-   use profile, only: height_source_t
    use input_values, only: has_shape, input_values_t, surfaces
-   use key_row, only: dry_area, has_word, point
+   use key_row, only: dry_area, has_word, lubricated, point
    use kinds, only: int64, wp
-   use measured_heights, only: are_heights, height_fault, height_range_t, height_request_t, &
-      heights_t, is_height, place_words, range_fault
+   use measured_heights, only: height_fault, height_range_t, height_request_t, heights_t, &
+      is_height, place_words
    use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
-   public :: check_files, hold_heights, level_surface, read_surface, units_hint
+   public :: hold_heights, level_surface, read_files, units_hint
 
    !> Keys of the filter.
    character(len=12), parameter, public :: cutoffs(2) = [character(len=12) :: 'cutoff_short', &
@@ -36,44 +34,47 @@ module file_heights
    real(wp), parameter :: long = 1.0_wp
    !> Height of a tilt or a form over the rms height that is left, above which a note gives it.
    real(wp), parameter :: noted = 0.01_wp
+   !> Highest less lowest point of a surface that is not flat, at least [m].
+   real(wp), parameter :: least_range = 1.0e-20_wp
    !> What a message about heights that cannot be says.
    character(*), parameter :: units_hint = ' (are the units right: x_unit, z_unit?)'
 
 contains
 
-   !> Reads the files of the surfaces of a case with findings that were not read before, for what is
-   !> wrong with them; paths are relative to `folder` (with its slash).
-   subroutine check_files(values, folder)
+   !> Reads the `files` of the surfaces of a case, with findings or not, for what is wrong with them
+   !> too: those have no name. `folder` of the namelist (with its slash). Findings: the files.
+   subroutine read_files(values, folder, files)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: folder
-      class(height_source_t), allocatable :: source
-      type(heights_t) :: heights
+      type(heights_t), allocatable, intent(out) :: files(:)
+      type(error_t), allocatable :: error
       integer :: i
 
+      allocate (files(size(surfaces)))
       if (.not. values%has_value('case', 'problem')) return
       do i = 1, size(surfaces)
-         if (values%has_read(i) .or. .not. values%has_value(surfaces(i), 'file')) cycle
-         if (has_shape(values, surfaces(i), 'file')) call read_surface(values, surfaces(i), &
-            folder, heights, source)
+         if (.not. (values%has_value(surfaces(i), 'file') .and. has_shape(values, surfaces(i), &
+            'file'))) cycle
+         call read_surface(values, surfaces(i), folder, files(i), error)
+         if (.not. allocated(error)) cycle
+         call values%refuse(surfaces(i), 'file', error%message)
+         deallocate (files(i)%file)
       end do
-   end subroutine check_files
+   end subroutine read_files
 
-   !> Reads the heights of the file of the surface `group`, a path relative to `folder` (with its
-   !> slash). If their source is `kept` they may be any number, and `heights` holds them only if
-   !> they fit into one block. Finding: as in `open_source`; gaps.
-   subroutine read_surface(values, group, folder, heights, kept)
-      type(input_values_t), intent(inout) :: values
+   !> Reads the heights of the file of the surface `group`. A lubricated line keeps their source, so
+   !> that they may be any number, and holds them only if they fit into one block.
+   subroutine read_surface(values, group, folder, heights, error)
+      type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, folder
-      type(heights_t), intent(out) :: heights
-      class(height_source_t), allocatable, intent(out), optional :: kept
-      class(height_source_t), allocatable :: source
+      type(heights_t), intent(inout) :: heights
+      type(error_t), allocatable, intent(out) :: error
       type(height_request_t) :: request
-      type(error_t), allocatable :: error
       character(:), allocatable :: fault
       real(wp), parameter :: of_node = 100.0_wp   ! memory [bytes]
-      integer(int64) :: block, grid(2)
+      logical :: is_kept
 
-      where (surfaces == group) values%has_read = .true.
+      is_kept = values%problem == lubricated
       request%file = trim(values%text_value(group, 'file'))
       if (index(request%file, '/') /= 1) request%file = folder//request%file
       request%positions = trim(values%text_value(group, 'positions'))
@@ -82,43 +83,31 @@ contains
       request%units(2) = trim(values%word_value(group, 'z_unit'))
       where (request%units == 'auto' .or. request%units == '?') request%units = ''
       heights%file = request%file
-      call open_source(request, has_word(dry_area//' '//point, values%problem), source, grid, &
-         heights%spacing, error)
-      if (.not. allocated(error)) then
-         block = block_nodes
+      call open_source(request, has_word(dry_area//' '//point, values%problem), heights, error)
+      if (allocated(error)) return
+      associate (nodes => heights%source%nodes)
          fault = ''
-         if (.not. present(kept)) then
-            block = source%nodes
-            fault = memory_fault('a surface', of_node*block)
-            if (block > huge(heights%grid)) fault = 'found '//to_text(block)//' nodes, '// &
-               'expected at most '//to_text(huge(heights%grid))
-         end if
+         if (.not. is_kept) fault = memory_fault('a surface', of_node*nodes)
+         if (.not. is_kept .and. nodes > huge(1)) fault = 'found '//to_text(nodes)// &
+            ' nodes, expected at most '//to_text(huge(1))
          if (fault /= '') call fail(error, input_error, request%file//': '//fault)
-      end if
-      if (.not. allocated(error)) then
-         if (.not. present(kept)) heights%grid = int(grid)
-         call check_source(source, block, grid, heights, error)   ! error: below
-      end if
-      if (allocated(error)) then
-         call values%refuse(group, 'file', error%message)
-      else if (present(kept)) then
-         if (source%nodes > block_nodes) deallocate (heights%z)
-         call move_alloc(source, kept)
-      end if
+         if (.not. allocated(error)) call check_source(heights, merge(block_nodes, nodes, &
+            is_kept), error)
+         if (allocated(error)) return
+         if (is_kept .and. nodes > block_nodes) deallocate (heights%z)
+      end associate
+      if (.not. is_kept) deallocate (heights%source)
    end subroutine read_surface
 
    !> Subtracts tilt, form and the waves beyond the cut-offs of the surface `group` from its
-   !> `heights`, which will be repeated if `is_periodic`; filtered heights are held and have no
-   !> `source`. `trend`: what was subtracted, and what of a source will be. Findings: cut-offs, and
-   !> heights, that cannot be. A note on a large `trend`, on steep and on long surfaces.
-   subroutine level_surface(values, group, is_periodic, heights, trend, note, source)
+   !> `heights`, which will be repeated if `is_periodic`; filtered heights are held. Findings:
+   !> cut-offs, and heights, that cannot be. A note on a large trend, on steep and long surfaces.
+   subroutine level_surface(values, group, is_periodic, heights, note)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       logical, intent(in) :: is_periodic
       type(heights_t), intent(inout) :: heights
-      type(trend_t), intent(out) :: trend
       character(:), allocatable, intent(inout) :: note
-      class(height_source_t), allocatable, intent(inout), optional :: source
       character(len=8), parameter :: words(-1:2) = [character(len=8) :: 'none', 'mean', 'line', &
          'parabola']
       character(:), allocatable :: fault
@@ -129,15 +118,15 @@ contains
       if (values%word_value(group, 'detrend') == 'auto' .and. is_periodic) then
          if (closes(heights%sums)) degree = -1
       end if
-      trend%word = words(degree)
-      trend%form = form_of(heights%sums, degree)
-      trend%spacing = heights%spacing
-      call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
-      if (allocated(heights%z)) call subtract_form(trend%form, 0_int64, heights%z)
+      associate (trend => heights%trend)
+         trend%word = words(degree)
+         trend%form = form_of(heights%sums, degree)
+         trend%spacing = heights%spacing
+         call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
+         if (allocated(heights%z)) call subtract_form(trend%form, 0_int64, heights%z)
+      end associate
       if (any(values%is_given(group, cutoffs))) then
-         fault = ''
-         if (present(source)) call hold_heights(source, trend%form, heights%z, &
-            ' with cutoff_long or cutoff_short: a filter', fault)
+         call hold_heights(heights, ' with cutoff_long or cutoff_short: a filter', fault)
          if (fault == '') then
             call filter_heights(values, group, is_periodic, heights)
          else
@@ -147,28 +136,26 @@ contains
       call check_heights(values, group, heights, note)
    end subroutine level_surface
 
-   !> Reads all heights of a `source` without a `form` into `z`, unless they are held, and drops the
-   !> source. `fault`: they are too many for `purpose`, or cannot be read.
-   subroutine hold_heights(source, form, z, purpose, fault)
-      class(height_source_t), allocatable, intent(inout) :: source
-      type(form_t), intent(in) :: form
-      real(wp), allocatable, intent(inout) :: z(:)
+   !> Reads all heights, without their form, unless they are held, and drops their source. `fault`:
+   !> they are too many for `purpose`, or cannot be read.
+   subroutine hold_heights(heights, purpose, fault)
+      type(heights_t), intent(inout) :: heights
       character(*), intent(in) :: purpose
       character(:), allocatable, intent(out) :: fault
       type(error_t), allocatable :: error
 
       fault = ''
-      if (.not. allocated(source)) return
-      if (source%nodes > max_held) then
-         fault = 'found a profile of '//to_text(source%nodes)//' nodes, expected at most ' &
+      if (.not. allocated(heights%source)) return
+      if (heights%source%nodes > max_held) then
+         fault = 'found a profile of '//to_text(heights%source%nodes)//' nodes, expected at most ' &
             //to_text(max_held)//purpose//' needs all of them at once'
-      else if (.not. allocated(z)) then
-         allocate (z(source%nodes))
-         call source%get(0_int64, z, error)
+      else if (.not. allocated(heights%z)) then
+         allocate (heights%z(heights%source%nodes))
+         call heights%source%get(0_int64, heights%z, error)
          if (allocated(error)) fault = error%message
-         if (fault == '') call subtract_form(form, 0_int64, z)
+         if (fault == '') call subtract_form(heights%trend%form, 0_int64, heights%z)
       end if
-      if (fault == '') deallocate (source)
+      if (fault == '') deallocate (heights%source)
    end subroutine hold_heights
 
    !> Finds heights above the length of the file, or steeper than a half-space can be, if no keys
@@ -278,85 +265,91 @@ contains
       call heights%sums%add(heights%z)
    end subroutine filter_heights
 
-   !> Reads all heights of `source`, `block` of them at a time, for checksum and sums; `heights%z`
+   !> Reads all heights of the source, `block` of them at a time, for checksum and sums; `heights%z`
    !> are the last ones. Errors (input_error): they are not those of a surface.
-   subroutine check_source(source, block, grid, heights, error)
-      class(height_source_t), intent(in) :: source
-      integer(int64), intent(in) :: block, grid(2)
+   subroutine check_source(heights, block, error)
       type(heights_t), intent(inout) :: heights
+      integer(int64), intent(in) :: block
       type(error_t), allocatable, intent(out) :: error
       type(checksum_t) :: checksum
       type(height_range_t) :: range
       character(:), allocatable :: fault
       integer(int64) :: bad, first
+      real(wp) :: difference
 
-      heights%sums = height_sums_t(grid)
-      allocate (heights%z(min(block, source%nodes)))
-      bad = 0
-      fault = ''
-      do first = 0, source%nodes - 1, block
-         associate (piece => heights%z(:min(block, source%nodes - first)))
-            call source%get(first, piece, error)
-            if (allocated(error)) return
-            if (.not. are_heights(piece)) bad = findloc(is_height(piece), .false., 1)
-            if (bad > 0) fault = height_fault(piece(bad))
-            if (bad > 0) bad = first + bad
-            if (bad > 0) exit
-            call checksum%add(piece)
-            call heights%sums%add(piece)
-            call range%add(piece, first + 1)
-         end associate
-      end do
+      associate (nodes => heights%source%nodes)
+         allocate (heights%z(min(block, nodes)))
+         bad = 0
+         fault = ''
+         do first = 0, nodes - 1, block
+            associate (piece => heights%z(:min(block, nodes - first)))
+               call heights%source%get(first, piece, error)
+               if (allocated(error)) return
+               bad = findloc(is_height(piece), .false., 1)
+               if (bad > 0) then
+                  fault = height_fault(piece(bad))
+                  bad = first + bad
+                  exit
+               end if
+               call checksum%add(piece)
+               call heights%sums%add(piece)
+               call range%add(piece, first + 1)
+            end associate
+         end do
+      end associate
       heights%digits = checksum%digits()
       if (fault == '') call range%find_fault(.false., fault, bad)
-      if (fault == '') fault = range_fault(heights%sums%lowest, heights%sums%highest)
-      if (bad > 0) fault = 'node '//to_text(bad)//': '//fault//place_words(bad, grid)
+      if (fault == '') then
+         difference = heights%sums%highest - heights%sums%lowest
+         if (difference > 0.0_wp .and. difference < least_range) fault = 'found heights that '// &
+            'differ by '//to_text(difference, 4)//' m, expected 0 or at least ' &
+            //to_text(least_range, 2)//' m'
+      end if
+      if (bad > 0) fault = 'node '//to_text(bad)//': '//fault//place_words(bad, heights%sums%grid)
       if (fault /= '') call fail(error, input_error, heights%file//': '//fault)
    end subroutine check_source
 
-   !> Opens a file with an area (`is_area`) or a profile of `grid` nodes (ny = 1), `spacing` [m]
-   !> apart (0: it does not say). Errors (input_error): those of tables and of HDF5; fewer than two
-   !> nodes; an area for a profile, or the reverse.
-   subroutine open_source(request, is_area, source, grid, spacing, error)
+   !> Opens a file with an area (`is_area`) or a profile: source, grid, spacing, if any, of heights.
+   !> Errors (input_error): the file; fewer than two nodes; an area for a profile, or the reverse.
+   subroutine open_source(request, is_area, heights, error)
       type(height_request_t), intent(in) :: request
       logical, intent(in) :: is_area
-      class(height_source_t), allocatable, intent(out) :: source
-      integer(int64), intent(out) :: grid(2)
-      real(wp), intent(out) :: spacing(2)
+      type(heights_t), intent(inout) :: heights
       type(error_t), allocatable, intent(out) :: error
       type(height_table_t), allocatable :: table
       type(hdf5_heights_t), allocatable :: set
-      character(:), allocatable :: fault
+      character(:), allocatable :: fault, hint
 
-      grid = 1
-      spacing = 0.0_wp
-      fault = ''
+      hint = ''
       call begin_activity('reading '//request%file(index(request%file, '/', back=.true.) + 1:))
-      if (is_hdf5(request%file)) then
-         allocate (set)
-         if (request%dataset == '') call fail(error, input_error, request%file//': is an HDF5 '// &
-            "file, and dataset is not given, expected the path of the heights in it, as '/z'")
+      associate (grid => heights%sums%grid)
+         grid = 1
+         if (is_hdf5(request%file)) then
+            allocate (set)
+            if (request%dataset == '') call fail(error, input_error, request%file//': is an '// &
+               'HDF5 file, and dataset is not given, expected the path of the heights in it, '// &
+               "as '/z'")
+            if (allocated(error)) return
+            call open_hdf5_heights(set, request, heights%spacing, error)   ! error: below
+            grid = set%grid
+            call move_alloc(set, heights%source)
+         else
+            allocate (table)
+            call open_table(table, request, heights%spacing(1), error)   ! error: below
+            grid(1) = table%nodes
+            call move_alloc(table, heights%source)
+            hint = conversion(request%file)
+         end if
          if (allocated(error)) return
-         call open_hdf5_heights(set, request, spacing, error)   ! error: below
-         grid = set%grid
-         call move_alloc(set, source)
-      else
-         allocate (table)
-         call open_table(table, request, spacing(1), error)   ! error: below
-         grid(1) = table%nodes
-         call move_alloc(table, source)
-         if (is_area) fault = conversion(request%file)
-      end if
-      if (allocated(error)) return
-      if (source%nodes < 2) then
-         fault = 'found '//to_text(source%nodes)//' nodes, expected at least 2'
-      else if (is_area .and. grid(2) == 1) then
-         fault = 'found a profile, expected an area'//fault
-      else if (grid(2) > 1 .and. .not. is_area) then
-         fault = "found an area, expected a profile: problem = 'dry_area' takes areas"
-      else
          fault = ''
-      end if
+         if (heights%source%nodes < 2) then
+            fault = 'found '//to_text(heights%source%nodes)//' nodes, expected at least 2'
+         else if (is_area .and. grid(2) == 1) then
+            fault = 'found a profile, expected an area'//hint
+         else if (grid(2) > 1 .and. .not. is_area) then
+            fault = "found an area, expected a profile: problem = 'dry_area' takes areas"
+         end if
+      end associate
       if (fault /= '') call fail(error, input_error, request%file//': '//fault)
    end subroutine open_source
 

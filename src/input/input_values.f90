@@ -47,8 +47,6 @@ module input_values
       integer :: last_line = 0
       !> What is wrong with the file.
       type(findings_t) :: findings
-      !> Whether the height file of each surface was read, or could not be.
-      logical :: has_read(2) = .false.
    contains
       procedure :: slot, real_value, integer_value, logical_value, word_value, text_value, &
          is_given, has_value, has_group, line_of, give, refuse, refuse_missing, refuse_unused

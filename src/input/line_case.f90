@@ -1,7 +1,6 @@
-!> The plan of a lubricated case: from SI to the dimensionless contact that the solver knows, with
-!> the domain, grid and time step that are given or chosen; whether these resolve ridges, dents and
-!> sinusoids and fit into memory. (The finest waves of measured and synthetic profiles may be noise:
-!> they get a note only.)
+!> The plan of a lubricated case: from SI to the dimensionless contact, with domain, grid and time
+!> step that are given or chosen; whether these fit into memory and resolve ridges, dents and
+!> sinusoids. (The finest waves of profiles may be noise: they get a note only.)
 module line_case
    use asperities, only: scaled
    use body_input, only: find_load
@@ -10,12 +9,12 @@ module line_case
    use contact_moment, only: least_speed
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
+   use film_surface, only: place_surface
    use input_values, only: input_values_t, surfaces
    use key_row, only: point
    use kinds, only: wp
    use line_contact, only: finest_wave, leaves_scheme, line_contact_t, max_intervals_of, &
       max_refined_intervals, rough_contact_t, time_settings_t
-   use line_profiles, only: make_surface, place_surface
    use lubricant_input, only: read_asperities
    use moes, only: moes_l_mean_from_sum, moes_l_sum_from_mean, moes_m_mean_from_sum, &
       moes_m_sum_from_mean
@@ -37,8 +36,7 @@ module line_case
 
 contains
 
-   !> The scales of a contact, of a point with D = Rx/Ry = `ratio`: from Moes' numbers, or from its
-   !> load, which is given by `key` of &load.
+   !> The scales of a contact, a point with D = Rx/Ry = `ratio`, by Moes' numbers or a load `key`.
    subroutine fill_scaling(values, case, key, ratio)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
@@ -66,17 +64,13 @@ contains
       end if
    end subroutine fill_scaling
 
-   !> Plans a `case`: its contact, time step and settings of the solver. Adds findings: grid or time
-   !> step, given or chosen, are too coarse for the surfaces, or the grid is too fine. Determines
-   !> how far it may be refined.
+   !> Plans a `case`: contact, time step, settings of the solver, how far the grid may be refined.
+   !> Findings: grid or time step are too coarse for the surfaces, or the grid is too fine.
    subroutine plan_line_case(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
       type(time_settings_t) :: given
 
-      call make_surface(values, 'surface_1', case, case%contact%surface_1)
-      call make_surface(values, 'surface_2', case, case%contact%surface_2)
-      if (values%findings%count > 0) return
       call read_asperities(values, path_from_namelist(case, trim(values%text_value('asperities', &
          'file'))), case%bodies%reduced_modulus, case%contact%asperities)   ! in SI, scaled below
       if (values%has_group('thermal')) then
@@ -196,8 +190,7 @@ contains
       end associate
    end subroutine check_grid
 
-   !> What is wrong with the memory that a grid of so many `intervals` needs, with the time step of
-   !> `given`.
+   !> What is wrong with the memory of a grid of so many `intervals`, with the time step of `given`.
    function memory_fault_on(case, given, intervals) result(fault)
       type(case_t), intent(in) :: case
       type(time_settings_t), intent(in) :: given
@@ -217,8 +210,7 @@ contains
          case%solver%method == 'newton_dense', case%layers), of_blas)
    end function memory_fault_on
 
-   !> Finds a wave that falls between the nodes of the grid, or passes within two of the given time
-   !> steps.
+   !> Finds a wave that falls between the nodes, or passes within two of the given time steps.
    subroutine check_wave(values, group, surface, contact, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group

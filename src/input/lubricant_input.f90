@@ -119,9 +119,8 @@ contains
       end if
    end subroutine read_sheet
 
-   !> Computes the kinematic `viscosity` [mm2/s] at the temperature of the inlet by a `line`, adds
-   !> both to the words about the `oil`, and gives the slope. Finding, and 0: the temperature is
-   !> outside the range of the line.
+   !> Computes the kinematic `viscosity` [mm2/s] at the inlet temperature by a `line`, adds both to
+   !> the words about the `oil`, gives the slope. Finding, and 0: the line does not reach so far.
    subroutine follow_line(values, key, line, viscosity, oil)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: key
@@ -309,8 +308,7 @@ contains
       law%boundary_friction = values%real_value('asperities', 'boundary_friction')
    end subroutine read_asperities
 
-   !> Reads gaps [m], made rising, and pressures [Pa] (rows, 2). Errors: a file of another form; a
-   !> pressure that does not fall.
+   !> Reads rising gaps [m], falling pressures [Pa] (rows, 2). Errors: the file; others in it.
    subroutine read_law(file, rows, error)
       character(*), intent(in) :: file
       real(wp), allocatable, intent(out) :: rows(:, :)

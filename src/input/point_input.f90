@@ -3,10 +3,11 @@ module point_input
    use body_input, only: check_curvature, fill_bodies, radius_of
    use case_record, only: case_t, list_effective, set_effective
    use input_values, only: input_values_t
+   use film_surface, only: make_surface
    use kinds, only: pi, wp
    use line_case, only: fill_scaling, plan_duty, plan_times
    use line_contact, only: intervals_for_waves
-   use line_profiles, only: make_surface
+   use measured_heights, only: heights_t
    use point_contact, only: first_intervals, fit_duty, intervals_for, new_point_contact, &
       point_contact_t, rows_for
    use point_cycle, only: fewest
@@ -31,18 +32,21 @@ contains
 
    !> Fills the rest of `case`. Findings: bodies that do not touch, a contact wider than its bodies,
    !> grids that cannot be coarsened or have no memory; those of module line_case.
-   subroutine fill_point_case(values, case)
+   subroutine fill_point_case(values, files, case)
       type(input_values_t), intent(inout) :: values
+      type(heights_t), intent(inout) :: files(2)
       type(case_t), intent(inout) :: case
       character(:), allocatable :: key
       real(wp) :: across, ratio
+      integer :: before
 
+      before = values%findings%count   ! files that cannot be read
       if (values%has_group('moes')) then
          ratio = values%real_value('moes', 'radius_ratio')
       else
          call fill_bodies(values, case%bodies)
          call check_curvature(values, ['radius_y_1', 'radius_y_2'])
-         if (values%findings%count > 0) return
+         if (values%findings%count > before) return
          across = radius_of(values, '_y')
          if (.not. abs(across) > 0.0_wp) across = case%bodies%reduced_radius
          ratio = case%bodies%reduced_radius/across
@@ -50,14 +54,14 @@ contains
             merge('reduced_radius_x', 'radius_x_1      ', values%is_given('bodies', &
             'reduced_radius_x')), 'found Rx/Ry = '//to_text(ratio, 3)//', expected ' &
             //to_text(least_ratio)//' to '//to_text(largest_ratio)//' (a line contact beyond)')
-         if (values%findings%count > 0) return
+         if (values%findings%count > before) return
       end if
       call fill_scaling(values, case, key, ratio)
       if (case%scaling%is_dimensional .and. any(case%scaling%half_width*[1.0_wp, &
          case%scaling%ellipse%ratio*ratio] >= case%bodies%reduced_radius)) call values%refuse( &
          'load', key, 'found a contact as wide as its radii, '// &
          to_text(case%scaling%half_width, 3)//' m, expected a smaller one')
-      if (values%findings%count > 0) return
+      if (values%findings%count > before) return
       associate (scales => case%scaling)
          case%point = new_point_contact(ratio, scales%moes_m*sum_per_mean**(-0.75_wp), &
             scales%moes_l*sum_per_mean**0.25_wp, degree*values%real_value('bodies', &
@@ -70,8 +74,8 @@ contains
          call set_effective(case, 'bodies', 'reduced_radius_y', [case%bodies%reduced_radius/ratio])
          call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
          call set_effective(case, 'load', 'load', [case%scaling%load_per_length])
-         call make_surface(values, 'surface_1', case, case%point%surface_1)
-         call make_surface(values, 'surface_2', case, case%point%surface_2)
+         call make_surface(values, 'surface_1', files(1), case, case%point%surface_1)
+         call make_surface(values, 'surface_2', files(2), case, case%point%surface_2)
       end if
       if (allocated(case%duty)) then
          call set_effective(case, 'history', 'table_checksum', text=case%duty%digits)

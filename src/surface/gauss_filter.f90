@@ -23,9 +23,8 @@ module gauss_filter
 
 contains
 
-   !> Replaces heights on `grid` = nx, ny nodes (ny = 1: a profile), x fastest, by their mean line
-   !> or surface. `cutoff` is the cut-off wavelength in spacings in x and y, at least `least_nodes`.
-   !> If `is_periodic` the heights repeat.
+   !> Replaces heights on `grid` = nx, ny nodes (ny = 1: a profile), x fastest, which may repeat, by
+   !> their mean line or surface; `cutoff` [spacings in x and y] is at least `least_nodes`.
    subroutine smooth_heights(grid, cutoff, is_periodic, z)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: cutoff(2)

@@ -251,8 +251,7 @@ contains
       step = sqrt(sums%steps/real(max(number, 1_int64), wp))
    end function rms_step
 
-   !> Whether the heights close on themselves, so that they can be repeated: the step from the end
-   !> to the beginning is like those between neighbours.
+   !> Whether the heights can be repeated: the step from end to beginning is like those inside.
    pure logical function closes(sums)
       type(height_sums_t), intent(in) :: sums
       real(wp) :: jump(2)

@@ -12,8 +12,7 @@ module profile
    public :: height_source_t, load_window, profile_height, profile_length, profile_t, row_at, &
       smooth_ramp
 
-   !> Source of the heights of a profile that is too long for memory, equally spaced, numbered 0 ...
-   !> nodes - 1: any part of them, in any order.
+   !> Source of equally spaced heights 0 ... nodes - 1, too many for memory: any part, in any order.
    type, abstract :: height_source_t
       integer(int64) :: nodes = 0_int64
    contains
@@ -56,8 +55,7 @@ module profile
       real(wp) :: end_length = 0.0_wp
       !> Wavelength of its finest waves.
       real(wp) :: finest_wave = 0.0_wp
-      !> Of an area: heights of all rows (n, rows), of which `heights` are the middle one, the
-      !> spacing of the rows, and y of the first.
+      !> Of an area: heights (n, rows), `heights` its middle row; spacing of rows, y of the first.
       real(wp), allocatable :: rows(:, :)
       real(wp) :: row_spacing = 1.0_wp, first_row = 0.0_wp
       !> Whether `start` was given; else it is chosen when the surface is put into a contact.
@@ -131,12 +129,13 @@ contains
       end do
    end function row_at
 
-   !> Moves the window so that it has all of x_low ... x_high. Error: that of the source.
+   !> Moves the window so that it has all of x_low ... x_high; a periodic profile continues with its
+   !> beginning. Error: that of the source.
    subroutine load_window(profile, x_low, x_high, error)
       type(profile_t), intent(inout) :: profile
       real(wp), intent(in) :: x_low, x_high
       type(error_t), allocatable, intent(out) :: error
-      integer(int64) :: count, from, needed, n, to
+      integer(int64) :: before_end, count, from, needed, n, to
 
       if (.not. allocated(profile%source)) return
       n = profile%source%nodes
@@ -157,7 +156,19 @@ contains
       else
          profile%first = min(max(profile%first, 0_int64), n - count)
       end if
-      call read_window(profile, count, error)
+      if (allocated(profile%heights)) deallocate (profile%heights)
+      allocate (profile%heights(count))
+      before_end = min(count, n - profile%first)
+      call profile%source%get(profile%first, profile%heights(:before_end), error)
+      if (.not. allocated(error) .and. before_end < count) call profile%source%get(0_int64, &
+         profile%heights(before_end + 1:), error)
+      if (allocated(error)) then
+         deallocate (profile%heights)
+         return
+      end if
+      call subtract_form(profile%form, profile%first, profile%heights(:before_end))
+      call subtract_form(profile%form, 0_int64, profile%heights(before_end + 1:))
+      profile%heights = profile%heights/profile%unit
    end subroutine load_window
 
    !> Whether the window has the `needed` heights from number `from` on.
@@ -174,28 +185,6 @@ contains
       if (profile%is_periodic) holds = holds .or. size(profile%heights, &
          kind=int64) == profile%source%nodes
    end function holds
-
-   !> Fills the window with `count` heights; a periodic profile continues with its beginning.
-   subroutine read_window(profile, count, error)
-      type(profile_t), intent(inout) :: profile
-      integer(int64), intent(in) :: count
-      type(error_t), allocatable, intent(out) :: error
-      integer(int64) :: before_end
-
-      if (allocated(profile%heights)) deallocate (profile%heights)
-      allocate (profile%heights(count))
-      before_end = min(count, profile%source%nodes - profile%first)
-      call profile%source%get(profile%first, profile%heights(:before_end), error)
-      if (.not. allocated(error) .and. before_end < count) call profile%source%get(0_int64, &
-         profile%heights(before_end + 1:), error)
-      if (allocated(error)) then
-         deallocate (profile%heights)
-      else
-         call subtract_form(profile%form, profile%first, profile%heights(:before_end))
-         call subtract_form(profile%form, 0_int64, profile%heights(before_end + 1:))
-         profile%heights = profile%heights/profile%unit
-      end if
-   end subroutine read_window
 
    !> Number of heights of the profile.
    pure function node_count(profile) result(n)

@@ -10,9 +10,8 @@ module resampling
 
 contains
 
-   !> Resamples the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new` of
-   !> the same lengths; both have a node at 0, or `at_centres` of cells: the first one lies half a
-   !> spacing from 0.
+   !> Resamples periodic heights `z` (nx*ny) from the grid `old` = nx, ny to `new` of the same
+   !> lengths; both have a node at 0, or lie `at_centres` of cells, the first half a spacing from 0.
    !>
    !> More nodes interpolate: heights at shared nodes stay. Fewer nodes drop the harmonics from half
    !> their number on. The highest harmonic of an even number of old nodes is treated as a cosine,

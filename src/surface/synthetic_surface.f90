@@ -1,5 +1,4 @@
-!> Surfaces with a given spectrum: self-affine with roll-off and cut-offs, given rms height,
-!> skewness and kurtosis.
+!> Self-affine surfaces with roll-off, cut-offs and given rms height, skewness and kurtosis.
 !>
 !> Random numbers are the same on every machine, by Philox4x32-10, a counter-based generator (J. K.
 !> Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3,
@@ -100,16 +99,21 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: noise(:), symbol(:, :)
       type(spectral_product_t) :: filter
-      real(wp) :: waves
+      real(wp), parameter :: slack = 1.0_wp + 1.0e-9_wp
+      real(wp) :: power, waves
       integer :: i, j, nx, ny
 
       nx = grid(1)
       ny = grid(2)
-      allocate (symbol(0:nx/2, 0:ny - 1), noise(nx*ny), z(nx*ny))
+      power = -wanted%hurst - 0.5_wp*merge(1.0_wp, 2.0_wp, ny == 1)
+      allocate (symbol(0:nx/2, 0:ny - 1), source=0.0_wp)   ! root of the spectrum
+      allocate (noise(nx*ny), z(nx*ny))
       do j = 0, ny - 1
          do i = 0, nx/2
             waves = hypot(real(i, wp)/length_x, real(merge(j, j - ny, 2*j <= ny), wp)/length_y)
-            symbol(i, j) = amplitude_at(wanted, waves, merge(1.0_wp, 2.0_wp, ny == 1))
+            if (waves > 0.0_wp .and. waves*wanted%wavelength_long*slack >= 1.0_wp &
+               .and. waves*wanted%wavelength_short <= slack) symbol(i, j) = max(1.0_wp, &
+               waves*wanted%wavelength_rolloff)**power
          end do
       end do
       if (all(symbol <= 0.0_wp)) then
@@ -123,19 +127,6 @@ contains
       call filter%apply(noise, z)
       z = z/(norm2(z)/sqrt(real(size(z), wp)))
    end subroutine gaussian_heights
-
-   !> Amplitude, the root of the spectrum, at `waves` [1/m] in d = `dimensions`; 0 outside the
-   !> cut-offs.
-   pure real(wp) function amplitude_at(wanted, waves, dimensions) result(amplitude)
-      type(synthesis_t), intent(in) :: wanted
-      real(wp), intent(in) :: waves, dimensions
-      real(wp), parameter :: slack = 1.0_wp + 1.0e-9_wp
-
-      amplitude = 0.0_wp
-      if (waves <= 0.0_wp .or. waves*wanted%wavelength_long*slack < 1.0_wp &
-         .or. waves*wanted%wavelength_short > slack) return
-      amplitude = max(1.0_wp, waves*wanted%wavelength_rolloff)**(-wanted%hurst - 0.5_wp*dimensions)
-   end function amplitude_at
 
    !> Finds the function that gives heights `z` of mean 0 and rms 1 the wanted skewness and
    !> kurtosis; mean and rms stay. Error (input_error): there is none.
@@ -208,9 +199,8 @@ contains
       values = [sum((y - mean)**3)/size(y)/square**1.5_wp, sum((y - mean)**4)/size(y)/square**2]
    end function moments
 
-   !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean,
-   !> (4.1); for an area those with hypot of the two wave numbers up to it. Errors: more harmonics
-   !> than the grid has (input_error); FFTW (internal_error).
+   !> Keeps the harmonics 1 ... `harmonics` of periodic heights (nx*ny), (4.1), of an area by the
+   !> hypot of both wave numbers. Errors: the grid has fewer (input_error); FFTW (internal_error).
    subroutine truncate_harmonics(harmonics, grid, z, error)
       integer, intent(in) :: harmonics, grid(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -301,9 +291,8 @@ contains
       uniform = (real(ior(shiftl(first, 20), shiftr(second, 12)), wp) + 0.5_wp)*2.0_wp**(-52)
    end function uniform
 
-   !> Prepares a profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart.
-   !> Skewness and kurtosis are those of piece 0; the rms height is that of each piece. Errors
-   !> (input_error): as in `synthetic_heights`.
+   !> Prepares a profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart, with
+   !> skewness and kurtosis of piece 0 and rms height of each. Errors: as in `synthetic_heights`.
    subroutine new_synthetic_pieces(source, wanted, spacing, half, halves, error)
       type(synthetic_pieces_t), intent(out) :: source
       type(synthesis_t), intent(in) :: wanted
