@@ -139,7 +139,12 @@ contains
             side_runs%are_off = .true.
          end if
          !$omp end master
-         call help(side_runs)
+         block   ! each thread has its own
+            type(side_relay_t) :: relay
+
+            relay%are_off => side_runs%are_off
+            call make_side_runs(side_runs, relay)
+         end block
          !$omp end parallel
          listener%is_stopping = listener%is_stopping .or. is_interrupted()
       else
@@ -150,15 +155,6 @@ contains
       if (is_off .or. .not. case%time%is_transient) side_runs = new_side_runs(new_experiment( &
          case%contact, case%solver, case%time))
    end subroutine solve_with_coarse_runs
-
-   !> The part of one thread in the coarse runs.
-   subroutine help(side_runs)
-      type(side_runs_t), intent(inout), target :: side_runs
-      type(side_relay_t) :: relay
-
-      relay%are_off => side_runs%are_off
-      call make_side_runs(side_runs, relay)
-   end subroutine help
 
    !> Whether the run is of no use.
    function wants_stop(self)

@@ -4,9 +4,8 @@ module experiment
    use, intrinsic :: iso_fortran_env, only: int64
    use domain_choice, only: choose_domain, farthest, inlet_error
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
+   use error_bars, only: domain_change_t, error_bars_t
    use errors, only: error_t
-   use inlet_errors, only: domain_change_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, max_chosen, solver_settings_t, time_settings_t
@@ -240,23 +239,22 @@ contains
       end do
    end subroutine make_side_runs
 
-   !> Copies the results into `bars`; `error` is the first one that occurred.
-   subroutine copy_side_runs(side_runs, bars, error)
+   !> Copies the results into new `bars`; `error` is the first one that occurred.
+   pure subroutine copy_side_runs(side_runs, bars, error)
       type(side_runs_t), intent(in) :: side_runs
-      type(error_bars_t), intent(out) :: bars
+      type(error_bars_t), intent(inout) :: bars
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
-      associate (experiment => side_runs%experiment, runs => side_runs%runs)
-         bars = new_error_bars(experiment%contact, experiment%time, &
-            experiment%settings%space_scheme)
+      associate (runs => side_runs%runs)
          do i = 1, size(runs)
             if (allocated(runs(i)%error)) error = runs(i)%error
             if (allocated(error) .or. .not. runs(i)%is_known) return
             if (i == size(runs) - 2) then
                bars%second_order = runs(i)%summary
             else
-               call copy_coarser(bars, [bars%coarser(:bars%grids), runs(i)%summary])
+               bars%grids = bars%grids + 1
+               bars%coarser(bars%grids) = runs(i)%summary
             end if
          end do
       end associate
@@ -339,7 +337,8 @@ contains
       other%settings%space_scheme = 'upwind2'
       call run_experiment(other, listener, outcome)
       if (.not. outcome%is_known) return
-      if (size(outcome%coarser) > 0) bars%other_scheme = [outcome%summary, outcome%coarser]
+      if (size(outcome%coarser) > 0) bars%other_scheme = [outcome%summary, &
+         outcome%coarser(:min(2, size(outcome%coarser)))]
    end subroutine run_other_scheme
 
 end module experiment

@@ -33,15 +33,19 @@ module grid_errors
 
 contains
 
-   !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
-   !> (NaN: not known); `bounds` are those of the observed order. An order that does not persist may
-   !> fall to the lowest one after one more grid.
-   pure function error_on_grids(values, bounds, lasts) result(error_and_limit)
-      real(wp), intent(in) :: values(4), bounds(2)
+   !> Estimated error and extrapolated value of the first of the values `on_grids` of n, n/2, n/4
+   !> and n/8 intervals, as far as there are any (NaN: not known); `bounds` are those of the
+   !> observed order. An order that does not persist may fall to the lowest one after one more grid.
+   pure function error_on_grids(on_grids, bounds, lasts) result(error_and_limit)
+      real(wp), intent(in) :: on_grids(:), bounds(2)
       logical, intent(in) :: lasts
       real(wp) :: error_and_limit(2)
-      real(wp) :: changes(3), order
+      real(wp) :: changes(3), order, values(4)
+      integer :: n
 
+      n = min(size(on_grids), size(values))
+      values = not_known()
+      values(:n) = on_grids(:n)
       error_and_limit = not_known()
       if (.not. all(ieee_is_finite(values(:2)))) return
       order = observed_order(values(1), values(2), values(3), orders)

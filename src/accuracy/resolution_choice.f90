@@ -6,11 +6,11 @@
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: inlet_error
+   use error_bars, only: film_safety
    use errors, only: fail, input_error
    use experiment, only: experiment_t, min_intervals, new_experiment, new_side_runs, outcome_t, &
       run_experiment, side_runs_t, solution_t
    use grid_errors, only: error_in_time, observed_order
-   use inlet_errors, only: film_safety
    use kinds, only: not_known, wp
    use line_contact, only: intervals_for_waves, line_contact_t, max_chosen, &
       solver_settings_t, time_settings_t
@@ -176,16 +176,13 @@ contains
    pure real(wp) function refinement_for(films, target) result(ratio)
       real(wp), intent(in) :: films(3), target
       real(wp) :: found, order
-      integer :: k
 
       ratio = huge(ratio)
       if (.not. all(ieee_is_finite(films))) return
       found = error_in_time(films)/films(1)
       order = observed_order(films(1), films(2), films(3), orders)
       if ((films(1) - films(2))*(films(2) - films(3)) <= 0.0_wp) order = orders(1)
-      do k = size(finer), 1, -1
-         if (found <= target*finer(k)**order) ratio = finer(k)
-      end do
+      ratio = minval(finer, found <= target*finer**order)   ! of none huge
    end function refinement_for
 
 end module resolution_choice
