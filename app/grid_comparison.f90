@@ -9,7 +9,7 @@ module grid_comparison
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
    use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, run_farther, &
-      run_longer, run_other_scheme, side_runs_t
+      run_longer, run_other_scheme, side_runs_t, useless
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces
@@ -29,7 +29,7 @@ module grid_comparison
 
    !> Listener of the coarse runs: they end if interrupted, or useless because of the run itself.
    type, extends(listener_t) :: side_relay_t
-      logical, pointer :: are_off => null()
+      integer, pointer :: begun => null()
    contains
       procedure :: wants_stop
    end type side_relay_t
@@ -136,13 +136,13 @@ contains
          call begin_activity('coarse runs')
          if (is_off) then
             !$omp atomic write
-            side_runs%are_off = .true.
+            side_runs%begun = useless
          end if
          !$omp end master
          block   ! each thread has its own
             type(side_relay_t) :: relay
 
-            relay%are_off => side_runs%are_off
+            relay%begun => side_runs%begun
             call make_side_runs(side_runs, relay)
          end block
          !$omp end parallel
@@ -159,11 +159,12 @@ contains
    !> Whether the run is of no use.
    function wants_stop(self)
       class(side_relay_t), intent(inout) :: self
-      logical :: wants_stop, are_off
+      logical :: wants_stop
+      integer :: begun
 
       !$omp atomic read
-      are_off = self%are_off
-      wants_stop = self%is_stopping .or. are_off .or. is_interrupted()
+      begun = self%begun
+      wants_stop = self%is_stopping .or. begun >= useless .or. is_interrupted()
       self%is_stopping = wants_stop
    end function wants_stop
 

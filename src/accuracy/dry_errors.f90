@@ -25,8 +25,7 @@ module dry_errors
 
    public :: area_doubt, dry_trial_t, estimate_dry_errors, finer_nodes, goes_finer
 
-   !> Threshold for short waves: the measure is 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4
-   !> for one of 4.
+   !> Threshold for short waves: 1 is a smooth surface, 1.37 a wave of 8 nodes, 4 one of 4.
    real(wp), parameter :: short_waves = 1.3_wp
    !> Spacings of the compared grids over the given one, and the weights of the squared differences,
    !> with few nodes and with many (a periodic elastic line or area uses the first two, and the

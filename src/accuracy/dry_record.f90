@@ -93,8 +93,7 @@ contains
       end if
    end subroutine run
 
-   !> Prepares the `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails
-   !> (internal_error) if FFTW does.
+   !> Prepares the `sweep` of a run, unless the grid is too coarse. Error (internal_error): FFTW.
    subroutine prepare(self, setting, sweep, is_possible, error)
       class(dry_record_t), intent(in) :: self
       type(dry_setting_t), intent(in) :: setting

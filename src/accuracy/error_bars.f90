@@ -1,13 +1,11 @@
 !> Error estimates of the quantities of a result: grid and time step, inlet, an outlet that cuts off
-!> the film, iteration, and what was left out of the model; their sum, or the reason why it is not
-!> known.
+!> the film, iteration, what was left out of the model; their sum, or the reason why there is none.
 !>
 !> Errors by grid and time step follow from runs of the same case on n/2 and n/4 intervals
 !> (transients: with twice and four times the time step; first-order schemes: these and one on n by
 !> the second-order scheme). Rules: modules grid_errors, pressure_errors. Errors by the length of
 !> the inlet follow from rules or, with an inlet close to the contact, from graded grids of the same
-!> domain and of one with a far inlet. A pressure spike is not compared: the largest pressure is
-!> that next to it.
+!> domain and of one with a far inlet, where the pressure next to a spike is compared.
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
@@ -54,18 +52,15 @@ module error_bars
 
    !> Coarse runs of a result, and everything else its error estimates use.
    type :: error_bars_t
-      !> Quantities on n/2, n/4 and, of a steady contact on a chosen grid, n/8 intervals; `grids` of
-      !> them are known.
+      !> Quantities on n/2, n/4 and, at rest on a chosen grid, n/8 intervals: `grids` are known.
       integer :: grids = 0
       type(line_summary_t) :: coarser(3)
-      !> Transients by a first-order scheme: quantities by the second-order scheme on the same grid,
-      !> known if those on n/2 are.
+      !> Beside a first-order scheme those of second order on the same grid, known if on n/2.
       type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
       !> Whether the space scheme is kappa, whose orders have other bounds.
       logical :: is_kappa = .false.
-      !> Steady contacts by the kappa scheme: quantities by upwind2 on n, n/2 and n/4 intervals; not
-      !> allocated: not known.
+      !> Beside kappa at rest those of upwind2 on n, n/2 and n/4 intervals, if known.
       type(line_summary_t), allocatable :: other_scheme(:)
       !> How a pressure spike grows on finer grids and a wave of the film decays.
       type(spike_law_t) :: spike_law
@@ -75,14 +70,12 @@ module error_bars
       real(wp), allocatable :: grid_errors(:)
       !> Why coarse runs give no error estimate; empty: they do.
       character(len=120) :: unseen = ''
-      !> Whether the outlet cuts off the film, and what a longer one changes, on n/2 intervals or a
-      !> graded grid.
+      !> Whether the outlet cuts off the film; what a longer one changes, on n/2 or a graded grid.
       logical :: is_cut = .false.
       type(domain_change_t) :: outlet
       !> Measured influence of the inlet; replaces the inlet rule.
       type(domain_change_t) :: inlet
-      !> Bound on the relative change of each quantity by what was left out of the model; NaN: not
-      !> known.
+      !> Bound on the relative change of each quantity by what the model leaves out; NaN: not known.
       real(wp) :: left_out(quantity_count) = 0.0_wp
    end type error_bars_t
 
@@ -92,8 +85,7 @@ module error_bars
 contains
 
    !> Sets error estimates and extrapolated values of a converged result with spacing `dx`: grid and
-   !> time step from coarse runs, domain and iteration from the report, and their sum, which is
-   !> unknown without coarse runs.
+   !> time step from coarse runs, domain and iteration from the report, and their sum.
    pure subroutine apply_error_bars(bars, report, dx, summary)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -170,8 +162,7 @@ contains
       summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
    end subroutine estimate_on_even
 
-   !> Largest relative error by the outlet among the quantities of the closing table: 0 if it cuts
-   !> off nothing, NaN if not known.
+   !> Largest relative error by the outlet of a quantity of the closing table; NaN: not known.
    pure real(wp) function outlet_error(bars) result(error)
       type(error_bars_t), intent(in) :: bars
       real(wp) :: errors(quantity_count)
@@ -184,8 +175,7 @@ contains
       error = max(0.0_wp, maxval(errors, quantity_rows%short /= '' .and. exceeds(errors, 0.0_wp)))
    end function outlet_error
 
-   !> Errors by the outlet, from the values with this and with a longer outlet; NaN if these are not
-   !> known.
+   !> Errors by the outlet, from the values with this and with a longer outlet; NaN: not known.
    pure function cut_errors(bars) result(errors)
       type(error_bars_t), intent(in) :: bars
       real(wp) :: errors(quantity_count)

@@ -26,6 +26,8 @@ module experiment
 
    !> Runs for comparison have at least this many intervals.
    integer, parameter, public :: min_intervals = 32
+   !> No number of coarse runs.
+   integer, parameter, public :: useless = 2**30
 
    !> A contact on a complete domain, solver settings and time step.
    type :: experiment_t
@@ -39,8 +41,7 @@ module experiment
       !> Whether there is a solution, and why there is none if memory or a library failed.
       logical :: is_known = .false.
       type(error_t), allocatable :: error
-      !> Its quantities (of a transient their extremes), and of a steady contact those on the n/2,
-      !> n/4 ... intervals of its nested start.
+      !> Its quantities (in time extremes), at rest those on n/2, n/4 ... intervals, too.
       type(line_summary_t) :: summary
       type(line_summary_t), allocatable :: coarser(:)
       !> Nodes times Newton steps.
@@ -77,10 +78,8 @@ module experiment
    type :: side_runs_t
       type(experiment_t) :: experiment
       type(outcome_t), allocatable :: runs(:)
-      !> Number begun so far.
+      !> Number begun so far, `useless` and more: they have become useless.
       integer :: begun = 0
-      !> Whether they have become useless.
-      logical :: are_off = .false.
       !> The run itself, where a trial run was that; not allocated: it is not known.
       type(solution_t), allocatable :: whole
    end type side_runs_t
@@ -108,8 +107,7 @@ contains
       end associate
    end function new_experiment
 
-   !> The same on `factor` times fewer intervals with an equally larger time step; 0 intervals if
-   !> there would be fewer than `min_intervals`.
+   !> The same on `factor` times fewer intervals, 0 below `min_intervals`, with larger steps.
    pure function coarser(self, factor)
       type(experiment_t), intent(in) :: self
       integer, intent(in) :: factor
@@ -200,14 +198,12 @@ contains
       allocate (side_runs%runs(merge(3, 2, experiment%time%scheme == 'backward_euler')))
    end function new_side_runs
 
-   !> Makes the runs that are not known one after the other while they are useful. Any number of
-   !> threads may call this; `listener` belongs to the thread and may stop a run, whose quantities
-   !> are then unknown.
+   !> Makes the runs that are not known one after the other while they are useful, on any thread,
+   !> whose `listener` may stop a run: its quantities are then unknown.
    subroutine make_side_runs(side_runs, listener)
       type(side_runs_t), intent(inout) :: side_runs
       class(listener_t), intent(inout), target :: listener
       type(experiment_t) :: accurate
-      logical :: are_off
       integer :: i, last
 
       accurate = side_runs%experiment
@@ -218,9 +214,7 @@ contains
          side_runs%begun = side_runs%begun + 1
          i = side_runs%begun
          !$omp end atomic
-         !$omp atomic read
-         are_off = side_runs%are_off
-         if (are_off .or. i > last) return
+         if (i > last) return
          associate (run => side_runs%runs(i), runs => side_runs%runs)
             if (run%is_known) cycle
             call run_experiment(coarser(accurate, 2**(i + 2 - last)), listener, run)
@@ -230,12 +224,9 @@ contains
             end if
             if (run%is_known) cycle
          end associate
-         ! those behind it are useless, and before it another thread may be at work
+         ! those behind it are useless; before it another thread may be at work
          !$omp atomic write
-         side_runs%begun = last
-         if (i > 1) return
-         !$omp atomic write
-         side_runs%are_off = .true.
+         side_runs%begun = merge(useless, last, i == 1)
       end do
    end subroutine make_side_runs
 
@@ -323,8 +314,7 @@ contains
       bars%inlet = domain_change_t(far%is_known, near%summary, far%summary)
    end subroutine run_farther
 
-   !> Runs a steady case solved with kappa also with upwind2, on its grid and the coarser ones of
-   !> the nested start.
+   !> Runs a steady case solved with kappa also with upwind2, on its grid and those of its start.
    subroutine run_other_scheme(bars, experiment, listener)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment

@@ -221,8 +221,7 @@ contains
       length = exp(lower)
    end function thinned_length
 
-   !> The maximum of P that is compared between grids: the largest one next to a spike that is
-   !> lower, else the largest.
+   !> The maximum of P that is compared between grids: the largest but for a spike that is lower.
    pure elemental real(wp) function top_of(crests) result(top)
       type(crests_t), intent(in) :: crests
 
@@ -248,8 +247,7 @@ contains
       quantity%error_grid = max(quantity%error_grid, error_from_levels(nodes(1), nodes(2), order))
    end subroutine estimate_crest
 
-   !> With a pressure spike, adds to the error of the largest pressure what the spike may grow above
-   !> it; not known if that is not.
+   !> Adds to the error of the largest pressure what a spike may grow above it, or is not known.
    pure subroutine allow_for_spike(law, dx, summary)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
