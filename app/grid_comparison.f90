@@ -8,8 +8,8 @@ module grid_comparison
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
-   use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, run_farther, &
-      run_longer, run_other_scheme, side_runs_t, useless
+   use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, outcome_t, &
+      run_experiment, run_farther, run_longer, side_runs_t, useless
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces
@@ -44,6 +44,7 @@ contains
       type(report_t), intent(in) :: report
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
+      type(outcome_t) :: other
       real(wp) :: change
       logical :: is_small
 
@@ -55,8 +56,15 @@ contains
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          ! roughness passes, the inlet stays
          if (case%time%is_transient) at_rest%contact = without_surfaces(case%contact)
-         call run_farther(bars, at_rest, listener)
-         if (.not. case%time%is_transient) call run_other_scheme(bars, at_rest, listener)
+         call run_farther(at_rest, .true., listener, bars%inlet)
+         if (bars%is_kappa .and. .not. case%time%is_transient) then
+            at_rest%settings%space_scheme = 'upwind2'
+            call run_experiment(at_rest, listener, other)
+            if (allocated(other%coarser)) then
+               if (size(other%coarser) > 0) bars%other_scheme = [other%summary, &
+                  other%coarser(:min(2, size(other%coarser)))]
+            end if
+         end if
       end if
       bars%is_cut = report%fit%outlet_pressure > 0.0_wp
       if (bars%is_cut) then

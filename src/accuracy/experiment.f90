@@ -2,7 +2,7 @@
 !> bars, target accuracies and adequacy compare such runs; those for error bars, none made twice.
 module experiment
    use, intrinsic :: iso_fortran_env, only: int64
-   use domain_choice, only: choose_domain, farthest, inlet_error
+   use domain_choice, only: farthest, inlet_error
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: domain_change_t, error_bars_t
    use errors, only: error_t
@@ -21,8 +21,7 @@ module experiment
    private
 
    public :: coarser, collector_t, copy_side_runs, experiment_t, make_side_runs, new_experiment, &
-      new_side_runs, outcome_t, run_experiment, run_farther, run_longer, run_other_scheme, &
-      side_runs_t, solution_t
+      new_side_runs, outcome_t, run_experiment, run_farther, run_longer, side_runs_t, solution_t
 
    !> Runs for comparison have at least this many intervals.
    integer, parameter, public :: min_intervals = 32
@@ -264,13 +263,7 @@ contains
 
       longer = experiment
       if (longer%contact%domain%grid == 'graded') then
-         call run_experiment(longer, listener, outcome)
-         if (.not. outcome%is_known) return
-         bars%outlet%near = outcome%summary
-         longer%contact%domain%has_outlet = .false.
-         call run_experiment(longer, listener, outcome)
-         bars%outlet%is_known = outcome%is_known
-         bars%outlet%far = outcome%summary
+         call run_farther(experiment, .false., listener, bars%outlet)
          return
       end if
       if (bars%grids == 0) return
@@ -293,42 +286,27 @@ contains
       end associate
    end subroutine run_longer
 
-   !> Measures the influence of the inlet of a steady contact that loses much film by the inlet rule
-   !> (`inlet_error`): on a graded grid of its domain and on one with a far inlet.
-   subroutine run_farther(bars, experiment, listener)
-      type(error_bars_t), intent(inout) :: bars
+   !> Measures what one end of a steady contact cuts off, on graded grids with this end and with
+   !> that of the program; an inlet only if it takes much film by the inlet rule (`inlet_error`).
+   subroutine run_farther(experiment, is_inlet, listener, change)
       type(experiment_t), intent(in) :: experiment
+      logical, intent(in) :: is_inlet
       class(listener_t), intent(inout), target :: listener
+      type(domain_change_t), intent(inout) :: change
       type(experiment_t) :: graded
       type(outcome_t) :: near, far
 
-      if (.not. inlet_error(experiment%contact) > small_loss) return
+      if (is_inlet .and. .not. inlet_error(experiment%contact) > small_loss) return
       graded = experiment
-      graded%settings%target = 0.0_wp
-      graded%contact%domain%grid = 'graded'
-      call run_experiment(graded, listener, near)
-      if (.not. near%is_known) return
-      graded%contact%domain%has_inlet = .false.
-      call choose_domain(graded%contact)
+      associate (domain => graded%contact%domain)
+         domain%grid = 'graded'
+         call run_experiment(graded, listener, near)
+         if (.not. near%is_known) return
+         if (is_inlet) domain%has_inlet = .false.
+         if (.not. is_inlet) domain%has_outlet = .false.
+      end associate
       call run_experiment(graded, listener, far)
-      bars%inlet = domain_change_t(far%is_known, near%summary, far%summary)
+      change = domain_change_t(far%is_known, near%summary, far%summary)
    end subroutine run_farther
-
-   !> Runs a steady case solved with kappa also with upwind2, on its grid and those of its start.
-   subroutine run_other_scheme(bars, experiment, listener)
-      type(error_bars_t), intent(inout) :: bars
-      type(experiment_t), intent(in) :: experiment
-      class(listener_t), intent(inout), target :: listener
-      type(experiment_t) :: other
-      type(outcome_t) :: outcome
-
-      if (.not. bars%is_kappa) return
-      other = experiment
-      other%settings%space_scheme = 'upwind2'
-      call run_experiment(other, listener, outcome)
-      if (.not. outcome%is_known) return
-      if (size(outcome%coarser) > 0) bars%other_scheme = [outcome%summary, &
-         outcome%coarser(:min(2, size(outcome%coarser)))]
-   end subroutine run_other_scheme
 
 end module experiment
