@@ -8,8 +8,8 @@ module grid_comparison
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
-   use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, run_farther, &
-      run_longer, run_other_scheme, side_runs_t
+   use experiment, only: experiment_t, make_side_runs, new_experiment, new_side_runs, outcome_t, &
+      run_experiment, run_farther, run_longer, side_runs_t, useless
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces
@@ -29,7 +29,7 @@ module grid_comparison
 
    !> Listener of the coarse runs: they end if interrupted, or useless because of the run itself.
    type, extends(listener_t) :: side_relay_t
-      logical, pointer :: are_off => null()
+      integer, pointer :: begun => null()
    contains
       procedure :: wants_stop
    end type side_relay_t
@@ -44,6 +44,7 @@ contains
       type(report_t), intent(in) :: report
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
+      type(outcome_t) :: other
       real(wp) :: change
       logical :: is_small
 
@@ -55,8 +56,15 @@ contains
          at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          ! roughness passes, the inlet stays
          if (case%time%is_transient) at_rest%contact = without_surfaces(case%contact)
-         call run_farther(bars, at_rest, listener)
-         if (.not. case%time%is_transient) call run_other_scheme(bars, at_rest, listener)
+         call run_farther(at_rest, .true., listener, bars%inlet)
+         if (bars%is_kappa .and. .not. case%time%is_transient) then
+            at_rest%settings%space_scheme = 'upwind2'
+            call run_experiment(at_rest, listener, other)
+            if (allocated(other%coarser)) then
+               if (size(other%coarser) > 0) bars%other_scheme = [other%summary, &
+                  other%coarser(:min(2, size(other%coarser)))]
+            end if
+         end if
       end if
       bars%is_cut = report%fit%outlet_pressure > 0.0_wp
       if (bars%is_cut) then
@@ -136,10 +144,15 @@ contains
          call begin_activity('coarse runs')
          if (is_off) then
             !$omp atomic write
-            side_runs%are_off = .true.
+            side_runs%begun = useless
          end if
          !$omp end master
-         call help(side_runs)
+         block   ! each thread has its own
+            type(side_relay_t) :: relay
+
+            relay%begun => side_runs%begun
+            call make_side_runs(side_runs, relay)
+         end block
          !$omp end parallel
          listener%is_stopping = listener%is_stopping .or. is_interrupted()
       else
@@ -151,23 +164,15 @@ contains
          case%contact, case%solver, case%time))
    end subroutine solve_with_coarse_runs
 
-   !> The part of one thread in the coarse runs.
-   subroutine help(side_runs)
-      type(side_runs_t), intent(inout), target :: side_runs
-      type(side_relay_t) :: relay
-
-      relay%are_off => side_runs%are_off
-      call make_side_runs(side_runs, relay)
-   end subroutine help
-
    !> Whether the run is of no use.
    function wants_stop(self)
       class(side_relay_t), intent(inout) :: self
-      logical :: wants_stop, are_off
+      logical :: wants_stop
+      integer :: begun
 
       !$omp atomic read
-      are_off = self%are_off
-      wants_stop = self%is_stopping .or. are_off .or. is_interrupted()
+      begun = self%begun
+      wants_stop = self%is_stopping .or. begun >= useless .or. is_interrupted()
       self%is_stopping = wants_stop
    end function wants_stop
 

@@ -3,7 +3,7 @@
 module line_solution
    use case_notes, only: hour, note_case, note_missed_error, time_text
    use case_record, only: case_t, list_passage, set_effective
-   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
+   use error_bars, only: copy_coarser, new_error_bars
    use errors, only: error_t
    use experiment, only: copy_side_runs, make_side_runs, side_runs_t
    use film_heating, only: friction_doubt
@@ -35,7 +35,6 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: words
-      type(error_bars_t) :: bars
       type(side_runs_t), allocatable :: side_runs
       real(wp) :: seconds, start
 
@@ -62,13 +61,6 @@ contains
             call listener%writer%forget_steps()
          end if
       end if
-      listener%writer%bars%spike_law%fluid = case%contact%fluid
-      if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(case%contact, case%time, &
-         case%solver%space_scheme)
-      listener%writer%bars%left_out = listener%writer%choice%influence
-      if (allocated(case%contact%heating)) listener%writer%bars%left_out(heated_rows) = max( &
-         listener%writer%bars%left_out(heated_rows), friction_doubt(merge(2, 1, &
-         case%contact%heating%has_flow)))
       words = time_text(case, hour)
       if (words /= '') call listener%log%say(case%file//': '//words)
       call note_case(case, case%contact, listener)
@@ -77,6 +69,14 @@ contains
       listener%writer%run%space_scheme = case%solver%space_scheme
       call solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       if (allocated(error)) return
+      associate (bars => listener%writer%bars)
+         bars%spike_law%fluid = case%contact%fluid
+         if (listener%has_coarse_runs) bars = new_error_bars(case%contact, case%time, &
+            case%solver%space_scheme)
+         bars%left_out = listener%writer%choice%influence
+         if (allocated(case%contact%heating)) bars%left_out(heated_rows) = max( &
+            bars%left_out(heated_rows), friction_doubt(merge(2, 1, case%contact%heating%has_flow)))
+      end associate
       report%fit%nodes_per_wave = nodes_in_wave(case%contact)
       report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call look_at_solution(listener, state, report)
@@ -84,10 +84,8 @@ contains
       if (listener%has_coarse_runs .and. report%converged) then
          start = wall_seconds()
          call make_side_runs(side_runs, listener)
-         call copy_side_runs(side_runs, bars, error)
+         call copy_side_runs(side_runs, listener%writer%bars, error)
          if (allocated(error)) return
-         bars%left_out = listener%writer%bars%left_out
-         listener%writer%bars = bars
          seconds = seconds + wall_seconds() - start
          report%converged = .not. listener%is_stopping
       end if

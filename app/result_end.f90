@@ -4,9 +4,9 @@ module result_end
    use case_record, only: case_t
    use contact_moment, only: at_moment
    use closing_table, only: breakdown_sentence, close_case
+   use error_bars, only: film_loss
    use errors, only: error_t, output_error
    use field_sections, only: has_formulas
-   use inlet_errors, only: film_loss
    use iteration_report, only: has_converged, is_outside, phase_output, phase_transient, report_t
    use line_state, only: line_state_t
    use kinds, only: exceeds, not_known, wp

@@ -25,8 +25,7 @@ module dry_errors
 
    public :: area_doubt, dry_trial_t, estimate_dry_errors, finer_nodes, goes_finer
 
-   !> Threshold for short waves: the measure is 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4
-   !> for one of 4.
+   !> Threshold for short waves: 1 is a smooth surface, 1.37 a wave of 8 nodes, 4 one of 4.
    real(wp), parameter :: short_waves = 1.3_wp
    !> Spacings of the compared grids over the given one, and the weights of the squared differences,
    !> with few nodes and with many (a periodic elastic line or area uses the first two, and the
@@ -109,12 +108,22 @@ contains
          is_finer = goes_finer(sweep%grid, sweep%height)
          ratios = merge(finer_ratios, coarser_ratios, is_finer)
          weights = merge(finer_weights, coarser_weights, is_finer)
+         setting = dry_setting_t(1.0_wp, line_tolerance)
+         if (allocated(sweep%loads%separation)) then
+            setting%tolerance = separation_tolerances(merge(1, 2, sweep%grid%ny == 1))
+         else if (sweep%grid%ny > 1 .and. sweep%grid%kernel == kernel_open) then
+            setting%tolerance = open_tolerance
+         else if (sweep%grid%ny > 1) then
+            setting%tolerance = periodic_tolerances(merge(1, 2, has_few_nodes(sweep%grid)))
+            setting%is_rough = .true.
+         end if
+         setting%tolerance = max(setting%tolerance, sweep%settings%tolerance)
          ! the periodic elastic line on finer grids, the area on coarser ones
          least = merge(min_grids, usual_grids, sweep%grid%kernel /= kernel_open &
             .and. sweep%loads%hardness >= no_hardness .and. (is_finer .eqv. sweep%grid%ny == 1))
          grids: do k = 1, size(ratios)
             if (minval(count) >= least) exit grids
-            setting = setting_on(sweep, ratios(k))
+            setting%ratio = ratios(k)
             call record%run(setting, others)
             loads: do i = 1, size(rows)
                if (.not. others(i)%kkt <= setting%tolerance) cycle loads
@@ -203,24 +212,6 @@ contains
             + values(plasticity_index)*contact)/values(contact_area)
       end associate
    end function estimates_of
-
-   !> How a `sweep` is solved on another grid.
-   pure function setting_on(sweep, ratio) result(setting)
-      type(dry_sweep_t), intent(in) :: sweep
-      real(wp), intent(in) :: ratio
-      type(dry_setting_t) :: setting
-
-      setting = dry_setting_t(ratio, line_tolerance)
-      if (allocated(sweep%loads%separation)) then
-         setting%tolerance = separation_tolerances(merge(1, 2, sweep%grid%ny == 1))
-      else if (sweep%grid%ny > 1 .and. sweep%grid%kernel == kernel_open) then
-         setting%tolerance = open_tolerance
-      else if (sweep%grid%ny > 1) then
-         setting%tolerance = periodic_tolerances(merge(1, 2, has_few_nodes(sweep%grid)))
-         setting%is_rough = .true.
-      end if
-      setting%tolerance = max(setting%tolerance, sweep%settings%tolerance)
-   end function setting_on
 
    !> Largest relative error of the contact area over all loads of an `outcome`.
    pure real(wp) function area_doubt(outcome) result(doubt)

@@ -84,19 +84,16 @@ contains
       allocate (rows(merge(1, size(self%outcome%rows), setting%load > 0)))
       if (allocated(self%error)) return
       call prepare(self, setting, sweep, is_possible, error)
-      if (.not. allocated(error)) then
-         if (.not. is_possible) return
-         call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, &
-            sweep%settings, outcome, error)
-         if (.not. allocated(error)) call move_alloc(outcome%rows, rows)
+      if (.not. allocated(error) .and. is_possible) call solve_dry_sweep(sweep%grid, sweep%height, &
+         sweep%scaling, sweep%loads, sweep%settings, outcome, error)
+      if (allocated(error)) then   ! of bad input: nothing touches at that separation on this grid
+         if (error%kind /= input_error) call move_alloc(error, self%error)
+      else if (is_possible) then
+         call move_alloc(outcome%rows, rows)
       end if
-      if (.not. allocated(error)) return
-      ! of bad input: nothing touches at that separation on this grid
-      if (error%kind /= input_error) call move_alloc(error, self%error)
    end subroutine run
 
-   !> Prepares the `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails
-   !> (internal_error) if FFTW does.
+   !> Prepares the `sweep` of a run, unless the grid is too coarse. Error (internal_error): FFTW.
    subroutine prepare(self, setting, sweep, is_possible, error)
       class(dry_record_t), intent(in) :: self
       type(dry_setting_t), intent(in) :: setting

@@ -1,45 +1,66 @@
-!> Error estimates of the quantities of a result: grid and time step, inlet (module inlet_errors),
-!> an outlet that cuts off the film, iteration, and what was left out of the model; their sum, or
-!> the reason why it is not known.
+!> Error estimates of the quantities of a result: grid and time step, inlet, an outlet that cuts off
+!> the film, iteration, what was left out of the model; their sum, or the reason why there is none.
 !>
 !> Errors by grid and time step follow from runs of the same case on n/2 and n/4 intervals
 !> (transients: with twice and four times the time step; first-order schemes: these and one on n by
-!> the second-order scheme). Rules: modules grid_errors, pressure_errors.
+!> the second-order scheme). Rules: modules grid_errors, pressure_errors. Errors by the length of
+!> the inlet follow from rules or, with an inlet close to the contact, from graded grids of the same
+!> domain and of one with a far inlet, where the pressure next to a spike is compared.
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
    use grid_errors, only: error_from_levels, error_on_grids, error_with_limit, kappa_share, &
       orders, pressure_safety_in_time, safety
-   use inlet_errors, only: domain_change_t, inlet_shares
    use iteration_report, only: report_t
    use kinds, only: exceeds, larger, not_known, quotient, wp
    use line_contact, only: line_contact_t, time_settings_t
-   use line_summary, only: line_summary_t, new_quantity, quantity_t
+   use line_summary, only: line_summary_t, quantity_t, value_between
+   use lubricant, only: fluid_t, fluid_viscosity, thins
    use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, spike_law_t, top_of
    use quantities, only: asperity_share, boundary_friction, friction_coefficient, h_central, &
-      is_chance, quantity_count, quantity_rows, rule_between, rule_crest, rule_first, &
-      rule_node, sliding_rows
+      is_chance, p_max, quantity_count, quantity_rows, rule_between, rule_crest, rule_first, &
+      rule_node, sheared_rows, sliding_rows
    use wave_resolution, only: unseen_waves
    implicit none (type, external)
    private
 
-   public :: apply_error_bars, copy_coarser, error_bars_t, missing_estimate, new_error_bars, &
-      outlet_error
+   public :: apply_error_bars, change_by_inlet, copy_coarser, domain_change_t, error_bars_t, &
+      film_loss, missing_estimate, new_error_bars, outlet_error
+
+   !> Films err by up to twice the share lost by starvation, and the exit by that share where the
+   !> film is thick (M 0.5-500, L 0-30, against four times the domain).
+   real(wp), parameter, public :: film_safety = 2.0_wp
+   !> Forces err as films do, sliding by up to this many times the share of the pressures in
+   !> addition; with a Newtonian oil as its viscosity does, where the largest pressure changes by a
+   !> third of that share (M 2-70, L 3-9, against a domain twice as long).
+   real(wp), parameter :: shear_safety = 1.5_wp, pressure_part = 1.0_wp/3.0_wp
+
+   !> An estimate by runs is this many times the change plus this share of the largest change, since
+   !> a single one may be small by chance.
+   real(wp), parameter :: change_safety = 1.1_wp, doubt = 0.15_wp
+
+   !> Quantities that may be unknown or 0 in a solution.
+   logical, parameter :: may_be_unknown(*) = quantity_rows%field == '1' &
+      .or. quantity_rows%field == 'x' .or. quantity_rows%field == 'friction_coefficient' &
+      .or. quantity_rows%field == 'power'
+
+   !> What a longer domain changes: quantities on the same and on the longer one.
+   type :: domain_change_t
+      logical :: is_known = .false.
+      type(line_summary_t) :: near, far
+   end type domain_change_t
 
    !> Coarse runs of a result, and everything else its error estimates use.
    type :: error_bars_t
-      !> Quantities on n/2, n/4 and, of a steady contact on a chosen grid, n/8 intervals; `grids` of
-      !> them are known.
+      !> Quantities on n/2, n/4 and, at rest on a chosen grid, n/8 intervals: `grids` are known.
       integer :: grids = 0
       type(line_summary_t) :: coarser(3)
-      !> Transients by a first-order scheme: quantities by the second-order scheme on the same grid,
-      !> known if those on n/2 are.
+      !> Beside a first-order scheme those of second order on the same grid, known if on n/2.
       type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
       !> Whether the space scheme is kappa, whose orders have other bounds.
       logical :: is_kappa = .false.
-      !> Steady contacts by the kappa scheme: quantities by upwind2 on n, n/2 and n/4 intervals; not
-      !> allocated: not known.
+      !> Beside kappa at rest those of upwind2 on n, n/2 and n/4 intervals, if known.
       type(line_summary_t), allocatable :: other_scheme(:)
       !> How a pressure spike grows on finer grids and a wave of the film decays.
       type(spike_law_t) :: spike_law
@@ -49,14 +70,12 @@ module error_bars
       real(wp), allocatable :: grid_errors(:)
       !> Why coarse runs give no error estimate; empty: they do.
       character(len=120) :: unseen = ''
-      !> Whether the outlet cuts off the film, and what a longer one changes, on n/2 intervals or a
-      !> graded grid.
+      !> Whether the outlet cuts off the film; what a longer one changes, on n/2 or a graded grid.
       logical :: is_cut = .false.
       type(domain_change_t) :: outlet
       !> Measured influence of the inlet; replaces the inlet rule.
       type(domain_change_t) :: inlet
-      !> Bound on the relative change of each quantity by what was left out of the model; NaN: not
-      !> known.
+      !> Bound on the relative change of each quantity by what the model leaves out; NaN: not known.
       real(wp) :: left_out(quantity_count) = 0.0_wp
    end type error_bars_t
 
@@ -66,8 +85,7 @@ module error_bars
 contains
 
    !> Sets error estimates and extrapolated values of a converged result with spacing `dx`: grid and
-   !> time step from coarse runs, domain and iteration from the report, and their sum, which is
-   !> unknown without coarse runs.
+   !> time step from coarse runs, domain and iteration from the report, and their sum.
    pure subroutine apply_error_bars(bars, report, dx, summary)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -96,15 +114,47 @@ contains
       end associate
    end subroutine apply_error_bars
 
-   !> Sets the errors by an even grid and the time step, and extrapolated values.
+   !> Sets the errors by an even grid and the time step, and extrapolated values. Of the pressure
+   !> the crests are compared between grids.
    pure subroutine estimate_on_even(bars, is_transient, dx, summary)
       type(error_bars_t), intent(in) :: bars
       logical, intent(in) :: is_transient
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
+      type(line_summary_t) :: grids(1 + bars%grids)
+      real(wp), dimension(4) :: between, values
+      real(wp) :: found(2)
+      logical :: is_crest
+      integer :: i
 
       if (bars%grids > 0 .and. bars%unseen == '') then
-         call estimate_grid_errors(bars, is_transient, dx, summary)
+         grids = [summary, bars%coarser(:bars%grids)]
+         if (is_transient .and. bars%is_first_order) grids(1) = bars%second_order
+         do i = 1, quantity_count
+            values = not_known()
+            between = not_known()
+            values(:size(grids)) = grids%of(i)%value
+            between(:size(grids)) = grids%of(i)%between
+            is_crest = quantity_rows(i)%rule == rule_crest
+            if (is_crest) between(:size(grids)) = top_of(grids%crests)
+            if (is_crest .and. .not. all(ieee_is_finite(between(:3)))) cycle
+            associate (quantity => summary%of(i))
+               if (is_transient) then
+                  if (is_crest) quantity%between = summary%crests%highest
+                  found = error_with_limit(quantity%between, bars%is_first_order, between(:3), &
+                     merge(pressure_safety_in_time, 1.0_wp, is_crest))
+                  quantity%error_grid = found(1) + abs(quantity%value - quantity%between)
+                  if (quantity_rows(i)%rule == rule_between) quantity%error_grid = &
+                     quantity%error_grid + exit_jitter*dx
+                  if (quantity_rows(i)%rule /= rule_between) quantity%extrapolated = found(2)
+               else if (is_crest) then
+                  call estimate_crest(between(:3), values(:3), quantity)
+               else
+                  call estimate_at_rest(bars, i, values, between, dx, &
+                     ieee_is_finite(summary%crests%spike), quantity)
+               end if
+            end associate
+         end do
          call allow_for_spike(bars%spike_law, dx, summary)
       end if
       call doubt_shear(bars%spike_law, dx, summary)
@@ -112,21 +162,20 @@ contains
       summary%of%error_grid = quantity_rows%widening*summary%of%error_grid
    end subroutine estimate_on_even
 
-   !> Largest relative error by the outlet among the quantities of the closing table: 0 if it cuts
-   !> off nothing, NaN if not known.
+   !> Largest relative error by the outlet of a quantity of the closing table; NaN: not known.
    pure real(wp) function outlet_error(bars) result(error)
       type(error_bars_t), intent(in) :: bars
       real(wp) :: errors(quantity_count)
 
       error = 0.0_wp
-      if (bars%is_cut .and. .not. bars%outlet%is_known) error = not_known()
-      if (.not. (bars%is_cut .and. bars%outlet%is_known)) return
+      if (.not. bars%is_cut) return
+      error = not_known()
+      if (.not. bars%outlet%is_known) return
       errors = quotient(cut_errors(bars), bars%outlet%near%of%value)
       error = max(0.0_wp, maxval(errors, quantity_rows%short /= '' .and. exceeds(errors, 0.0_wp)))
    end function outlet_error
 
-   !> Errors by the outlet, from the values with this and with a longer outlet; NaN if these are not
-   !> known.
+   !> Errors by the outlet, from the values with this and with a longer outlet; NaN: not known.
    pure function cut_errors(bars) result(errors)
       type(error_bars_t), intent(in) :: bars
       real(wp) :: errors(quantity_count)
@@ -144,32 +193,23 @@ contains
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(in) :: summary
       character(:), allocatable :: reason, lost
+      character(len=*), parameter :: by_grids(0:2) = [character(len=120) :: &
+         'no coarser grids are compared', 'only one coarser grid is compared', &
+         'a pressure spike that this grid does not resolve may pass the largest pressure on '// &
+         'finer grids, or grow without a limit']
 
-      lost = ''
-      if (report%converged .and. .not. allocated(bars%grid_errors)) lost = lost_waves(bars%waves, &
-         bars%spike_law, dx, summary)
-      if (.not. report%converged) then
-         reason = 'no solution'
-      else if (.not. all(exceeds(bars%left_out, -1.0_wp))) then   ! unknown
-         reason = 'what was left out of the model may change it, or a pressure spike that this '// &
-            'grid does not resolve'
-      else if (allocated(bars%grid_errors) .and. (bars%outlet%is_known .or. .not. bars%is_cut)) then
-         reason = 'a pressure spike has no end at the lengths of this grid: p_max is at least this'
-      else if (bars%unseen /= '') then
-         reason = trim(bars%unseen)
-      else if (bars%is_cut .and. .not. bars%outlet%is_known) then
-         reason = 'the outlet cuts the film off'
-      else if (len(lost) > 0) then
-         reason = lost
-      else if (bars%grids > 1) then
-         reason = 'a pressure spike that this grid does not resolve may pass the largest '// &
-            'pressure on finer grids, or grow '// &
-            'without a limit'
-      else if (bars%grids == 1) then
-         reason = 'only one coarser grid is compared'
-      else
-         reason = 'no coarser grids are compared'
+      reason = trim(by_grids(min(bars%grids, 2)))   ! or what follows, the last that holds
+      if (report%converged .and. .not. allocated(bars%grid_errors)) then
+         lost = lost_waves(bars%waves, bars%spike_law, dx, summary)
+         if (lost /= '') reason = lost
       end if
+      if (bars%is_cut .and. .not. bars%outlet%is_known) reason = 'the outlet cuts the film off'
+      if (bars%unseen /= '') reason = trim(bars%unseen)
+      if (allocated(bars%grid_errors) .and. (bars%outlet%is_known .or. .not. bars%is_cut)) reason &
+         = 'a pressure spike has no end at the lengths of this grid: p_max is at least this'
+      if (.not. all(exceeds(bars%left_out, -1.0_wp))) reason = 'what was left out of the model '// &
+         'may change it, or a pressure spike that this grid does not resolve'   ! unknown
+      if (.not. report%converged) reason = 'no solution'
    end function missing_estimate
 
    !> Error bars before any coarse run: orders of the schemes, and laws of spikes and waves.
@@ -195,128 +235,113 @@ contains
       bars%coarser(:bars%grids) = coarser(:bars%grids)
    end subroutine copy_coarser
 
-   !> Sets the errors of all quantities by grid and time step.
-   pure subroutine estimate_grid_errors(bars, is_transient, dx, summary)
-      type(error_bars_t), intent(in) :: bars
-      logical, intent(in) :: is_transient
-      real(wp), intent(in) :: dx
-      type(line_summary_t), intent(inout) :: summary
-      type(line_summary_t) :: accurate
-      type(quantity_t) :: levels(4)
-      integer :: i
-
-      accurate = summary
-      if (is_transient .and. bars%is_first_order) accurate = bars%second_order
-      do i = 1, quantity_count
-         levels = on_levels(bars, i, accurate)
-         if (quantity_rows(i)%rule == rule_crest) then
-            if (.not. all(ieee_is_finite(levels(:3)%between))) cycle
-            if (is_transient) summary%of(i)%between = summary%crests%highest
-         end if
-         if (is_transient) then
-            call estimate_in_time(levels(:3)%between, bars%is_first_order, i, dx, summary%of(i))
-         else if (quantity_rows(i)%rule == rule_crest) then
-            call estimate_crest(levels(:3)%between, levels(:3)%value, summary%of(i))
-         else
-            call estimate_at_rest(bars, i, levels, dx, ieee_is_finite(summary%crests%spike), &
-               summary%of(i))
-         end if
-      end do
-   end subroutine estimate_grid_errors
-
-   !> Row `i` on n, n/2, n/4 and n/8 intervals, as far as known; between the nodes of the pressure
-   !> lies the crest that is compared.
-   pure function on_levels(bars, i, full) result(levels)
+   !> Error of row `i` of a steady contact by the grid, from its `values` and those `between` the
+   !> nodes on n, n/2, n/4 and n/8 intervals. With a pressure spike, whose position is known to one
+   !> spacing, an observed order of the smallest film does not persist.
+   pure subroutine estimate_at_rest(bars, i, values, between, dx, is_spiked, quantity)
       type(error_bars_t), intent(in) :: bars
       integer, intent(in) :: i
-      type(line_summary_t), intent(in) :: full
-      type(quantity_t) :: levels(4)
-      integer :: k
-
-      levels = new_quantity(i, [not_known(), not_known()], 0.0_wp)
-      levels(1) = full%of(i)
-      levels(2:1 + bars%grids) = bars%coarser(:bars%grids)%of(i)
-      if (quantity_rows(i)%rule /= rule_crest) return
-      levels(1)%between = top_of(full%crests)
-      do k = 1, bars%grids
-         levels(1 + k)%between = top_of(bars%coarser(k)%crests)
-      end do
-   end function on_levels
-
-   !> Error of row `i` of a transient by grid and time step, from `values` between nodes of the
-   !> second-order scheme on n, n/2 and n/4 intervals.
-   pure subroutine estimate_in_time(values, is_first_order, i, dx, quantity)
-      real(wp), intent(in) :: values(3), dx
-      logical, intent(in) :: is_first_order
-      integer, intent(in) :: i
-      type(quantity_t), intent(inout) :: quantity
-      real(wp) :: found(2)
-
-      found = error_with_limit(quantity%between, is_first_order, values, merge( &
-         pressure_safety_in_time, 1.0_wp, quantity_rows(i)%rule == rule_crest))
-      quantity%error_grid = found(1) + abs(quantity%value - quantity%between)
-      if (quantity_rows(i)%rule == rule_between) then
-         quantity%error_grid = quantity%error_grid + exit_jitter*dx
-      else
-         quantity%extrapolated = found(2)
-      end if
-   end subroutine estimate_in_time
-
-   !> Error of row `i` of a steady contact by the grid. With a pressure spike, whose position is
-   !> known to one spacing, an observed order of the smallest film does not persist.
-   pure subroutine estimate_at_rest(bars, i, levels, dx, is_spiked, quantity)
-      type(error_bars_t), intent(in) :: bars
-      integer, intent(in) :: i
-      type(quantity_t), intent(in) :: levels(4)
-      real(wp), intent(in) :: dx
+      real(wp), intent(in) :: values(4), between(4), dx
       logical, intent(in) :: is_spiked
       type(quantity_t), intent(inout) :: quantity
-      real(wp) :: bounds(2), between(2), own(2)
+      real(wp) :: bounds(2), own(2), smooth(2)
       logical :: lasts
 
       bounds = merge(quantity_rows(i)%kappa_orders, orders, bars%is_kappa)
       lasts = .not. (is_spiked .and. is_chance(quantity_rows(i)) &
          .or. quantity_rows(i)%field == 'temperature_rise')   ! a maximum that moves with the nodes
-      own = error_on_grids(levels%value, bounds, lasts)
-      between = error_on_grids(levels%between, bounds, lasts)
+      own = error_on_grids(values, bounds, lasts)
+      smooth = error_on_grids(between, bounds, lasts)
       if (i == h_central) then   ! on a line between two nodes, whose error has a sign
-         own = [between(1) + abs(quantity%value - quantity%between), between(2)]
-         if (ieee_is_finite(between(2))) own(1) = max(between(1)/(2*safety), between(1) &
-            + abs(quantity%value - between(2)) - abs(quantity%between - between(2)))
+         own = [smooth(1) + abs(quantity%value - quantity%between), smooth(2)]
+         if (ieee_is_finite(smooth(2))) own(1) = max(smooth(1)/(2*safety), smooth(1) &
+            + abs(quantity%value - smooth(2)) - abs(quantity%between - smooth(2)))
       end if
-      between(1) = between(1) + abs(quantity%value - quantity%between)
+      smooth(1) = smooth(1) + abs(quantity%value - quantity%between)
       select case (quantity_rows(i)%rule)
       case (rule_node)
-         own(1) = larger(own(1), between(1))
+         own(1) = larger(own(1), smooth(1))
       case (rule_between)
-         own = [between(1) + exit_jitter*dx, quantity%between]
+         own = [smooth(1) + exit_jitter*dx, quantity%between]
       case (rule_first)
-         own = [dx + error_from_levels(max(abs(levels(1)%value - levels(2)%value) - dx, 0.0_wp), &
-            0.0_wp, orders(2)), not_known()]
+         own = [dx + error_from_levels(max(abs(values(1) - values(2)) - dx, 0.0_wp), 0.0_wp, &
+            orders(2)), not_known()]
       case default   ! its own values are enough, or what is known of them
       end select
-      if (allocated(bars%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
-         error_by_other_scheme(bars%other_scheme, i) + abs(quantity%value - quantity%between)
+      if (allocated(bars%other_scheme) .and. is_chance(quantity_rows(i))) then
+         ! a share of the error by upwind2, which falls regularly
+         smooth = error_on_grids(bars%other_scheme%of(i)%between, orders, lasts=.true.)
+         own(1) = kappa_share/safety*smooth(1) + abs(quantity%value - quantity%between)
+      end if
       ! loads that fall from grid to grid do not fall below 0
       if (any(i == [asperity_share, boundary_friction]) .and. own(1) > quantity%value &
-         .and. levels(2)%value > quantity%value) own = [quantity%value, not_known()]
+         .and. values(2) > quantity%value) own = [quantity%value, not_known()]
       quantity%error_grid = own(1)
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
 
-   !> Error of row `i` by the kappa scheme between nodes: a share of the error by upwind2, which
-   !> falls regularly.
-   pure function error_by_other_scheme(other_scheme, i) result(error)
-      type(line_summary_t), intent(in) :: other_scheme(:)
-      integer, intent(in) :: i
-      real(wp) :: error, films(4), error_and_limit(2)
-      integer :: known
+   !> Relative errors of all quantities by the inlet: from the coarse runs of its `change`, else by
+   !> the rules in the report.
+   pure function inlet_shares(change, fluid, report, summary) result(shares)
+      type(domain_change_t), intent(in) :: change
+      type(fluid_t), intent(in) :: fluid
+      type(report_t), intent(in) :: report
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: shares(quantity_count)
+      real(wp) :: ln_mu(1), response
 
-      films = not_known()
-      known = min(size(other_scheme), 3)
-      films(:known) = other_scheme(:known)%of(i)%between
-      error_and_limit = error_on_grids(films, orders, lasts=.true.)
-      error = kappa_share/safety*error_and_limit(1)
-   end function error_by_other_scheme
+      if (change%is_known) then
+         shares = change_by_inlet(change)
+         where (quantity_rows%field == 'x' .and. ieee_is_finite(summary%of%value)) shares = &
+            shares/max(abs(summary%of%value), tiny(1.0_wp))
+         return
+      end if
+      shares = report%fit%inlet_error*min(1.0_wp, summary%of(h_central)%value)
+      where (quantity_rows%field == 'pressure') shares = report%fit%inlet_pressure_error
+      where (quantity_rows%field == 'film_thickness' .or. quantity_rows%field == 'power' &
+         .or. quantity_rows%field == 'friction_coefficient' &
+         .or. quantity_rows%field == 'temperature_rise') shares = film_safety &
+         *report%fit%inlet_error
+      response = shear_safety
+      if (.not. thins(fluid) .and. ieee_is_finite(summary%of(p_max)%value)) then
+         call fluid_viscosity(fluid, [summary%of(p_max)%value], ln_mu)
+         response = max(response, pressure_part*ln_mu(1))
+      end if
+      shares(sheared_rows) = shares(sheared_rows) + response*report%fit%inlet_pressure_error
+      shares([asperity_share, boundary_friction]) = abs(summary%asperity_response) &
+         *(film_safety*report%fit%inlet_error)
+   end function inlet_shares
+
+   !> Estimated errors of all quantities by the inlet: relative; of positions in units of b; of
+   !> positions or forces that are not known 0 is the change.
+   pure function change_by_inlet(self) result(errors)
+      type(domain_change_t), intent(in) :: self
+      real(wp) :: errors(quantity_count)
+      real(wp), dimension(quantity_count) :: near, far
+      integer :: i
+
+      near = [(value_between(self%near, i), i=1, quantity_count)]
+      far = [(value_between(self%far, i), i=1, quantity_count)]
+      if (all(ieee_is_finite([self%near%crests%spike, self%far%crests%spike, &
+         self%near%crests%other, self%far%crests%other]))) then
+         where (quantity_rows%rule == rule_crest)   ! that next to the spike
+            near = self%near%crests%other
+            far = self%far%crests%other
+         end where
+      end if
+      errors = abs(1 - quotient(far, near))
+      where (quantity_rows%field == 'x') errors = abs(near - far)
+      where (may_be_unknown .and. .not. ieee_is_finite(errors)) errors = 0.0_wp
+      errors = change_safety*errors + doubt*maxval(errors, quantity_rows%field == 'film_thickness')
+      where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
+   end function change_by_inlet
+
+   !> Share of the central film lost by starvation; 0 if the inlet thickens it.
+   pure real(wp) function film_loss(self) result(loss)
+      type(domain_change_t), intent(in) :: self
+
+      loss = max(1 - quotient(value_between(self%near, h_central), value_between(self%far, &
+         h_central)), 0.0_wp)
+   end function film_loss
 
 end module error_bars

@@ -2,11 +2,10 @@
 !> bars, target accuracies and adequacy compare such runs; those for error bars, none made twice.
 module experiment
    use, intrinsic :: iso_fortran_env, only: int64
-   use domain_choice, only: choose_domain, farthest, inlet_error
+   use domain_choice, only: farthest, inlet_error
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: copy_coarser, error_bars_t, new_error_bars
+   use error_bars, only: domain_change_t, error_bars_t
    use errors, only: error_t
-   use inlet_errors, only: domain_change_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, max_chosen, solver_settings_t, time_settings_t
@@ -22,11 +21,12 @@ module experiment
    private
 
    public :: coarser, collector_t, copy_side_runs, experiment_t, make_side_runs, new_experiment, &
-      new_side_runs, outcome_t, run_experiment, run_farther, run_longer, run_other_scheme, &
-      side_runs_t, solution_t
+      new_side_runs, outcome_t, run_experiment, run_farther, run_longer, side_runs_t, solution_t
 
    !> Runs for comparison have at least this many intervals.
    integer, parameter, public :: min_intervals = 32
+   !> No number of coarse runs.
+   integer, parameter, public :: useless = 2**30
 
    !> A contact on a complete domain, solver settings and time step.
    type :: experiment_t
@@ -40,8 +40,7 @@ module experiment
       !> Whether there is a solution, and why there is none if memory or a library failed.
       logical :: is_known = .false.
       type(error_t), allocatable :: error
-      !> Its quantities (of a transient their extremes), and of a steady contact those on the n/2,
-      !> n/4 ... intervals of its nested start.
+      !> Its quantities (in time extremes), at rest those on n/2, n/4 ... intervals, too.
       type(line_summary_t) :: summary
       type(line_summary_t), allocatable :: coarser(:)
       !> Nodes times Newton steps.
@@ -78,10 +77,8 @@ module experiment
    type :: side_runs_t
       type(experiment_t) :: experiment
       type(outcome_t), allocatable :: runs(:)
-      !> Number begun so far.
+      !> Number begun so far, `useless` and more: they have become useless.
       integer :: begun = 0
-      !> Whether they have become useless.
-      logical :: are_off = .false.
       !> The run itself, where a trial run was that; not allocated: it is not known.
       type(solution_t), allocatable :: whole
    end type side_runs_t
@@ -109,8 +106,7 @@ contains
       end associate
    end function new_experiment
 
-   !> The same on `factor` times fewer intervals with an equally larger time step; 0 intervals if
-   !> there would be fewer than `min_intervals`.
+   !> The same on `factor` times fewer intervals, 0 below `min_intervals`, with larger steps.
    pure function coarser(self, factor)
       type(experiment_t), intent(in) :: self
       integer, intent(in) :: factor
@@ -201,14 +197,12 @@ contains
       allocate (side_runs%runs(merge(3, 2, experiment%time%scheme == 'backward_euler')))
    end function new_side_runs
 
-   !> Makes the runs that are not known one after the other while they are useful. Any number of
-   !> threads may call this; `listener` belongs to the thread and may stop a run, whose quantities
-   !> are then unknown.
+   !> Makes the runs that are not known one after the other while they are useful, on any thread,
+   !> whose `listener` may stop a run: its quantities are then unknown.
    subroutine make_side_runs(side_runs, listener)
       type(side_runs_t), intent(inout) :: side_runs
       class(listener_t), intent(inout), target :: listener
       type(experiment_t) :: accurate
-      logical :: are_off
       integer :: i, last
 
       accurate = side_runs%experiment
@@ -219,9 +213,7 @@ contains
          side_runs%begun = side_runs%begun + 1
          i = side_runs%begun
          !$omp end atomic
-         !$omp atomic read
-         are_off = side_runs%are_off
-         if (are_off .or. i > last) return
+         if (i > last) return
          associate (run => side_runs%runs(i), runs => side_runs%runs)
             if (run%is_known) cycle
             call run_experiment(coarser(accurate, 2**(i + 2 - last)), listener, run)
@@ -231,32 +223,28 @@ contains
             end if
             if (run%is_known) cycle
          end associate
-         ! those behind it are useless, and before it another thread may be at work
+         ! those behind it are useless; before it another thread may be at work
          !$omp atomic write
-         side_runs%begun = last
-         if (i > 1) return
-         !$omp atomic write
-         side_runs%are_off = .true.
+         side_runs%begun = merge(useless, last, i == 1)
       end do
    end subroutine make_side_runs
 
-   !> Copies the results into `bars`; `error` is the first one that occurred.
-   subroutine copy_side_runs(side_runs, bars, error)
+   !> Copies the results into new `bars`; `error` is the first one that occurred.
+   pure subroutine copy_side_runs(side_runs, bars, error)
       type(side_runs_t), intent(in) :: side_runs
-      type(error_bars_t), intent(out) :: bars
+      type(error_bars_t), intent(inout) :: bars
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
-      associate (experiment => side_runs%experiment, runs => side_runs%runs)
-         bars = new_error_bars(experiment%contact, experiment%time, &
-            experiment%settings%space_scheme)
+      associate (runs => side_runs%runs)
          do i = 1, size(runs)
             if (allocated(runs(i)%error)) error = runs(i)%error
             if (allocated(error) .or. .not. runs(i)%is_known) return
             if (i == size(runs) - 2) then
                bars%second_order = runs(i)%summary
             else
-               call copy_coarser(bars, [bars%coarser(:bars%grids), runs(i)%summary])
+               bars%grids = bars%grids + 1
+               bars%coarser(bars%grids) = runs(i)%summary
             end if
          end do
       end associate
@@ -275,13 +263,7 @@ contains
 
       longer = experiment
       if (longer%contact%domain%grid == 'graded') then
-         call run_experiment(longer, listener, outcome)
-         if (.not. outcome%is_known) return
-         bars%outlet%near = outcome%summary
-         longer%contact%domain%has_outlet = .false.
-         call run_experiment(longer, listener, outcome)
-         bars%outlet%is_known = outcome%is_known
-         bars%outlet%far = outcome%summary
+         call run_farther(experiment, .false., listener, bars%outlet)
          return
       end if
       if (bars%grids == 0) return
@@ -304,42 +286,27 @@ contains
       end associate
    end subroutine run_longer
 
-   !> Measures the influence of the inlet of a steady contact that loses much film by the inlet rule
-   !> (`inlet_error`): on a graded grid of its domain and on one with a far inlet.
-   subroutine run_farther(bars, experiment, listener)
-      type(error_bars_t), intent(inout) :: bars
+   !> Measures what one end of a steady contact cuts off, on graded grids with this end and with
+   !> that of the program; an inlet only if it takes much film by the inlet rule (`inlet_error`).
+   subroutine run_farther(experiment, is_inlet, listener, change)
       type(experiment_t), intent(in) :: experiment
+      logical, intent(in) :: is_inlet
       class(listener_t), intent(inout), target :: listener
+      type(domain_change_t), intent(inout) :: change
       type(experiment_t) :: graded
       type(outcome_t) :: near, far
 
-      if (.not. inlet_error(experiment%contact) > small_loss) return
+      if (is_inlet .and. .not. inlet_error(experiment%contact) > small_loss) return
       graded = experiment
-      graded%settings%target = 0.0_wp
-      graded%contact%domain%grid = 'graded'
-      call run_experiment(graded, listener, near)
-      if (.not. near%is_known) return
-      graded%contact%domain%has_inlet = .false.
-      call choose_domain(graded%contact)
+      associate (domain => graded%contact%domain)
+         domain%grid = 'graded'
+         call run_experiment(graded, listener, near)
+         if (.not. near%is_known) return
+         if (is_inlet) domain%has_inlet = .false.
+         if (.not. is_inlet) domain%has_outlet = .false.
+      end associate
       call run_experiment(graded, listener, far)
-      bars%inlet = domain_change_t(far%is_known, near%summary, far%summary)
+      change = domain_change_t(far%is_known, near%summary, far%summary)
    end subroutine run_farther
-
-   !> Runs a steady case solved with kappa also with upwind2, on its grid and the coarser ones of
-   !> the nested start.
-   subroutine run_other_scheme(bars, experiment, listener)
-      type(error_bars_t), intent(inout) :: bars
-      type(experiment_t), intent(in) :: experiment
-      class(listener_t), intent(inout), target :: listener
-      type(experiment_t) :: other
-      type(outcome_t) :: outcome
-
-      if (.not. bars%is_kappa) return
-      other = experiment
-      other%settings%space_scheme = 'upwind2'
-      call run_experiment(other, listener, outcome)
-      if (.not. outcome%is_known) return
-      if (size(outcome%coarser) > 0) bars%other_scheme = [outcome%summary, outcome%coarser]
-   end subroutine run_other_scheme
 
 end module experiment

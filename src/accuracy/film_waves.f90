@@ -24,8 +24,7 @@ module film_waves
    !> A pressure is not known if it may err by more than this share of P at X = 0; a wave below this
    !> share of the film does not matter to the film.
    real(wp), parameter :: large_share = 0.05_wp
-   !> Errors of the pressures over the phase; the phase up to which grids show them; the phase at
-   !> which the wave is lost.
+   !> Errors of the pressures over the phase; that up to which grids show them; that of a lost wave.
    real(wp), parameter :: safety = 2.0_wp, seen_phase = 0.1_wp, lost_phase = 0.5_wp
    !> Steps of the search for a sufficient spacing.
    real(wp), parameter :: finer = 1.1_wp

@@ -15,8 +15,7 @@ module grid_errors
    !> The safety factor where a quantity changes monotonically over four grids; the order is then
    !> the lower of the two observed.
    real(wp), parameter :: steady_safety = 1.3_wp
-   !> The error of h_min by the kappa scheme is at most this share of that by upwind2 on the same
-   !> grid.
+   !> The error of h_min by kappa is at most this share of that by upwind2 on the same grid.
    real(wp), parameter, public :: kappa_share = 0.35_wp
    !> Bounds of the observed order in space.
    real(wp), parameter, public :: orders(2) = [1.0_wp, 2.0_wp]
@@ -33,15 +32,19 @@ module grid_errors
 
 contains
 
-   !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
-   !> (NaN: not known); `bounds` are those of the observed order. An order that does not persist may
-   !> fall to the lowest one after one more grid.
-   pure function error_on_grids(values, bounds, lasts) result(error_and_limit)
-      real(wp), intent(in) :: values(4), bounds(2)
+   !> Estimated error and extrapolated value of the first of the values `on_grids` of n, n/2, n/4
+   !> and n/8 intervals, as far as there are any (NaN: not known); `bounds` are those of the
+   !> observed order. An order that does not persist may fall to the lowest one after one more grid.
+   pure function error_on_grids(on_grids, bounds, lasts) result(error_and_limit)
+      real(wp), intent(in) :: on_grids(:), bounds(2)
       logical, intent(in) :: lasts
       real(wp) :: error_and_limit(2)
-      real(wp) :: changes(3), order
+      real(wp) :: changes(3), order, values(4)
+      integer :: n
 
+      n = min(size(on_grids), size(values))
+      values = not_known()
+      values(:n) = on_grids(:n)
       error_and_limit = not_known()
       if (.not. all(ieee_is_finite(values(:2)))) return
       order = observed_order(values(1), values(2), values(3), orders)
@@ -55,8 +58,7 @@ contains
       end if
       associate (error => error_and_limit(1))
          error = error_from_levels(values(1), values(2), order)
-         ! two terms of different order and opposite sign may make the last difference small by
-         ! chance
+         ! two terms of different order and opposite sign may make the last difference small
          if (ieee_is_finite(values(3))) error = max(error, error_from_levels(values(2), values(3), &
             order)/2.0_wp**orders(2))
          ! the next change 1/2^p of the last, each later one half of the one before: 2/2^p together
@@ -84,8 +86,7 @@ contains
    end function observed_order
 
    !> Error of Q1 by the second-order scheme from Q1, Q2, Q4 (`values`; NaN: not known, then none):
-   !> twice the larger of |Q1 - Q2| and |Q2 - Q4|/4; half of that if both changes have the same
-   !> sign.
+   !> twice the larger of |Q1 - Q2| and |Q2 - Q4|/4; half of that if both have the same sign.
    pure real(wp) function error_in_time(values) result(error)
       real(wp), intent(in) :: values(3)
       real(wp) :: change, older

@@ -23,8 +23,7 @@ module lean_levels
 
    public :: kappa, lean_level_t, pose, pressure_on, refined, solve_by, solve_without, upwind
 
-   !> Tolerance on the last step of P, H0 and (ten times that) H; the remaining error is about its
-   !> square.
+   !> Tolerance on the last step of P, H0 and (ten times that) H; about its square remains.
    real(wp), parameter :: lean_tolerance = 1.0e-3_wp
    !> Most Newton steps.
    integer, parameter :: max_newton_steps = 18

@@ -12,7 +12,7 @@ module pressure_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use flow_law, only: largest_exponent
    use grid_errors, only: error_from_levels, error_on_grids, observed_order, orders, safety
-   use kinds, only: exceeds, not_known, pi, wp
+   use kinds, only: exceeds, larger, not_known, pi, wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity, ln_slip, thins, &
       viscosity_constant, wall_stress
@@ -81,8 +81,7 @@ contains
       if (law%lambda <= 0.0_wp) return
       if (ieee_is_finite(crests%spike)) then
          height = final_height(law, crests%spike, crests%spike_film, dx, is_corner, crests%growing)
-         crest = 0.0_wp
-         if (ieee_is_finite(crests%other)) crest = crests%other
+         crest = larger(0.0_wp, crests%other)
          ceiling = height
          if (height < endless) ceiling = crests%spike + pressure_safety*(height - crests%spike)
          if (ceiling <= crest) then
@@ -158,7 +157,7 @@ contains
       logical, intent(in), optional :: is_corner
       real(wp), intent(in), optional :: growing
       real(wp) :: height, next, growth, part
-      real(wp), dimension(2) :: by_density, by_flow, lengths, tops
+      real(wp), dimension(2) :: lengths, tops
       integer :: i
 
       growth = flow_growth
@@ -167,13 +166,9 @@ contains
       if (present(growing)) part = growing
       height = pressure
       do i = 1, max_steps
-         lengths = smoothing_lengths(law, height, film)/dx
-         by_flow = huge(1.0_wp)
-         by_density = huge(1.0_wp)
-         if (lengths(1) > tiny(1.0_wp)) by_flow = [growth, part_growth(1)]/lengths(1)
-         if (lengths(2) > tiny(1.0_wp)) by_density = [density_growth, part_growth(2)] &
-            /lengths(2)**density_power
-         tops = sqrt(1.0_wp + min(by_flow, by_density))
+         lengths = max(smoothing_lengths(law, height, film)/dx, tiny(1.0_wp))
+         tops = sqrt(1.0_wp + min([growth, part_growth(1)]/lengths(1), [density_growth, &
+            part_growth(2)]/lengths(2)**density_power))
          next = pressure*tops(1)
          if (part > 0.0_wp) next = min(next, pressure + part*(tops(2) - 1.0_wp))
          if (next > highest_growth*pressure) exit
@@ -226,9 +221,8 @@ contains
       length = exp(lower)
    end function thinned_length
 
-   !> The maximum of P that is compared between grids: the largest one next to a spike that is
-   !> lower, else the largest.
-   pure real(wp) function top_of(crests) result(top)
+   !> The maximum of P that is compared between grids: the largest but for a spike that is lower.
+   pure elemental real(wp) function top_of(crests) result(top)
       type(crests_t), intent(in) :: crests
 
       top = crests%highest
@@ -245,7 +239,7 @@ contains
       type(quantity_t), intent(inout) :: quantity
       real(wp) :: found(2), order
 
-      found = error_on_grids([values, not_known()], orders, lasts=.true.)
+      found = error_on_grids(values, orders, lasts=.true.)
       quantity%error_grid = pressure_safety/safety*found(1) + abs(values(1) - quantity%value)
       quantity%extrapolated = found(2)
       if (.not. (nodes(1) > nodes(2) .and. nodes(2) > nodes(3))) return
@@ -253,8 +247,7 @@ contains
       quantity%error_grid = max(quantity%error_grid, error_from_levels(nodes(1), nodes(2), order))
    end subroutine estimate_crest
 
-   !> With a pressure spike, adds to the error of the largest pressure what the spike may grow above
-   !> it; not known if that is not.
+   !> Adds to the error of the largest pressure what a spike may grow above it, or is not known.
    pure subroutine allow_for_spike(law, dx, summary)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
@@ -265,13 +258,11 @@ contains
          .or. .not. ieee_is_finite(summary%of(p_max)%error_grid)) return
       ceiling = ceiling_of_spike(law, summary%crests, summary%of(h_central)%value, dx)
       associate (pressure => summary%of(p_max))
-         if (.not. ieee_is_finite(ceiling)) then
-            pressure%error_grid = ceiling
-            pressure%extrapolated = ceiling
-         else if (ceiling > pressure%value + pressure%error_grid) then
-            pressure%error_grid = ceiling - pressure%value
-            pressure%extrapolated = not_known()
+         if (ieee_is_finite(ceiling)) then
+            if (ceiling <= pressure%value + pressure%error_grid) return
          end if
+         pressure%error_grid = ceiling - pressure%value   ! or not known
+         pressure%extrapolated = not_known()
       end associate
    end subroutine allow_for_spike
 
@@ -309,24 +300,23 @@ contains
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: doubt
+      real(wp) :: doubt, least
       integer :: i
 
       doubt = shear_doubt(law, dx, summary, friction_coefficient)
-      each_row: do i = 1, size(sheared_rows)
+      do i = 1, size(sheared_rows)
          if (sheared_rows(i) == oil_friction .and. summary%of(oil_friction)%value > 0.0_wp) doubt &
             = shear_doubt(law, dx, summary, oil_friction)   ! also of the rows behind it
          associate (quantity => summary%of(sheared_rows(i)))
-            if (.not. ieee_is_finite(doubt)) then
-               quantity%error_grid = not_known()
-               quantity%extrapolated = not_known()
-            else if (ieee_is_finite(quantity%error_grid)) then
-               if (.not. exceeds(doubt*abs(quantity%value), quantity%error_grid)) cycle each_row
-               quantity%error_grid = doubt*abs(quantity%value)
-               quantity%extrapolated = not_known()
+            least = not_known()
+            if (ieee_is_finite(doubt)) then
+               least = doubt*abs(quantity%value)
+               if (.not. exceeds(least - quantity%error_grid, 0.0_wp)) cycle
             end if
+            quantity%error_grid = least
+            quantity%extrapolated = not_known()
          end associate
-      end do each_row
+      end do
    end subroutine doubt_shear
 
    !> Sets the errors of largest pressure and sliding friction of a `summary` to what a spike may

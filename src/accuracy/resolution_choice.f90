@@ -6,12 +6,12 @@
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: inlet_error
+   use error_bars, only: film_safety
    use errors, only: fail, input_error
    use experiment, only: experiment_t, min_intervals, new_experiment, new_side_runs, outcome_t, &
       run_experiment, side_runs_t, solution_t
    use grid_errors, only: error_in_time, observed_order
-   use inlet_errors, only: film_safety
-   use kinds, only: not_known, wp
+   use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t, max_chosen, &
       solver_settings_t, time_settings_t
    use line_hierarchy, only: coarsest_for_film
@@ -58,7 +58,7 @@ contains
       type(experiment_t) :: next
       type(outcome_t) :: tried(3)   ! the last one first
       type(solution_t), allocatable :: solution
-      real(wp) :: films(3), ratio, target, work_limit
+      real(wp) :: ratio, target, work_limit
       integer :: most
 
       target = settings%target
@@ -75,16 +75,13 @@ contains
          return
       end if
       work_limit = max_work*work_of(next)
-      films = not_known()
       if (.not. (allocated(contact%duty) .or. allocated(listener%follower) &
          .or. settings%film_floor > 0.0_wp .or. settings%levels > 0)) allocate (solution)
       do
          tried(2:) = tried(:2)
          call run_experiment(next, listener, tried(1), solution)
          if (listener%is_stopping) return
-         films = [not_known(), films(:2)]
-         if (tried(1)%is_known) films(1) = value_between(tried(1)%summary, h_min)
-         ratio = refinement_for(films, target)
+         ratio = refinement_for(tried, target)
          associate (n => next%contact%domain%intervals)
             if (ratio <= finer(size(finer)) .or. 2*n > most .or. 4*work_of(next) > work_limit) exit
          end associate
@@ -171,21 +168,22 @@ contains
       work = self%contact%domain%intervals*self%time%end_time/self%time%time_step
    end function work_of
 
-   !> How many times finer than the last one a run meets `target`, one of `finer`; huge: not known,
-   !> or more.
-   pure real(wp) function refinement_for(films, target) result(ratio)
-      real(wp), intent(in) :: films(3), target
-      real(wp) :: found, order
+   !> How many times finer than the first of `tried` a run meets `target`, one of `finer`; huge: not
+   !> known, or more.
+   pure real(wp) function refinement_for(tried, target) result(ratio)
+      type(outcome_t), intent(in) :: tried(3)
+      real(wp), intent(in) :: target
+      real(wp) :: films(3), found, order
       integer :: k
 
       ratio = huge(ratio)
+      if (.not. all(tried%is_known)) return
+      films = [(value_between(tried(k)%summary, h_min), k=1, 3)]
       if (.not. all(ieee_is_finite(films))) return
       found = error_in_time(films)/films(1)
       order = observed_order(films(1), films(2), films(3), orders)
       if ((films(1) - films(2))*(films(2) - films(3)) <= 0.0_wp) order = orders(1)
-      do k = size(finer), 1, -1
-         if (found <= target*finer(k)**order) ratio = finer(k)
-      end do
+      ratio = minval(finer, found <= target*finer**order)   ! of none huge
    end function refinement_for
 
 end module resolution_choice

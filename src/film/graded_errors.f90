@@ -26,7 +26,7 @@ module graded_errors
    implicit none (type, external)
    private
 
-   public :: estimate_errors, has_flank, hidden_spike
+   public :: estimate_errors, find_flank, hidden_spike
 
    !> Part of itself by which a share may be wrong: 97 % of errors are below their bounds.
    real(wp), parameter, public :: share_doubt = 0.65_wp
@@ -146,15 +146,6 @@ contains
          first = count(line%x <= line%x(summit) - 4*maxval(line%spacing(summit:summit + 1)))
       end associate
    end subroutine find_flank
-
-   !> Whether there is such a flank.
-   pure logical function has_flank(line)
-      type(graded_line_t), intent(in) :: line
-      integer :: first, last, summit
-
-      call find_flank(line, first, summit, last)
-      has_flank = first > 0
-   end function has_flank
 
    !> Marks the elements at the top of a spike that is not resolved and may pass the crest: the
    !> spacing is above the length at which it ends, and the pressure, growing with the root of the

@@ -9,7 +9,7 @@ module graded_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
    use contact_moment, only: newtonian_film
-   use graded_errors, only: estimate_errors, has_flank, hidden_spike, share_doubt
+   use graded_errors, only: estimate_errors, find_flank, hidden_spike, share_doubt
    use graded_line, only: graded_line_t, new_graded_line, set_pressure
    use graded_newton, only: solve_graded_newton
    use graded_nodes, only: first_nodes, monotone_cubic, refined_nodes
@@ -201,6 +201,7 @@ contains
    !> lost or bounded badly, nor is friction if its flank is not resolved.
    pure subroutine bound_top(solution)
       type(graded_solution_t), intent(inout) :: solution
+      integer :: first, last, summit
 
       associate (values => solution%values, bounds => solution%bounds)
          if (values(spike) > 0.0_wp) bounds(top) = max(bounds(top), values(spike) + bounds(spike) &
@@ -208,7 +209,8 @@ contains
          if (.not. solution%is_limited) return
          bounds([top, spike]) = merge(bounds([top, spike]), not_known(), bounds(top) &
             < merge(0.0_wp, widest_bar, solution%is_lost)*values(top))
-         if (has_flank(solution%line)) bounds(sliding) = not_known()
+         call find_flank(solution%line, first, summit, last)
+         if (first > 0) bounds(sliding) = not_known()
       end associate
    end subroutine bound_top
 

@@ -1,7 +1,7 @@
 !> Errors of the quantities of a point contact: from the grids of its nested start, or passages on
 !> fewer intervals with longer steps, and a longer domain.
 module point_errors
-   use errors, only: error_t
+   use error_bars, only: domain_change_t
    use experiment, only: collector_t, outcome_t
    use iteration_report, only: phase_error_bars, report_t
    use kinds, only: exceeds, larger, not_known, wp
@@ -39,11 +39,10 @@ contains
       type(report_t), intent(inout) :: report
       type(line_summary_t), intent(inout) :: summary
       character(:), allocatable, intent(out) :: missing
-      type(line_summary_t) :: far, near
+      type(domain_change_t) :: longer
       type(line_summary_t), allocatable :: coarser(:)
       real(wp) :: dx, growths(2), least(quantity_count), shares(size(sliding_rows)), start
       type(spike_law_t) :: law
-      logical :: is_known
 
       missing = 'no solution'
       if (.not. report%converged) then
@@ -80,16 +79,16 @@ contains
       if (size(run%grids) < 2) return
       start = wall_seconds()
       call listener%on_stage('a longer domain')
-      call measure_domain(run, contact, near, far, is_known, listener%error)
+      call measure_domain(run, contact, listener, longer)
       coarser = run%grids(size(run%grids) - 1:1:-1)
       if (run%time%is_transient) coarser = passages_of(run, contact, listener)
       listener%is_stopping = listener%is_stopping .or. allocated(listener%error)
       report%cost%phase_seconds(phase_error_bars) = wall_seconds() - start
       missing = 'a longer domain has no solution to compare with'
-      if (.not. is_known) return
+      if (.not. longer%is_known) return
       summary%of%error_grid = least
       call estimate_point_errors(summary, contact, coarser, report%residual, &
-         run%time%is_transient, near, far)
+         run%time%is_transient, longer)
       missing = 'a pressure spike that this grid does not resolve'
       if (size(coarser) == 0) missing = 'the passage has no solution on half the intervals'
    end subroutine find_quantities
@@ -210,15 +209,14 @@ contains
       longer%tolerance = factor**3*time%tolerance
    end function times_over
 
-   !> Quantities on a quarter of the intervals, or on half of them where that is the first grid,
-   !> `near`, which `run` must have, and with the same spacing on a domain 1.5 times as long, `far`.
-   !> `is_known`: it has a solution. Error (internal_error): LAPACK or FFTW.
-   subroutine measure_domain(run, contact, near, far, is_known, error)
+   !> What a longer domain changes: quantities on a quarter of the intervals, or on half of them
+   !> where that is the first grid, which `run` must have, and with the same spacing on a domain 1.5
+   !> times as long.
+   subroutine measure_domain(run, contact, listener, change)
       type(point_run_t), intent(in) :: run
       type(point_contact_t), intent(in) :: contact
-      type(line_summary_t), intent(out) :: near, far
-      logical, intent(out) :: is_known
-      type(error_t), allocatable, intent(out) :: error
+      class(listener_t), intent(inout) :: listener
+      type(domain_change_t), intent(out) :: change
       type(point_newton_t) :: newton
       type(point_contact_t) :: longer
       type(listener_t) :: nobody
@@ -226,8 +224,7 @@ contains
       real(wp) :: spacing
       integer :: behind, coarsening, more, n(2)
 
-      is_known = .false.
-      near = run%grids(max(size(run%grids) - 2, 1))
+      change%near = run%grids(max(size(run%grids) - 2, 1))
       coarsening = 2**min(size(run%grids) - 1, 2)
       longer = contact
       if (run%time%is_transient) longer = start_of(contact)
@@ -242,8 +239,8 @@ contains
          domain%intervals = n(1) + more
          domain%rows = n(2) + n(2)/extension
          call new_hierarchy(newton%hierarchy, longer, domain%intervals, domain%rows, &
-            run%threads, error)
-         if (allocated(error)) return
+            run%threads, listener%error)
+         if (allocated(listener%error)) return
          associate (level => newton%hierarchy%levels(1), i => merge(more - behind, behind, &
             newton%hierarchy%levels(1)%direction > 0.0_wp), &
             j => (domain%rows - n(2))/2)
@@ -252,8 +249,8 @@ contains
             level%rigid_displacement = run%older_h0
             call solve_point_newton(newton, longer, tolerance_of(run, steady_tolerance), &
                run%settings%max_cycles, nobody, report)
-            is_known = report%converged
-            if (is_known) far = summary_of_point(level, longer)
+            change%is_known = report%converged
+            if (change%is_known) change%far = summary_of_point(level, longer)
          end associate
       end associate
    end subroutine measure_domain

@@ -3,6 +3,7 @@
 module point_quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use eyring_plane, only: least_sigma, plane_flow, plane_flow_t
+   use error_bars, only: domain_change_t
    use features, only: surface_height
    use film_shear, only: film_limits
    use grid_errors, only: error_on_grids, safety
@@ -184,26 +185,23 @@ contains
    end subroutine sum_forces
 
    !> Sets the errors of `summary` from those on half and a quarter of the intervals and so on,
-   !> `coarser`, from the residual, and from `near` and `far`, the domain and a longer one on the
-   !> same coarse grid; without coarser grids they are not known. A spike may add to pressure and
-   !> friction what it does to those of a line contact on the row of the largest pressure. Extremes
-   !> of a passage err by at least the `error_grid` that `summary` has before.
-   pure subroutine estimate_point_errors(summary, contact, coarser, residual, is_passage, near, far)
+   !> `coarser`, from the residual, and from the change by a longer domain on a coarse grid; without
+   !> coarser grids they are not known. A spike may add to pressure and friction what it does to
+   !> those of a line contact on the row of the largest pressure. Extremes of a passage err by at
+   !> least the `error_grid` that `summary` has before.
+   pure subroutine estimate_point_errors(summary, contact, coarser, residual, is_passage, longer)
       type(line_summary_t), intent(inout) :: summary
       type(point_contact_t), intent(in) :: contact
       type(line_summary_t), intent(in) :: coarser(:)
       real(wp), intent(in) :: residual
       logical, intent(in) :: is_passage
-      type(line_summary_t), intent(in), optional :: near, far
-      real(wp) :: grid(2, quantity_count), spike, values(4, quantity_count)
-      integer :: i, k
+      type(domain_change_t), intent(in), optional :: longer
+      type(line_summary_t) :: grids(1 + size(coarser))
+      real(wp) :: grid(2, quantity_count), spike
+      integer :: i
 
-      values = not_known()
-      values(1, :) = summary%of%between
-      do k = 1, min(size(coarser), 3)
-         values(1 + k, :) = coarser(k)%of%between
-      end do
-      grid = errors_by_grids(summary, contact, values, is_passage)
+      grids = [summary, coarser]
+      grid = errors_by_grids(grids, contact, is_passage)
       do i = 1, quantity_count
          associate (of => summary%of(i))
             spike = 0.0_wp
@@ -214,47 +212,44 @@ contains
             if (.not. ieee_is_finite(spike)) of%error_grid = spike
             if (exceeds(abs(spike) - of%error_grid, 0.0_wp)) of%error_grid = abs(spike)
             if (quantity_rows(i)%rule /= rule_between) of%extrapolated = grid(2, i)
-            if (i == p_max .and. size(coarser) > 1) call estimate_crest(values(:3, i), [of%value, &
-               coarser(:2)%of(i)%value], of)
+            if (i == p_max .and. size(coarser) > 1) call estimate_crest(grids(:3)%of(i)%between, &
+               grids(:3)%of(i)%value, of)
          end associate
       end do
       if (size(coarser) > 0) call limit_crests(coarser, summary)
       call allow_for_spike(spike_law_t(contact%fluid, contact%lambda), (contact%domain%x_outlet &
          - contact%domain%x_inlet)/contact%domain%intervals, summary)
-      do i = 1, quantity_count
-         associate (of => summary%of(i))
-            if (present(near) .and. present(far)) of%error_domain = domain_factor &
-               *abs(near%of(i)%between - far%of(i)%between)
-            of%error_iteration = residual*abs(of%value)
-            of%error_estimate = of%error_grid + of%error_domain + of%error_iteration
-         end associate
-      end do
+      associate (of => summary%of)
+         if (present(longer)) of%error_domain = domain_factor*abs(longer%near%of%between &
+            - longer%far%of%between)
+         of%error_iteration = residual*abs(of%value)
+         of%error_estimate = of%error_grid + of%error_domain + of%error_iteration
+      end associate
    end subroutine estimate_point_errors
 
-   !> Errors and limits of `values` between nodes on four grids; of films, and of friction by the
-   !> film, at least a share of the largest relative error of a film. A single change of a passage
-   !> falls with `next_fall`, but pressures only where no spike stands.
-   pure function errors_by_grids(summary, contact, values, is_passage) result(grid)
-      type(line_summary_t), intent(in) :: summary
+   !> Errors and limits of quantities between the nodes of `grids`, the finest first; of films, and
+   !> of friction by the film, at least a share of the largest relative error of a film. A single
+   !> change of a passage falls with `next_fall`, but pressures only where no spike stands.
+   pure function errors_by_grids(grids, contact, is_passage) result(grid)
+      type(line_summary_t), intent(in) :: grids(:)
       type(point_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: values(4, quantity_count)
       logical, intent(in) :: is_passage
       real(wp) :: bounds(2), grid(2, quantity_count), least(quantity_count), share, stress
       logical :: is_single, is_smooth
       integer :: i
 
-      is_single = .not. ieee_is_finite(values(3, h_min))
+      is_single = size(grids) < 3
       share = merge(share_in_passage, share_of_film, is_passage)
-      is_smooth = is_passage .and. .not. ieee_is_finite(summary%crests%spike)
+      is_smooth = is_passage .and. .not. ieee_is_finite(grids(1)%crests%spike)
       do i = 1, quantity_count
          bounds = orders
          if (all([is_passage, is_single, is_smooth .or. any(i == films)])) bounds(1) = &
             log(next_fall)/log(2.0_wp)
          if (any(i == sliding_rows)) bounds = orders_sliding(merge(1, 2, is_single))
          if (i == rolling_coefficient) bounds = order_rolling
-         grid(:, i) = error_on_grids(values(:, i), bounds, lasts=.true.)
+         grid(:, i) = error_on_grids(grids%of(i)%between, bounds, lasts=.true.)
       end do
-      associate (error => grid(1, :), of => summary%of)
+      associate (error => grid(1, :), of => grids(1)%of)
          if (.not. is_smooth) error(p_max) = pressure_safety/safety*error(p_max)
          if (is_passage) where (exceeds(of%error_grid - error, 0.0_wp)) error = of%error_grid
          least = 0.0_wp
