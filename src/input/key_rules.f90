@@ -219,7 +219,7 @@ contains
                condition%group = condition%name(:percent - 1)
                condition%name = '&'//trim(condition%group)//' '//condition%key
             else if (condition%name(1:1) == '&') then
-               condition%group = condition%name(2:)
+               condition%group = trim(condition%name(2:))
                condition%key = ''
             end if
          end associate
