@@ -62,7 +62,7 @@ contains
 
       lines = ''
       do i = 1, size(case%unusual)
-         lines = lines//new_line('a')//case%file//':'//to_text(case%unusual(i)%line)//': ' &
+         lines = lines//new_line('a')//case%file//':'//to_text(abs(case%unusual(i)%line))//': ' &
             //case%unusual(i)%words//trim(case%unusual(i)%question)
       end do
    end function unusual_text

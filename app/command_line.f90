@@ -36,10 +36,12 @@ module command_line
       procedure :: has
    end type command_t
 
-   character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
-      '--check', '--resume', '--outcomes', '--set', '--keep-going', '--format', &
-      '--profiles', '--quiet', '--summary', '--verbose', '--template', '--keys', &
-      '--version', '--help']
+   !> Options with a value behind them, without one, and those that say what to do.
+   character(len=16), parameter :: with_value(*) = [character(len=16) :: '--output', '--threads', &
+      '--set', '--format', '--summary', '--template'], flags(*) = [character(len=16) :: &
+      '--resume', '--outcomes', '--keep-going', '--profiles', '--quiet', '--verbose'], &
+      actions(*) = [character(len=16) :: '--check', '--keys', '--version', '--help', &
+      '--keys-markdown']
    !> Most threads that can be asked for.
    integer, parameter :: max_threads = 9999
    character(*), parameter :: see_help = '; see asperity --help'
@@ -62,25 +64,19 @@ contains
       i = 1
       do while (i <= count)
          word = argument(i)
-         select case (word)
-         case ('--check', '--keys', '--version', '--help', '--keys-markdown')
+         if (any(word == ['-h  ', 'help'])) word = '--help'
+         if (any(word == actions)) then
             call set_action(command, word(3:), error)
-         case ('-h', 'help')
-            call set_action(command, 'help', error)
-         case ('table')
-            if (i == 1) then
-               command%action = 'table'
-            else
-               call read_file_name(command, word, files, error)
-            end if
-         case ('--quiet', '--verbose', '--profiles', '--resume', '--outcomes', '--keep-going')
+         else if (word == 'table' .and. i == 1) then
+            command%action = 'table'
+         else if (any(word == flags)) then
             command%flags = [character(len=16) :: command%flags, word]
-         case ('--template', '--output', '--threads', '--set', '--format', '--summary')
+         else if (any(word == with_value)) then
             i = i + 1
             call read_option_value(command, word, argument(i), error)
-         case default
+         else
             call read_file_name(command, word, files, error)
-         end select
+         end if
          if (allocated(error)) return
          i = i + 1
       end do
@@ -190,7 +186,7 @@ contains
       character(:), allocatable :: hint
 
       if (index(word, '-') == 1) then
-         hint = nearest_known(word, options)
+         hint = nearest_known(word, [with_value, flags, actions(:4)])
          if (hint /= '') hint = '; did you mean ' // hint // '?'
          call fail(error, input_error, 'found the unknown option ' // word // hint // see_help)
       else if (len(word) > len(command%files)) then

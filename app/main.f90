@@ -55,10 +55,8 @@ contains
             // ')' // new_line('a'), error)
       case ('template')
          call print_text(template_text(command%problem), error)
-      case ('keys')
-         call print_text(keys_text(is_page=.false.), error)
-      case ('keys-markdown')
-         call print_text(keys_text(is_page=.true.), error)
+      case ('keys', 'keys-markdown')
+         call print_text(keys_text(is_page=command%action == 'keys-markdown'), error)
       case ('table')
          call print_results(command%files, command%form, status, error)
       case default

@@ -30,9 +30,9 @@ COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", 
 SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dry_)?adequacy_section)\.f90")
 # name: bound
 BOUNDS = {
-    "sources": 46_232,
+    "sources": 46_079,
     "how sure": 5_054,
-    "tests": 31_589,
+    "tests": 31_562,
     "bench": 3_999,
     "words of pages": 44_950,
     "imports of a file": 20,

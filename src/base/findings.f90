@@ -6,23 +6,19 @@ module findings
 
    public :: findings_t
 
-   !> One finding: the line of the file and what is found and expected there.
+   !> One finding: the line of the file (below 0: of an entry of the command line there, 0: none)
+   !> and what is found and expected.
    type :: finding_t
       integer :: line = 0
       character(:), allocatable :: message
-      !> Whether it is about an entry of the command line.
-      logical :: is_of_command = .false.
    end type finding_t
 
    !> A growing list of findings; empty means that the input is good.
    type :: findings_t
       private
       type(finding_t), allocatable :: items(:)
-      !> Entries of the command line, "group key".
-      character(len=64), allocatable :: set_keys(:)
       integer, public :: count = 0
    contains
-      procedure, public :: set_apart
       procedure, public :: add => add_finding
       procedure, public :: report => findings_report
    end type findings_t
@@ -34,16 +30,7 @@ module findings
 
 contains
 
-   !> From now on findings about a key, or about its group as a whole, are about --set.
-   subroutine set_apart(self, group, key)
-      class(findings_t), intent(inout) :: self
-      character(*), intent(in) :: group, key
-
-      if (.not. allocated(self%set_keys)) allocate (self%set_keys(0))
-      self%set_keys = [character(len=64) :: self%set_keys, trim(group)//' '//key]
-   end subroutine set_apart
-
-   !> Appends a finding: `line` of the file, group and key (either may be empty), message.
+   !> Appends a finding: `line` as above, group and key (either may be empty), message.
    subroutine add_finding(self, line, group, key, message)
       class(findings_t), intent(inout) :: self
       integer, intent(in) :: line
@@ -57,11 +44,7 @@ contains
       if (len_trim(group) > 0) place = '&' // quoted(group)
       if (len_trim(key) > 0) place = place // ' ' // quoted(key)
       if (len(place) > 0) place = place // ': '
-      self%items(self%count)%line = line
-      self%items(self%count)%message = place // message
-      self%items(self%count)%is_of_command = .false.
-      if (allocated(self%set_keys)) self%items(self%count)%is_of_command = any(self%set_keys &
-         == trim(group)//' '//key)
+      self%items(self%count) = finding_t(line, place // message)
    end subroutine add_finding
 
    !> All findings in the order of their lines, one a line: `file:line: &group key: found ...,
@@ -76,16 +59,15 @@ contains
       allocate (is_left(min(self%count, max_kept)), source=.true.)
       report = ''
       do i = 1, min(self%count, max_shown)
-         k = minloc(self%items(:size(is_left))%line, 1, is_left)   ! of equal ones the first
+         k = minloc(abs(self%items(:size(is_left))%line), 1, is_left)   ! of equal ones the first
          is_left(k) = .false.
          if (i > 1) report = report // new_line('a')
          report = report // file // ':'
-         if (self%items(k)%is_of_command) then
-            report = report // ' --set:'
-         else if (self%items(k)%line > 0) then
-            report = report // to_text(self%items(k)%line) // ':'
-         end if
-         report = report // ' ' // self%items(k)%message
+         associate (finding => self%items(k))
+            if (finding%line > 0) report = report // to_text(finding%line) // ':'
+            if (finding%line < 0) report = report // ' --set:'
+            report = report // ' ' // finding%message
+         end associate
       end do
       if (self%count > max_shown) report = report // new_line('a') // file // ': ... and ' &
          // to_text(self%count - max_shown) // ' more findings'

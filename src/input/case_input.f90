@@ -46,7 +46,7 @@ contains
       case%note = ''
       call split_namelist(content, pieces, values%findings)
       if (pieces%count > 0) then
-         if (present(entries)) call mark_entries(entries, pieces, values%findings)
+         if (present(entries)) call mark_entries(entries, pieces)
          call read_values(pieces, values)
          is_alone = .false.
          oil = ''

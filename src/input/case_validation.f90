@@ -129,12 +129,7 @@ contains
          'found with &history, expected 0')
       call check_cavitation(values)
       call check_heat(values)
-      if (values%word_value('case', 'equations') == 'stokes') then
-         call check_equations(values)
-         call check_kappa_scheme(values, "equations = 'stokes'")
-      else if (values%word_value('solver', 'space_scheme') == 'kappa') then
-         call check_kappa_scheme(values, "space_scheme = 'kappa'")
-      end if
+      call check_equations(values)
       reason = even_reason(values)
       if (values%logical_value('time', 'transient')) then
          if (values%word_value('case', 'equations') /= 'stokes') reason = ''
@@ -204,21 +199,16 @@ contains
    !> Finds what the conservation of oil does not go with.
    subroutine check_cavitation(values)
       type(input_values_t), intent(inout) :: values
-      character(:), allocatable :: because, method
+      character(:), allocatable :: because
 
       if (conserver(values) == '') return
-      method = trim(values%word_value('solver', 'method'))
-      because = ' with '//conserver(values)//', expected '
+      because = 'with '//conserver(values)
       if (values%word_value('lubricant', 'cavitation') == 'reynolds') call values%refuse( &
-         'lubricant', 'cavitation', "found 'reynolds'"//because//"'mass_conserving'")
+         'lubricant', 'cavitation', "found 'reynolds' "//because//", expected 'mass_conserving'")
       if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
-         'equations', "found 'stokes'"//because//"'reynolds'")
-      if (all(method /= ['auto         ', 'newton_krylov'])) then
-         call values%refuse('solver', 'method', "found '"//method//"'"//because// &
-            "'auto' or 'newton_krylov'")
-      else if (values%word_value('solver', 'smoother') /= 'auto') then
-         call values%refuse_unused('solver', 'smoother', 'with '//conserver(values))
-      end if
+         'equations', "found 'stokes' "//because//", expected 'reynolds'")
+      call check_method(values, 'auto newton_krylov', ' '//because// &
+         ", expected 'auto' or 'newton_krylov'", because)
    end subroutine check_cavitation
 
    !> Finds what temperatures of the film do not go with.
@@ -245,38 +235,47 @@ contains
          to_text(inlet)//' [degC], expected the same')
    end subroutine check_heat
 
-   !> Finds what the full momentum equations of the film do not go with.
+   !> Finds what the full momentum equations of the film, and the scheme kappa, do not go with.
    subroutine check_equations(values)
       type(input_values_t), intent(inout) :: values
+      character(:), allocatable :: because
 
-      if (values%has_value('history', 'file')) call values%refuse('history', 'file', &
-         "found with equations = 'stokes', expected 'reynolds'")
-      if (values%has_group('moes')) then
-         call values%refuse('case', 'equations', "found 'stokes' with &moes, expected "// &
-            "'reynolds': the slope of the film, b/R, is not known")
-      else if (values%logical_value('time', 'transient') &
-         .and. values%logical_value('film', 'inertia')) then
-         call values%refuse('film', 'inertia', 'found .true. with transient = .true., '// &
-            'expected .false., or a steady contact')
+      because = ''
+      if (values%word_value('solver', 'space_scheme') == 'kappa') because = &
+         "with space_scheme = 'kappa'"
+      if (values%word_value('case', 'equations') == 'stokes') then
+         because = "with equations = 'stokes'"
+         if (values%has_value('history', 'file')) call values%refuse('history', 'file', 'found '// &
+            because//", expected 'reynolds'")
+         if (values%has_group('moes')) then
+            call values%refuse('case', 'equations', "found 'stokes' with &moes, expected "// &
+               "'reynolds': the slope of the film, b/R, is not known")
+         else if (values%logical_value('time', 'transient') &
+            .and. values%logical_value('film', 'inertia')) then
+            call values%refuse('film', 'inertia', 'found .true. with transient = .true., '// &
+               'expected .false., or a steady contact')
+         end if
+         if (values%word_value('solver', 'space_scheme') == 'upwind2') call values%refuse( &
+            'solver', 'space_scheme', "found 'upwind2', expected 'auto' or 'kappa' "//because)
       end if
-      if (values%word_value('solver', 'space_scheme') == 'upwind2') call values%refuse('solver', &
-         'space_scheme', "found 'upwind2', expected 'auto' or 'kappa' with equations = 'stokes'")
+      if (because /= '') call check_method(values, 'auto newton_krylov newton_dense', &
+         ", expected 'auto', 'newton_krylov' or 'newton_dense' "//because, because)
    end subroutine check_equations
 
-   !> Finds a method or smoother that cannot solve the kappa space scheme, used `because`.
-   subroutine check_kappa_scheme(values, because)
+   !> Finds a method that is none of the blank-separated `good` ones, told by `fault`, or a
+   !> smoother, which those do not use.
+   subroutine check_method(values, good, fault, because)
       type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: because
+      character(*), intent(in) :: good, fault, because
       character(:), allocatable :: method
 
       method = trim(values%word_value('solver', 'method'))
-      if (index(method, 'block_jacobi') > 0) then
-         call values%refuse('solver', 'method', "found '" // method // "', expected 'auto', "// &
-            "'newton_krylov' or 'newton_dense' with " // because)
+      if (.not. has_word(good//' ?', method)) then
+         call values%refuse('solver', 'method', "found '"//method//"'"//fault)
       else if (values%word_value('solver', 'smoother') /= 'auto') then
-         call values%refuse_unused('solver', 'smoother', 'with ' // because)
+         call values%refuse_unused('solver', 'smoother', because)
       end if
-   end subroutine check_kappa_scheme
+   end subroutine check_method
 
    !> Finds a field named twice, and shear stresses where the speeds of the surfaces are not known.
    subroutine check_fields(values)

@@ -549,7 +549,8 @@ module input_keys
 
 contains
 
-   !> Row of a key in `key_rows` for a problem; 0: the problem has no such key.
+   !> Row of a key in `key_rows` for a problem, or for any one ('', the last row); 0: it has no such
+   !> key.
    pure integer function find_key(group, key, problem) result(row)
       character(*), intent(in) :: group, key, problem
       character(len=len(key_rows%group)) :: padded_group
@@ -561,7 +562,7 @@ contains
       do row = size(key_rows), 1, -1
          if (key_rows(row)%key /= padded_key) cycle
          if (key_rows(row)%group /= padded_group) cycle
-         if (has_word(key_rows(row)%problems, problem)) return
+         if (problem == '' .or. has_word(key_rows(row)%problems, problem)) return
       end do
    end function find_key
 

@@ -21,7 +21,7 @@ module input_values
       logical :: is_given = .false.
       !> True if there is a value, from the user or from the table.
       logical :: has_value = .false.
-      !> Line of the key in the file; 0: not given.
+      !> Line of the key in the file, below 0 of the command line; 0: not given.
       integer :: line = 0
       !> Numbers, integers too.
       real(wp), allocatable :: reals(:)
@@ -29,7 +29,6 @@ module input_values
       character(len=word_length), allocatable :: words(:)
       character(:), allocatable :: text
       !> What the text of an array of numbers seems to mean, if not these numbers; else nothing.
-      !> Not allocated: there was no text.
       character(:), allocatable :: hint
       !> Elements that the user has set (arrays).
       logical, allocatable :: is_set(:)
@@ -39,7 +38,7 @@ module input_values
    !> filled, stands for keys that the problem does not have.
    type :: input_values_t
       type(value_t) :: slots(0:size(key_rows))
-      !> Line of each group of `group_rows`; 0: not in the file.
+      !> Line of each group of `group_rows`, below 0 of the command line; 0: not in the file.
       integer :: group_lines(size(group_rows)) = 0
       !> The problem, as far as it could be read; else the lubricated one.
       character(len=word_length) :: problem = lubricated
@@ -139,7 +138,7 @@ contains
       class(input_values_t), intent(in) :: self
       character(*), intent(in) :: group
 
-      has_group = self%group_lines(find_group(group)) > 0
+      has_group = self%group_lines(find_group(group)) /= 0
    end function has_group
 
    !> Line to report for a key: its own, else that of its group, else the last of the file.

@@ -116,77 +116,55 @@ contains
       do first = 1, len(words) - length + 1
          if (words(first:first) /= word(1:1)) cycle   ! it is faster than `index`
          if (words(first:first + length - 1) /= word(:length)) cycle
-         has_word = is_blank(first - 1) .and. is_blank(first + length)
+         has_word = words(max(first - 1, 1):first - 1) == '' &
+            .and. words(first + length:min(first + length, len(words))) == ''
          if (has_word) exit
       end do
       if (has_word) has_word = index(word(:length), ' ') == 0
-
-   contains
-
-      !> Whether there is no letter of `words` at a place.
-      pure logical function is_blank(place)
-         integer, intent(in) :: place
-
-         is_blank = place < 1 .or. place > len(words)
-         if (.not. is_blank) is_blank = words(place:place) == ' '
-      end function is_blank
-
    end function has_word
 
    !> True if `value` fulfils every comparison of the comma-separated `range`, which may be empty.
    pure elemental logical function is_in_range(value, range) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: range
-      integer :: start, length
 
-      inside = .true.
-      start = 1
-      do while (start <= len_trim(range) .and. inside)
-         length = index(range(start:), ',') - 1
-         if (length < 0) length = len_trim(range(start:))
-         inside = holds(value, trim(adjustl(range(start:start + length - 1))))
-         start = start + length + 1
-      end do
+      inside = all(holds(value, split_words(trim(range), ',')))
    end function is_in_range
 
    !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0", "a power of two (times 3 or 5 or 7)",
    !> "one of 2 3 5", or "1e-4 to 5", the magnitude of what is not 0.
-   pure logical function holds(value, comparison)
+   pure elemental logical function holds(value, comparison)
       real(wp), intent(in) :: value
       character(*), intent(in) :: comparison
-      real(wp) :: bounds(2)
-      integer :: middle
-      logical :: good(2)
+      real(wp) :: bound, least
+      integer :: blank, last
+      logical :: good
 
       holds = .false.
-      middle = index(comparison, ' to ')
-      if (index(comparison, 'one of') == 1) then
+      blank = index(comparison, ' ')
+      last = len_trim(comparison)
+      call read_real(comparison(index(comparison(:last), ' ', back=.true.) + 1:last), bound, good)
+      select case (comparison(:blank - 1))
+      case ('one')
          if (abs(value) < 1.0e9_wp) holds = has_word(comparison, to_text(nint(value)))
-      else if (comparison == 'a power of two (times 3 or 5 or 7)') then
-         if (value < 1.0_wp .or. value >= 1.0e9_wp) return
-         holds = any(shiftr(nint(value), trailz(nint(value))) == [1, 3, 5, 7])
-      else if (middle > 0) then
-         call read_real(comparison(:middle - 1), bounds(1), good(1))
-         call read_real(comparison(middle + 4:), bounds(2), good(2))
-         holds = all([good, abs(value) >= bounds(1), abs(value) <= bounds(2)]) &
+      case ('a')
+         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = any(shiftr(nint(value), &
+            trailz(nint(value))) == [1, 3, 5, 7])
+      case ('>')
+         holds = good .and. value > bound
+      case ('>=')
+         holds = good .and. value >= bound
+      case ('<')
+         holds = good .and. value < bound
+      case ('<=')
+         holds = good .and. value <= bound
+      case ('/=')
+         holds = good .and. abs(value - bound) > 0.0_wp
+      case default
+         call read_real(comparison(:blank - 1), least, good)
+         holds = (good .and. abs(value) >= least .and. abs(value) <= bound) &
             .or. .not. abs(value) > 0.0_wp
-      else
-         call read_real(comparison(index(comparison, ' ') + 1:), bounds(1), good(1))
-         select case (merge(comparison(:2), '  ', good(1)))
-         case ('>')
-            holds = value > bounds(1)
-         case ('>=')
-            holds = value >= bounds(1)
-         case ('<')
-            holds = value < bounds(1)
-         case ('<=')
-            holds = value <= bounds(1)
-         case ('/=')
-            holds = value < bounds(1) .or. value > bounds(1)
-         case default
-            return
-         end select
-      end if
+      end select
    end function holds
 
    !> A question about the unit of a `value` that no usual contact has: the prefix with which it

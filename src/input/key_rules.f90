@@ -13,7 +13,7 @@
 !> &group. Words after a colon go into the message of the last condition.
 module key_rules
    use input_keys, only: find_group, find_key, group_rows, key_rows
-   use input_values, only: input_values_t, value_t
+   use input_values, only: input_values_t
    use key_row, only: has_word, is_in_range, key_t, split_words, unit_question, word_list
    use kinds, only: wp
    use number_text, only: read_real
@@ -40,7 +40,7 @@ module key_rules
    !> One condition.
    type :: condition_t
       !> 'with' or 'without' a key or group, or '=' or '/='.
-      character(len=8) :: relation
+      character(len=8) :: relation = 'with'
       !> The group, 'surface' for either surface; the key, empty for the group as a whole.
       character(len=24) :: group, key
       !> What follows '=' or '/='.
@@ -59,48 +59,40 @@ contains
       type(input_values_t), intent(inout) :: values
       type(condition_t), allocatable :: conditions(:)
       character(:), allocatable :: reason
-      logical :: is_needed
       integer :: i, k
 
-      of_keys: do i = 1, size(key_rows)
+      do i = 1, size(key_rows)
          associate (row => key_rows(i))
-            if (.not. has_word(row%problems, values%problem)) cycle of_keys
+            if (.not. has_word(row%problems, values%problem)) cycle
             if (values%slots(i)%is_given) then
-               conditions = conditions_of(trim(row%used), row%group)
-               of_conditions: do k = 1, size(conditions)
-                  if (truth(values, conditions(k)) /= no) cycle of_conditions
-                  reason = opposite(values, conditions(k))
-                  if (conditions(k)%reason /= '') reason = reason//', '//trim(conditions(k)%reason)
-                  call values%refuse_unused(row%group, row%key, reason)
-               end do of_conditions
-            else if (values%has_group(row%group)) then
-               if (row%default /= 'required' .and. row%needed == '') cycle of_keys
-               conditions = conditions_of(trim(row%needed), row%group)
-               is_needed = all([(truth(values, conditions(k)) == yes, k=1, size(conditions))])
-               if (.not. is_needed) cycle of_keys
+               conditions = conditions_of(row%used, row%group)
+               do k = 1, size(conditions)
+                  if (truth(values, conditions(k)) == no) call values%refuse_unused(row%group, &
+                     row%key, opposite(values, conditions(k)))
+               end do
+            else if (values%has_group(row%group) .and. (row%default == 'required' &
+               .or. row%needed /= '')) then
+               conditions = conditions_of(row%needed, row%group)
+               if (.not. all(truth(values, conditions) == yes)) cycle
                reason = ''
                if (size(conditions) > 0) reason = trim(conditions(size(conditions))%reason)
                call values%refuse_missing(row%group, row%key, reason)
             end if
          end associate
-      end do of_keys
+      end do
    end subroutine check_rules
 
    !> Whether a case has any use for a key.
-   logical function is_used(values, row)
+   pure logical function is_used(values, row)
       type(input_values_t), intent(in) :: values
       type(key_t), intent(in) :: row
-      type(condition_t), allocatable :: conditions(:)
-      integer :: i
 
       is_used = row%used == ''
-      if (is_used) return
-      conditions = conditions_of(trim(row%used), row%group)
-      is_used = all([(truth(values, conditions(i)) /= no, i=1, size(conditions))])
+      if (.not. is_used) is_used = all(truth(values, conditions_of(row%used, row%group)) /= no)
    end function is_used
 
    !> Whether a condition holds, on either surface if it is about one.
-   integer function truth(values, condition)
+   pure elemental integer function truth(values, condition)
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
 
@@ -108,12 +100,12 @@ contains
          truth = max(truth_in(values, condition, 'surface_1'), &
             truth_in(values, condition, 'surface_2'))
       else
-         truth = truth_in(values, condition, trim(condition%group))
+         truth = truth_in(values, condition, condition%group)
       end if
    end function truth
 
    !> Whether a condition holds in `group`.
-   integer function truth_in(values, condition, group) result(truth)
+   pure integer function truth_in(values, condition, group) result(truth)
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
       character(*), intent(in) :: group
@@ -122,38 +114,33 @@ contains
       logical :: holds
       integer :: row
 
-      if (condition%key == '') then
-         holds = values%has_group(group)
-         if (holds) holds = has_word(group_rows(find_group(group))%problems, trim(values%problem))
-         if (condition%relation == 'without') holds = .not. holds
-         truth = merge(yes, no, holds)
-         return
-      end if
       truth = unknown
-      row = find_key(group, trim(condition%key), values%problem)
-      if (row == 0) return
+      row = find_key(group, condition%key, values%problem)
+      if (condition%key /= '' .and. row == 0) return
       associate (slot => values%slots(row))
          select case (condition%relation)
-         case ('with')
-            holds = slot%is_given
-         case ('without')
-            holds = .not. slot%is_given
+         case ('=')
+            if (.not. slot%has_value .or. any(slot%words == '?')) return
+            among = has_word(condition%values, slot%words)
+            if (any(among) .neqv. all(among)) return
+            holds = all(among)
          case ('/=')
             if (.not. slot%has_value) return
             call read_real(trim(condition%values), number, holds)
             holds = abs(slot%reals(1) - number) > 0.0_wp
          case default
-            if (.not. slot%has_value .or. any(slot%words == '?')) return
-            among = has_word(condition%values, slot%words)
-            if (any(among) .neqv. all(among)) return
-            holds = all(among)
+            holds = slot%is_given
+            if (condition%key == '') holds = values%has_group(group)
+            if (condition%key == '' .and. holds) holds = has_word( &
+               group_rows(find_group(group))%problems, values%problem)
+            if (condition%relation == 'without') holds = .not. holds
          end select
       end associate
       truth = merge(yes, no, holds)
    end function truth_in
 
-   !> What is the case where a condition does not hold: "with shape = 'smooth'".
-   function opposite(values, condition) result(text)
+   !> What is the case where a condition does not hold, and its reason: "with shape = 'smooth'".
+   pure function opposite(values, condition) result(text)
       type(input_values_t), intent(in) :: values
       type(condition_t), intent(in) :: condition
       character(:), allocatable :: text
@@ -173,6 +160,7 @@ contains
       end select
       text = joined([other])
       if (other%group == 'surface') text = 'without'//text(5:)
+      if (condition%reason /= '') text = text//', '//trim(condition%reason)
    end function opposite
 
    !> Given keys outside the typical range of their row, each with the first value that is.
@@ -204,53 +192,47 @@ contains
    pure function conditions_of(rule, group) result(conditions)
       character(*), intent(in) :: rule, group
       type(condition_t), allocatable :: conditions(:)
-      character(len=len(rule)), allocatable :: parts(:)
-      integer :: i
+      character(len=len_trim(rule)), allocatable :: parts(:)
+      integer :: blank, colon, i, percent
 
-      parts = split_words(rule, ',')
-      conditions = [(new_condition(trim(parts(i)), group), i=1, size(parts))]
+      parts = split_words(trim(rule), ',')
+      allocate (conditions(size(parts)))
+      do i = 1, size(parts)
+         associate (part => parts(i), condition => conditions(i))
+            colon = index(part//':', ':')
+            blank = index(part(:colon - 1)//' ', ' ')
+            condition%reason = adjustl(part(colon + 1:))
+            condition%name = part(:blank - 1)
+            condition%values = adjustl(part(blank:colon - 1))
+            if (condition%name == 'no') then
+               condition%relation = 'without'
+               condition%name = condition%values
+            else if (condition%values /= '') then
+               blank = index(condition%values, ' ')
+               condition%relation = condition%values(:blank - 1)
+               condition%values = adjustl(condition%values(blank:))
+            end if
+            percent = index(condition%name, '%')
+            condition%group = group
+            condition%key = condition%name(percent + 1:)
+            if (percent > 0) then
+               condition%group = condition%name(:percent - 1)
+               condition%name = '&'//trim(condition%group)//' '//condition%key
+            else if (condition%name(1:1) == '&') then
+               condition%group = trim(condition%name(2:))
+               condition%key = ''
+            end if
+         end associate
+      end do
    end function conditions_of
-
-   !> The condition that `text` means in a row of `group`.
-   pure function new_condition(text, group) result(condition)
-      character(*), intent(in) :: text, group
-      type(condition_t) :: condition
-      character(len=len(condition%values)) :: name
-      integer :: blank, colon, percent
-
-      colon = index(text//':', ':')
-      condition%reason = adjustl(text(min(colon + 1, len(text) + 1):))
-      blank = index(text(:colon - 1)//' ', ' ')
-      name = text(:blank - 1)
-      condition%values = adjustl(text(blank:colon - 1))
-      condition%relation = 'with'
-      if (name == 'no') then
-         condition%relation = 'without'
-         name = condition%values
-      else if (condition%values /= '') then
-         condition%relation = condition%values(:index(condition%values, ' ') - 1)
-         condition%values = adjustl(condition%values(index(condition%values, ' '):))
-      end if
-      percent = index(name(:len_trim(name)), '%')
-      condition%group = group
-      condition%key = name(percent + 1:)
-      if (percent > 0) then
-         condition%group = name(:percent - 1)
-         name = '&'//trim(condition%group)//' '//condition%key
-      else if (name(1:1) == '&') then
-         condition%group = name(2:)
-         condition%key = ''
-      end if
-      condition%name = name
-   end function new_condition
 
    !> The rules of a key for the manual: "; required with shape = 'file'"; empty: there are none.
    pure function rules_text(row) result(text)
       type(key_t), intent(in) :: row
       character(:), allocatable :: text, used
 
-      text = joined(conditions_of(trim(row%needed), row%group))
-      used = joined(conditions_of(trim(row%used), row%group))
+      text = joined(conditions_of(row%needed, row%group))
+      used = joined(conditions_of(row%used, row%group))
       if (used == text) used = ''
       if (used /= '') used = '; only '//used
       if (text /= '') text = '; required '//text

@@ -5,16 +5,15 @@
 !> `&end`), comments after `!`, several entries a line, values over several lines, blanks, tabs, CR
 !> LF line ends (`text_file` makes LF of CR alone), a byte order mark. A string closes on its line.
 module namelist_text
-   use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t
-   use namelist_source, only: key_start, line_feed, name_end, new_source, source_t
+   use kinds, only: int64
    use number_text, only: read_integer
    use text, only: count_of, quoted, to_lower, to_text
    use text_file, only: encoding_fault
    implicit none (type, external)
    private
 
-   public :: entry_t, namelist_text_t, split_namelist
+   public :: entry_t, namelist_text_t, split_namelist, without_returns
 
    !> One `key = values` of a group, or its head, without a key.
    type :: entry_t
@@ -22,7 +21,7 @@ module namelist_text
       character(:), allocatable :: group, key
       !> The values as written, comments taken out, line ends turned into blanks.
       character(:), allocatable :: values
-      !> Line of the key, or of the head.
+      !> Line of the key, or of the head; below 0: it is of the command line.
       integer :: line = 0
       !> Element at which the values start: 1, or the n of `key(n) = ...`, and the m of
       !> `key(n:m) = ...` at which they end; 0: it is not written.
@@ -42,10 +41,21 @@ module namelist_text
       integer :: count = 0, group_count = 0
       !> Number of lines of the file.
       integer :: lines = 0
+      !> The file without carriage returns, with blanks for comments, line ends and tabs outside
+      !> strings.
+      character(:), allocatable :: text
+      !> The same with quotes in place of strings, and one more `&` at its end; line of each
+      !> character.
+      character(:), allocatable, private :: code
+      integer, allocatable, private :: line(:)
    end type namelist_text_t
 
    !> Most entries and groups of one file: a broken file must not keep the program busy.
    integer, parameter :: max_entries = 5000, max_groups = 100
+   character(*), parameter :: line_feed = achar(10), carriage_return = achar(13), tab = achar(9), &
+      form_feed = achar(12), byte_order_mark = char(239)//char(187)//char(191)
+   character(*), parameter :: name_characters = &
+      'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_'
 
 contains
 
@@ -56,7 +66,6 @@ contains
       character(*), intent(in) :: content
       type(namelist_text_t), intent(out) :: pieces
       type(findings_t), intent(inout) :: findings
-      type(source_t) :: source
       character(:), allocatable :: fault
       integer :: bad, position
 
@@ -72,181 +81,251 @@ contains
             'found ' // fault // ', expected a text file in UTF-8')
          return
       end if
-      call new_source(source, content, findings)
-      pieces%lines = 1 + count_of(line_feed, content)
+      call blank_comments(content, pieces, findings)
       position = 1
-      do while (position <= len(source%text))
-         call read_outside(source, position, findings)
-         if (position <= len(source%text)) call read_group(source, position, pieces, findings)
+      do while (position <= len(pieces%text))
+         call read_outside(pieces, position, findings)
+         if (position <= len(pieces%text)) call read_group(pieces, position, findings)
          if (pieces%group_count < max_groups .and. pieces%count - pieces%group_count &
             < max_entries) cycle
-         call findings%add(source%line(min(position, len(source%text))), '', '', &
+         call findings%add(pieces%line(min(position, len(pieces%text))), '', '', &
             'found more than ' // to_text(max_groups) // ' groups or ' // to_text(max_entries) // &
             ' entries, expected a namelist of a few dozen')
          exit
       end do
    end subroutine split_namelist
 
+   !> Fills text, code and lines of `pieces`. Finding: a string left open.
+   subroutine blank_comments(content, pieces, findings)
+      character(*), intent(in) :: content
+      type(namelist_text_t), intent(inout) :: pieces
+      type(findings_t), intent(inout) :: findings
+      integer :: i, opened
+      character(len=1) :: byte, mark
+      logical :: in_string
+
+      pieces%text = without_returns(content)//line_feed
+      pieces%code = pieces%text//'&'
+      allocate (pieces%line(len(pieces%text)))
+      if (index(content, byte_order_mark) == 1) pieces%text(1:3) = ' '
+      mark = ' '   ! that of the string or comment that is open
+      opened = 1
+      pieces%lines = 1
+      do i = 1, len(pieces%text)
+         pieces%line(i) = pieces%lines
+         byte = pieces%text(i:i)
+         in_string = mark == "'" .or. mark == '"'
+         if (byte == line_feed) then
+            if (in_string) call findings%add(pieces%lines, '', '', 'found the string '// &
+               quoted(pieces%text(opened:i - 1))//', expected its closing '//mark// &
+               ' on the same line')
+            if (i < len(pieces%text)) pieces%lines = pieces%lines + 1
+            byte = merge(mark, ' ', in_string)
+            mark = ' '
+         else if (in_string) then
+            if (byte == mark) mark = ' '
+         else if (mark == '!' .or. byte == tab .or. byte == form_feed) then
+            byte = ' '
+         else if (byte == '!') then
+            mark = byte
+            byte = ' '
+         else if (byte == "'" .or. byte == '"') then
+            mark = byte
+            opened = i
+            in_string = .true.
+         end if
+         pieces%text(i:i) = byte
+         pieces%code(i:i) = merge('"', byte, in_string)
+      end do
+   end subroutine blank_comments
+
+   !> `content` without carriage returns; a line feed follows each.
+   pure function without_returns(content) result(text)
+      character(*), intent(in) :: content
+      character(:), allocatable :: text
+      integer :: i, length
+
+      text = content
+      length = 0
+      do i = 1, len(content)
+         if (content(i:i) == carriage_return) cycle
+         length = length + 1
+         text(length:length) = content(i:i)
+      end do
+      text = text(:length)
+   end function without_returns
+
    !> Moves `position` to the next `&`. Finding, once a line: text that is in no group; with a hint,
    !> if it is a comment of other languages or follows a group's /.
-   subroutine read_outside(source, position, findings)
-      type(source_t), intent(in) :: source
+   subroutine read_outside(pieces, position, findings)
+      type(namelist_text_t), intent(in) :: pieces
       integer, intent(inout) :: position
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: hint
       integer :: before, first, last
 
-      first = position
-      position = first - 1 + index(source%code(first:), '&')
-      do while (verify(source%text(first:position - 1), ' ') > 0)
-         first = first - 1 + verify(source%text(first:position - 1), ' ')
-         on_line: do last = first, position - 2
-            if (source%line(last + 1) > source%line(first)) exit on_line
-         end do on_line
-         hint = ''
-         if (source%text(first:first) == '#') hint = ' (a comment begins with !)'
-         before = max(1, len_trim(source%text(:first - 1)))
-         if (all([source%line(before) == source%line(first), source%text(before:before) == '/', &
-            before < first])) hint = ' (a / that is not in quotes ends the group)'
-         call findings%add(source%line(first), '', '', 'found '//quoted(source%text(first:last)) &
-            //' outside a group, expected &group ... /'//hint)
-         first = last + 1
-      end do
+      associate (text => pieces%text, line => pieces%line)
+         first = position
+         position = first - 1 + index(pieces%code(first:), '&')
+         do while (verify(text(first:position - 1), ' ') > 0)
+            first = first - 1 + verify(text(first:position - 1), ' ')
+            on_line: do last = first, position - 2
+               if (line(last + 1) > line(first)) exit on_line
+            end do on_line
+            hint = ''
+            if (text(first:first) == '#') hint = ' (a comment begins with !)'
+            before = max(1, len_trim(text(:first - 1)))
+            if (all([line(before) == line(first), text(before:before) == '/', &
+               before < first])) hint = ' (a / that is not in quotes ends the group)'
+            call findings%add(line(first), '', '', 'found '//quoted(text(first:last)) &
+               //' outside a group, expected &group ... /'//hint)
+            first = last + 1
+         end do
+      end associate
    end subroutine read_outside
 
-   !> Reads one group, from its `&` to behind its `/`. Findings: no name, repeated, not closed.
-   subroutine read_group(source, position, pieces, findings)
-      type(source_t), intent(in) :: source
-      integer, intent(inout) :: position
+   !> Reads one group, from its `&` to behind its `/`. Findings: no name, not closed, text that is
+   !> no entry.
+   subroutine read_group(pieces, position, findings)
       type(namelist_text_t), intent(inout) :: pieces
+      integer, intent(inout) :: position
       type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: name
-      logical :: has_end, has_slash, is_closed
-      integer :: line, first, last, earlier, i
+      type(entry_t) :: head
+      logical :: has_end, has_slash
+      integer :: before, key, last, next, place
 
-      line = source%line(position)
-      first = position + 1
-      last = name_end(source%text, first)
-      name = to_lower(source%text(first:last))
-      position = last + 1
-      if (name == '') then
-         call findings%add(line, '', '', 'found & without a name, expected &group')
-      else if (name == 'end') then
-         call findings%add(line, '', '', 'found &end outside a group, expected &group')
+      head%line = pieces%line(position)
+      head%span = [position + 1, name_end(pieces%text, position + 1)]
+      head%group = to_lower(pieces%text(head%span(1):head%span(2)))
+      head%key = ''
+      position = head%span(2) + 1
+      if (head%group == '') then
+         call findings%add(head%line, '', '', 'found & without a name, expected &group')
+      else if (head%group == 'end') then
+         call findings%add(head%line, '', '', 'found &end outside a group, expected &group')
          return
       end if
       ! before the `/`, `&end`, next `&` or end of the file
-      last = position - 2 + scan(source%code(position:), '/&')
-      has_slash = source%code(last + 1:last + 1) == '/'
-      has_end = to_lower(source%text(last + 1:min(last + 4, len(source%text)))) == '&end'
-      is_closed = has_slash .or. (has_end .and. name_end(source%text, last + 2) == last + 4)
-      if (.not. is_closed .and. name /= '') call findings%add(line, name, '', 'not closed, '// &
-         'expected a closing /')
-      earlier = 0
-      do i = pieces%count, 1, -1
-         if (pieces%entries(i)%group == name) earlier = pieces%entries(i)%line
-      end do
-      if (earlier > 0) then
-         call findings%add(line, name, '', 'found the group a second time, expected it once '// &
-            '(line ' // to_text(earlier) // ')')
-      else if (name /= '') then
-         pieces%group_count = pieces%group_count + 1
-         pieces%count = pieces%count + 1
-         associate (head => pieces%entries(pieces%count))
-            head%group = name
-            head%key = ''
-            head%line = line
-            head%span = [first, position - 1]
-         end associate
-         call split_group(source, position, last, name, pieces, findings)
+      last = position - 2 + scan(pieces%code(position:), '/&')
+      has_slash = pieces%code(last + 1:last + 1) == '/'
+      has_end = to_lower(pieces%text(last + 1:name_end(pieces%text, last + 2))) == '&end'
+      if (head%group /= '') then
+         if (.not. (has_slash .or. has_end)) call findings%add(head%line, head%group, '', &
+            'not closed, expected a closing /')
+         before = pieces%count
+         call add(pieces, head, findings)
+         if (pieces%count == before) position = last + 1
+         key = key_place(pieces, position, last)
+         place = verify(pieces%text(position:key - 1), ' ,')
+         if (place > 0) call findings%add(pieces%line(position - 1 + place), head%group, '', &
+            'found '//quoted(trim(adjustl(pieces%text(position:key - 1))))// &
+            ', expected key = value')
+         do while (key <= last .and. pieces%count - pieces%group_count < max_entries)
+            next = key_place(pieces, key + index(pieces%code(key:last), '='), last)
+            call read_entry(pieces, key, next - 1, head%group, findings)
+            key = next
+         end do
       end if
       position = last + 1
       if (has_slash) position = position + 1
       if (has_end) position = position + 4
    end subroutine read_group
 
-   !> Cuts source(first:last), the inside of a group, at its `=` signs into entries.
-   subroutine split_group(source, first, last, group, pieces, findings)
-      type(source_t), intent(in) :: source
+   !> Where the key (with subscript) before the first `=` of the characters `first` to `last`
+   !> begins; without one at the `=`; last + 1: there is no `=`.
+   pure integer function key_place(pieces, first, last) result(place)
+      type(namelist_text_t), intent(in) :: pieces
+      integer, intent(in) :: first, last
+      integer :: bracket, length, sign
+
+      place = last + 1
+      sign = first - 1 + index(pieces%code(first:last), '=')
+      if (sign < first) return
+      associate (before => pieces%text(first:sign - 1))
+         length = len_trim(before)
+         if (index(before(:length), ')', back=.true.) == length) then
+            bracket = index(before(:length), '(', back=.true.)
+            if (bracket > 0) length = len_trim(before(:bracket - 1))
+         end if
+         place = first + verify(before(:length), name_characters//'%', back=.true.)
+         if (place >= first + length) place = sign
+      end associate
+   end function key_place
+
+   !> Last character of the name that starts at `first`; first - 1: no name there.
+   pure integer function name_end(text, first) result(last)
+      character(*), intent(in) :: text
+      integer, intent(in) :: first
+
+      last = first - 2 + verify(text(first:), name_characters)
+      if (last < first - 1) last = len(text)
+   end function name_end
+
+   !> Reads the entry of the characters `first` to `last`. Finds no key, and a subscript that is not
+   !> n or n:m > 0.
+   subroutine read_entry(pieces, first, last, group, findings)
+      type(namelist_text_t), intent(inout) :: pieces
       integer, intent(in) :: first, last
       character(*), intent(in) :: group
-      type(namelist_text_t), intent(inout) :: pieces
-      type(findings_t), intent(inout) :: findings
-      integer :: sign, next_sign, key_at, next_key
-
-      sign = first - 1 + index(source%code(first:last), '=')
-      if (sign < first) sign = last + 1
-      key_at = last + 1
-      if (sign <= last) key_at = key_start(source%text, first, sign)
-      if (verify(source%text(first:key_at - 1), ' ,') > 0) call findings%add( &
-         source%line(first - 1 + verify(source%text(first:key_at - 1), ' ,')), group, '', 'found ' &
-         // quoted(trim(adjustl(source%text(first:key_at - 1)))) // ', expected key = value')
-      do while (sign <= last .and. pieces%count - pieces%group_count < max_entries)
-         next_sign = sign + index(source%code(sign + 1:last), '=')
-         if (next_sign == sign) next_sign = last + 1
-         next_key = last + 1
-         if (next_sign <= last) next_key = key_start(source%text, sign + 1, next_sign)
-         call add_entry(source, [key_at, sign, next_key], group, pieces, findings)
-         sign = next_sign
-         key_at = next_key
-      end do
-   end subroutine split_group
-
-   !> Adds the entry with its key from place(1), its `=` at place(2) and its values up to
-   !> place(3) - 1. Finds no key, a subscript that is not n or n:m > 0, a repeated key.
-   subroutine add_entry(source, place, group, pieces, findings)
-      type(source_t), intent(in) :: source
-      integer, intent(in) :: place(3)
-      character(*), intent(in) :: group
-      type(namelist_text_t), intent(inout) :: pieces
       type(findings_t), intent(inout) :: findings
       type(entry_t) :: entry
       integer(int64) :: ends(2)
-      integer :: bracket, colon, earlier, i
+      integer :: bracket, colon, sign
       logical :: good(2)
-      character(:), allocatable :: limits, name, subscript
+      character(:), allocatable :: name, subscript
 
+      sign = first - 1 + index(pieces%code(first:last), '=')
       entry%group = group
-      entry%span = [place(1), place(3) - 1]
-      name = trim(source%text(place(1):place(2) - 1))
-      entry%line = source%line(min(place(1) + verify(source%text(place(1):place(2)), ' ') - 1, &
-         place(2)))
-      entry%values = trim(adjustl(source%text(place(2) + 1:place(3) - 1)))
-      bracket = index(name, '(')
-      if (bracket > 0) then
+      entry%span = [first, last]
+      entry%line = pieces%line(first)
+      entry%values = trim(adjustl(pieces%text(sign + 1:last)))
+      name = trim(pieces%text(first:sign - 1))
+      bracket = index(name//'(', '(')
+      entry%key = to_lower(trim(name(:bracket - 1)))
+      entry%has_subscript = bracket < len(name)
+      if (entry%has_subscript) then
          subscript = name(bracket + 1:len(name) - 1)
-         name = trim(name(:bracket - 1))
-         limits = subscript
-         if (index(subscript, ':') == 0) limits = subscript//':'//subscript
-         colon = index(limits, ':')
-         call read_integer(trim(adjustl(limits(:colon - 1))), ends(1), good(1))
-         call read_integer(trim(adjustl(limits(colon + 1:))), ends(2), good(2))
-         entry%has_subscript = .true.
+         colon = index(subscript, ':')
+         call read_integer(trim(adjustl(subscript(:merge(colon - 1, len(subscript), colon > 0)))), &
+            ends(1), good(1))
+         call read_integer(trim(adjustl(subscript(colon + 1:))), ends(2), good(2))
          entry%is_broken = .not. all(good .and. ends >= 1)
          ends = min(ends, int(shiftr(huge(1), 1), int64))   ! far too many, but the reader can count
          if (.not. entry%is_broken) entry%first = int(ends(1))
-         if (.not. entry%is_broken .and. limits == subscript) entry%last = int(ends(2))
-         if (entry%is_broken) call findings%add(entry%line, group, to_lower(name), &
+         if (.not. entry%is_broken .and. colon > 0) entry%last = int(ends(2))
+         if (entry%is_broken) call findings%add(entry%line, group, entry%key, &
             'found the subscript ('//quoted(subscript)//'), expected one number or a range, '// &
-            'as in '//to_lower(name)//'(2) = ... and '//to_lower(name)//'(2:4) = ...')
+            'as in '//entry%key//'(2) = ... and '//entry%key//'(2:4) = ...')
       end if
-      entry%key = to_lower(name)
-      earlier = 0
-      do i = pieces%count, 1, -1
-         associate (old => pieces%entries(i))
-            if (old%group /= group) exit
-            if (old%key == entry%key .and. old%first == entry%first) earlier = old%line
-         end associate
-      end do
       if (entry%key == '') then
          call findings%add(entry%line, group, '', 'found = without a key, expected key = value')
-      else if (earlier > 0) then
-         call findings%add(entry%line, group, entry%key, 'found the key a second time, '// &
-            'expected it once (line '//to_text(earlier)//')')
       else
-         pieces%count = pieces%count + 1
-         pieces%entries(pieces%count) = entry
+         call add(pieces, entry, findings)
       end if
-   end subroutine add_entry
+   end subroutine read_entry
+
+   !> Adds an entry or a head. Finding: it is not new.
+   subroutine add(pieces, entry, findings)
+      type(namelist_text_t), intent(inout) :: pieces
+      type(entry_t), intent(in) :: entry
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      do i = 1, pieces%count
+         associate (old => pieces%entries(i))
+            if (old%first /= entry%first .or. old%key /= entry%key) cycle
+            if (old%group == entry%group) exit
+         end associate
+      end do
+      if (i <= pieces%count) then
+         call findings%add(entry%line, entry%group, entry%key, 'found the '//trim(merge('group', &
+            'key  ', entry%key == ''))//' a second time, expected it once (line '// &
+            to_text(pieces%entries(i)%line)//')')
+         return
+      end if
+      pieces%count = pieces%count + 1
+      if (entry%key == '') pieces%group_count = pieces%group_count + 1
+      pieces%entries(pieces%count) = entry
+   end subroutine add
 
 end module namelist_text

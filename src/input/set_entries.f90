@@ -3,9 +3,8 @@
 module set_entries
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
-   use input_keys, only: key_rows
-   use namelist_source, only: source_t, new_source, without_returns
-   use namelist_text, only: entry_t, namelist_text_t, split_namelist
+   use input_keys, only: find_key, key_rows
+   use namelist_text, only: entry_t, namelist_text_t, split_namelist, without_returns
    use text, only: to_lower
    implicit none (type, external)
    private
@@ -52,8 +51,7 @@ contains
 
       quoted = value
       if (scan(value(1:1), '''"') > 0) return
-      i = findloc(key_rows%group == entry%group .and. key_rows%key == entry%key, .true., &
-         dim=1, back=.true.)
+      i = find_key(entry%group, entry%key, '')
       if (i == 0) return
       kind = key_rows(i)%kind
       if (all(kind /= [character(len=5) :: 'text', 'word', 'words'])) return
@@ -75,7 +73,6 @@ contains
       character(:), allocatable, intent(inout) :: content
       type(entry_t), intent(in) :: entries(:)
       type(namelist_text_t) :: pieces
-      type(source_t) :: source
       type(findings_t) :: unheard
       character(:), allocatable :: words
       integer :: i, j, k, place
@@ -83,22 +80,18 @@ contains
       if (size(entries) > 0) content = without_returns(content)
       do j = 1, size(entries)
          call split_namelist(content, pieces, unheard)
-         call new_source(source, content, unheard)
          place = 0
-         of_text: do i = pieces%count, 1, -1
+         of_text: do i = pieces%count, 1, -1   ! the head of the group comes last
             associate (old => pieces%entries(i))
-               if (old%group /= entries(j)%group .or. old%key /= entries(j)%key) cycle of_text
+               if (old%group /= entries(j)%group) cycle of_text
+               if (old%key == '' .and. place == 0) place = old%span(2) + 1
+               if (old%key /= entries(j)%key) cycle of_text
                place = old%span(1)
-               do k = old%span(1), old%span(2)   ! comments are blanks in the source, and stay
-                  if (source%text(k:k) /= ' ') content(k:k) = ' '
+               do k = old%span(1), old%span(2)   ! comments are blanks there, and stay
+                  if (pieces%text(k:k) /= ' ') content(k:k) = ' '
                end do
             end associate
          end do of_text
-         do i = 1, merge(pieces%count, 0, place == 0)
-            associate (head => pieces%entries(i))
-               if (head%group == entries(j)%group .and. head%key == '') place = head%span(2) + 1
-            end associate
-         end do
          words = ' '//entries(j)%key//' = '//entries(j)%values//' '
          if (place > 0) then
             content = content(:place - 1)//words//content(place:)
@@ -108,24 +101,26 @@ contains
       end do
    end subroutine put_entries
 
-   !> Lets findings name --set: those about `entries` (n) and about groups without others.
-   subroutine mark_entries(entries, pieces, findings)
+   !> Marks by lines below 0, which findings tell as --set, the `entries` (n) in `pieces`, and the
+   !> heads of groups without others.
+   pure subroutine mark_entries(entries, pieces)
       type(entry_t), intent(in) :: entries(:)
-      type(namelist_text_t), intent(in) :: pieces
-      type(findings_t), intent(inout) :: findings
-      integer :: i, j, k
-      logical :: is_alone
+      type(namelist_text_t), intent(inout) :: pieces
+      integer :: i, j
+      logical :: is_alone, is_set
 
-      do i = 1, size(entries)
-         call findings%set_apart(entries(i)%group, entries(i)%key)
-         is_alone = .true.
-         do k = 1, pieces%count
-            associate (entry => pieces%entries(k))
-               if (entry%group == entries(i)%group .and. entry%key /= '') is_alone = is_alone &
-                  .and. any([(entries(j)%key == entry%key, j=1, size(entries))])
-            end associate
-         end do
-         if (is_alone) call findings%set_apart(entries(i)%group, '')
+      is_alone = .true.
+      do i = pieces%count, 1, -1   ! the head of a group comes last
+         associate (entry => pieces%entries(i))
+            is_set = .false.
+            do j = 1, size(entries)
+               if (entries(j)%group == entry%group) is_set = is_set .or. entry%key == '' &
+                  .or. entries(j)%key == entry%key
+            end do
+            is_alone = is_alone .and. is_set
+            if (merge(is_alone, is_set, entry%key == '')) entry%line = -entry%line
+            if (entry%key == '') is_alone = .true.
+         end associate
       end do
    end subroutine mark_entries
 
