@@ -1,8 +1,7 @@
 !> What a lubricated case could do without: chosen before its run, measured after it; and what it
 !> does beside the Reynolds equation: the full momentum equations of the film.
 module line_model
-   use adequacy, only: accuracy_for, apply_model
-   use adequacy_section, only: solved_text
+   use adequacy, only: accuracy_for, apply_model, solved_texts, solves_all, solves_moments
    use case_record, only: case_t, set_effective
    use domain_choice, only: choose_anew
    use errors, only: error_t
@@ -10,12 +9,13 @@ module line_model
    use field_sections, only: difference_sentence
    use graded_contact, only: find_tail
    use iteration_report, only: phase_adequacy, report_t
-   use kinds, only: wp
+   use kinds, only: quotient, wp
    use line_state, only: line_state_t
-   use line_summary, only: summary_of
+   use line_summary, only: line_summary_t, summary_of
    use measured_adequacy, only: measure_adequacy, solved_t
    use model_choice, only: choose_model
    use momentum_march, only: momentum_march_t
+   use quantities, only: h_min
    use run_observer, only: run_observer_t
    use system_limits, only: peak_memory
    use text, only: to_text
@@ -42,11 +42,13 @@ contains
             case%solver%target, allocated(case%time%resume_from) &
             .or. size(case%output_settings%film_thresholds) > 0, choice, listener)
          call move_alloc(listener%error, error)
-         if (allocated(error) .or. .not. (choice%is_steady .or. choice%is_quasi_steady)) return
+         if (allocated(error) .or. choice%solved == solves_all) return
          call apply_model(choice, case%contact, case%time)
-         call listener%log%say(case%file//': solves '//solved_text(choice))
-         if (choice%is_quasi_steady) call set_effective(case, 'time', 'scheme', text='quasi_steady')
-         if (choice%is_quasi_steady) return
+         call listener%log%say(case%file//': solves '//trim(solved_texts(choice%solved)))
+         if (choice%solved == solves_moments) then
+            call set_effective(case, 'time', 'scheme', text='quasi_steady')
+            return
+         end if
          case%contact%domain%has_tail = .false.
          case%contact%domain%grid = merge('even  ', 'graded', case%domain%grid == 'even')
          call choose_anew(case%contact, case%solver%target)
@@ -61,6 +63,7 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
+      type(line_summary_t) :: summary
       real(wp) :: start
 
       if (case%output_settings%adequacy == '.false.' .or. .not. report%converged &
@@ -68,8 +71,9 @@ contains
       start = wall_seconds()
       associate (writer => listener%writer)
          writer%adequacy%is_full = case%output_settings%adequacy == 'full'
-         writer%adequacy%accuracy = accuracy_for(case%solver%target, &
-            writer%quantities_at_end(state, report))
+         summary = writer%quantities_at_end(state, report)
+         writer%adequacy%accuracy = accuracy_for(case%solver%target, quotient( &
+            summary%of(h_min)%error_estimate, abs(summary%of(h_min)%value)))
          call measure_adequacy(solved_t(new_experiment(case%contact, case%solver, case%time), &
             writer%run%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
             state, writer%adequacy, listener)

@@ -31,10 +31,10 @@ SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dr
 # name: bound
 BOUNDS = {
     "sources": 46_079,
-    "how sure": 5_054,
+    "how sure": 4_965,
     "tests": 31_562,
     "bench": 3_999,
-    "words of pages": 44_950,
+    "words of pages": 44_949,
     "imports of a file": 20,
     "components of a type": 15,
     "procedures of more than 7 arguments": 0,

@@ -6,8 +6,7 @@
 !> contact with all ingredients, or from that without the ingredient on the coarser grid.
 module ablation_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use ablations, only: ingredient_t, ingredients_of
-   use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence, no_solution
+   use adequacy, only: adequacy_t, influence_t, is_plainly_needed, no_solution
    use kinds, only: exceeds, not_known, quotient, wp
    use line_contact, only: intervals_for_waves, line_contact_t
    use lean_levels, only: kappa, lean_level_t, pose, pressure_on, refined, solve_by, &
@@ -21,8 +20,7 @@ module ablation_runs
    implicit none (type, external)
    private
 
-   public :: change_between, doubt_between, measure_at_rest, set_change, set_change_by_one, &
-      set_step_error
+   public :: measure_at_rest, set_change, set_step_error
 
    !> Error of a change: this many times its difference from the coarser grid, a share of the
    !> change, a share of the largest change of a film, and at least the error of the iteration.
@@ -49,23 +47,18 @@ module ablation_runs
 
 contains
 
-   !> Measures the ingredients of a steady `contact`, whose domain is complete, from the pressure of
-   !> `state` on n intervals, within the budget: a row each, among those that are there, if any.
+   !> Measures the open rows, ingredients of a steady `contact` whose domain is complete, from the
+   !> pressure of `state` on n intervals, within the budget.
    subroutine measure_at_rest(contact, state, adequacy, listener)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout) :: listener
-      type(ingredient_t), allocatable :: list(:)
       type(lean_level_t) :: levels(2, 2)   ! with all ingredients, without one
-      integer, allocatable :: rows(:)
       integer :: g, i
 
-      list = ingredients_of(contact, is_transient=.false.)
-      if (.not. allocated(adequacy%rows)) adequacy%rows = new_influence(list%name, list%text)
-      rows = [(findloc(adequacy%rows%name == list(i)%name, .true., 1), i=1, size(list))]
-      adequacy%rows(rows) = new_influence(list%name, list%text)
-      adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), adequacy%budget)
+      adequacy%at_rest = grids_for(contact, size(state%x) - 1, count(adequacy%rows%is_open), &
+         adequacy%budget)
       associate (grids => adequacy%at_rest, full => levels(:, 1))
          if (any(grids == 0)) return
          do g = 1, 2
@@ -75,10 +68,10 @@ contains
             if (listener%is_stopping) return
             full(g)%by(upwind)%state = pressure_on(state, grids(g))   ! where it starts from
          end do
-         do i = 1, size(list)
-            if (adequacy%budget < usual_steps*sum(grids)) cycle
-            levels(:, 2)%ingredient = list(i)
-            call measure_one(contact, levels, adequacy, rows(i), listener)
+         do i = 1, size(adequacy%rows)
+            if (.not. adequacy%rows(i)%is_open .or. adequacy%budget < usual_steps*sum(grids)) cycle
+            levels(:, 2)%ingredient = adequacy%rows(i)%ingredient_t
+            call measure_one(contact, levels, adequacy, i, listener)
             if (listener%is_stopping) return
          end do
       end associate
@@ -148,10 +141,8 @@ contains
          if (.not. lean(2)%is_solved) then
             told = row
             told%left_out = 1 - lean(2)%kept
-            associate (there => lean(1)%by(upwind)%summary, whole => full(1)%by(upwind)%summary)
-               call set_change_by_one(change_between(there, whole), doubt_between(there, whole), &
-                  told)
-            end associate
+            call set_change(told, levels(:1, 2)%by(upwind)%summary, &
+               levels(:1, 1)%by(upwind)%summary, widths)
             if (is_plainly_needed(told, adequacy%accuracy)) row = told
             return
          end if
@@ -171,49 +162,40 @@ contains
       type(lean_level_t), intent(in) :: levels(2, 2)
       integer, intent(in) :: scheme
       type(influence_t), intent(inout) :: row
-      real(wp) :: changes(quantity_count, 2)
-      integer :: g
 
       row%left_out = 1 - levels(2, 2)%kept
-      do g = 1, 2
-         changes(:, g) = change_between(levels(g, 2)%by(scheme)%summary, &
-            levels(g, 1)%by(scheme)%summary)
-      end do
-      call set_change(row, changes, doubt_between(levels(1, 2)%by(scheme)%summary, &
-         levels(1, 1)%by(scheme)%summary), widths)
+      call set_change(row, levels(:, 2)%by(scheme)%summary, levels(:, 1)%by(scheme)%summary, widths)
    end subroutine set_row
 
-   !> Sets the changes of a row from those of films on one grid alone.
-   pure subroutine set_change_by_one(changes, doubt, row)
-      real(wp), intent(in) :: changes(:), doubt(:, :)
+   !> Sets the change of a row from the `full` to the `lean` contact, and its error, from both on
+   !> the finer (1) and the coarser grid, or on one alone, which tells of films only; `factors` are
+   !> `widths`. What spikes may add to either is added (unless `counts_spikes` is false): then
+   !> uncertain changes are not known, but a spike only adds to friction: without it there is less.
+   pure subroutine set_change(row, lean, full, factors, counts_spikes)
       type(influence_t), intent(inout) :: row
-      character(len(row%unknown)) :: unknown
-      real(wp) :: both(quantity_count, 2)
-
-      both = not_known()
-      where (quantity_rows%field == 'film_thickness')
-         both(:, 1) = changes
-         both(:, 2) = (1 - width_on_one/widths(1))*changes
-      end where
-      unknown = row%unknown
-      call set_change(row, both, doubt, widths)
-      row%unknown = unknown
-   end subroutine set_change_by_one
-
-   !> Sets the change of a row and its error from the changes on the finer (1) and the coarser grid;
-   !> `factors` are `widths`, and `doubt` (lean and full contact) is added. Uncertain changes are
-   !> not known, but a spike only adds to friction: without it there is less.
-   pure subroutine set_change(row, changes, doubt, factors)
-      type(influence_t), intent(inout) :: row
-      real(wp), intent(in) :: changes(:, :), doubt(:, :), factors(4)
+      type(line_summary_t), intent(in) :: lean(:), full(:)
+      real(wp), intent(in) :: factors(4)
+      logical, intent(in), optional :: counts_spikes
+      integer, parameter :: spiked(*) = [p_max, sliding_rows]
       logical :: is_sure(2)
-      real(wp) :: error
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), error
       integer :: i
 
+      changes(:, 1) = change_between(lean(1), full(1))
+      if (size(lean) > 1) then
+         changes(:, 2) = change_between(lean(2), full(2))
+         row%unknown = 'a pressure spike may hold any part of it, or it is 0'
+      else
+         where (quantity_rows%field /= 'film_thickness') changes(:, 1) = not_known()
+         changes(:, 2) = (1 - width_on_one/widths(1))*changes(:, 1)
+      end if
+      doubt = 0.0_wp   ! relative amounts of the lean and the full contact; NaN: not known
+      doubt(spiked, 1) = quotient(lean(1)%of(spiked)%error_grid, abs(lean(1)%of(spiked)%value))
+      doubt(spiked, 2) = quotient(full(1)%of(spiked)%error_grid, abs(full(1)%of(spiked)%value))
+      if (present(counts_spikes)) doubt = merge(doubt, 0.0_wp, counts_spikes)
       row%change = not_known()
       row%error = not_known()
       row%least = 0.0_wp
-      row%unknown = 'a pressure spike may hold any part of it, or it is 0'
       do i = 1, quantity_count
          if (.not. all(ieee_is_finite(changes(i, :)))) cycle
          is_sure = ieee_is_finite(doubt(i, :))
@@ -253,18 +235,6 @@ contains
       largest = max(0.0_wp, maxval(abs(pack(change, ieee_is_finite(change) &
          .and. quantity_rows%field == 'film_thickness'))))
    end function largest_change
-
-   !> Relative amounts that spikes may add to the largest pressure and the sliding friction of the
-   !> lean (:, 1) and the full contact; 0 for other quantities, NaN: not known.
-   pure function doubt_between(lean, full) result(doubt)
-      type(line_summary_t), intent(in) :: lean, full
-      real(wp) :: doubt(quantity_count, 2)
-      integer, parameter :: rows(*) = [p_max, sliding_rows]
-
-      doubt = 0.0_wp
-      doubt(rows, 1) = quotient(lean%of(rows)%error_grid, abs(lean%of(rows)%value))
-      doubt(rows, 2) = quotient(full%of(rows)%error_grid, abs(full%of(rows)%value))
-   end function doubt_between
 
    !> Relative change of all quantities from the `full` contact to the lean one; NaN without a value
    !> to compare with.

@@ -12,73 +12,73 @@ module ablations
 
    public :: has_roughness, ingredient_t, ingredients_of, is_of_oil, is_of_surfaces, leave_out
 
-   !> Kinds of ingredients.
-   integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
-      roelands_law = 4, piezoviscosity = 5, squeeze = 9, roughness = 10, one_surface = 11, &
-      one_feature = 12
-   integer, parameter :: contact_of_asperities = 6, starvation = 7, heat = 8, &
-      heat_of_inlet = 13
+   !> Rows of the table, first those cheap to measure or most often important; and each of several
+   !> features of a surface.
+   integer, parameter, public :: roughness = 1, shear_thinning = 6, compressibility = 7, &
+      roelands_law = 8, piezoviscosity = 9, elasticity = 10, squeeze = 11, roughness_1 = 12, &
+      roughness_2 = 13, one_feature = 14
+   integer, parameter :: contact_of_asperities = 2, starvation = 3, heat = 4, heat_of_inlet = 5
 
    !> What can be left out.
    type :: ingredient_t
-      !> One of the kinds.
+      !> Row of the table; 0: a numerical choice.
       integer :: kind
       !> Name in the result, and what replaces it.
       character(len=20) :: name
       character(len=64) :: text
-      !> Surface and feature, for the last two kinds.
-      integer :: surface = 0, feature = 0
       !> Whether a quarter of it can be left out if there is no solution without all of it.
       logical :: can_reduce = .false.
+      !> Surface and number of a feature.
+      integer :: surface = 0, feature = 0
    end type ingredient_t
+
+   type(ingredient_t), parameter, public :: ingredients(*) = [ &
+      ingredient_t(roughness, 'roughness', 'smooth surfaces'), &
+      ingredient_t(contact_of_asperities, 'asperities', 'a film without asperities'), &
+      ingredient_t(starvation, 'supply', 'a flooded inlet'), &
+      ingredient_t(heat, 'heat', 'oil as warm as in the inlet'), &
+      ingredient_t(heat_of_inlet, 'inlet_heating', 'oil that sliding alone warms'), &
+      ingredient_t(shear_thinning, 'shear_thinning', 'Newtonian oil', .true.), &
+      ingredient_t(compressibility, 'compressibility', 'constant density'), &
+      ingredient_t(roelands_law, 'roelands', 'viscosity by Barus', .true.), &
+      ingredient_t(piezoviscosity, 'piezoviscosity', 'constant viscosity', .true.), &
+      ingredient_t(elasticity, 'elasticity', 'rigid bodies', .true.), &
+      ingredient_t(squeeze, 'squeeze', 'a steady solution at each time'), &
+      ingredient_t(roughness_1, 'roughness_1', 'surface 1 smooth'), &
+      ingredient_t(roughness_2, 'roughness_2', 'surface 2 smooth')]
 
 contains
 
-   !> Ingredients of a contact, first those cheap to measure or most often important. A steady
-   !> contact has no squeeze term; a point contact without elasticity has no solver.
+   !> Ingredients of a contact. A steady contact has no squeeze term; a point contact without
+   !> elasticity has no solver.
    pure function ingredients_of(contact, is_transient) result(list)
       class(rough_contact_t), intent(in) :: contact
       logical, intent(in) :: is_transient
       type(ingredient_t), allocatable :: list(:)
-      logical :: is_rough(2)
+      logical :: is_rough(2), is_there(size(ingredients))
 
-      allocate (list(0))
       is_rough = [has_roughness(contact%surface_1), has_roughness(contact%surface_2)]
-      if (any(is_rough)) list = [list, ingredient_t(roughness, 'roughness', 'smooth surfaces')]
-      select type (contact)
-      type is (line_contact_t)
-         if (allocated(contact%asperities)) list = [list, ingredient_t(contact_of_asperities, &
-            'asperities', 'a film without asperities')]
-         if (contact%supply < huge(1.0_wp)) list = [list, ingredient_t(starvation, 'supply', &
-            'a flooded inlet')]
-         if (allocated(contact%heating)) then
-            list = [list, ingredient_t(heat, 'heat', 'oil as warm as in the inlet')]
-            if (contact%heating%has_flow) list = [list, ingredient_t(heat_of_inlet, &
-               'inlet_heating', 'oil that sliding alone warms')]
-         end if
-      end select
+      is_there = .false.
+      is_there(roughness) = any(is_rough)
+      is_there(squeeze) = is_transient .and. any(is_rough)
+      is_there([roughness_1, roughness_2]) = all(is_rough)
       associate (fluid => contact%fluid)
-         if (thins(fluid)) list = [list, ingredient_t(shear_thinning, 'shear_thinning', &
-            'Newtonian oil', can_reduce=.true.)]
-         if (fluid%density_law /= density_constant) list = [list, ingredient_t(compressibility, &
-            'compressibility', 'constant density')]
-         if (fluid%viscosity_law == viscosity_roelands) list = [list, ingredient_t(roelands_law, &
-            'roelands', 'viscosity by Barus', can_reduce=.true.)]
-         if (fluid%viscosity_law /= viscosity_constant .and. fluid%alpha_bar > 0.0_wp) list = &
-            [list, ingredient_t(piezoviscosity, 'piezoviscosity', 'constant viscosity', &
-            can_reduce=.true.)]
+         is_there(shear_thinning) = thins(fluid)
+         is_there(compressibility) = fluid%density_law /= density_constant
+         is_there(roelands_law) = fluid%viscosity_law == viscosity_roelands
+         is_there(piezoviscosity) = fluid%viscosity_law /= viscosity_constant .and. &
+            fluid%alpha_bar > 0.0_wp
       end associate
       select type (contact)
       type is (line_contact_t)
-         if (contact%elasticity > 0.0_wp) list = [list, ingredient_t(elasticity, 'elasticity', &
-            'rigid bodies', can_reduce=.true.)]
+         is_there(contact_of_asperities) = allocated(contact%asperities)
+         is_there(starvation) = contact%supply < huge(1.0_wp)
+         is_there(heat) = allocated(contact%heating)
+         if (allocated(contact%heating)) is_there(heat_of_inlet) = contact%heating%has_flow
+         is_there(elasticity) = contact%elasticity > 0.0_wp
       end select
-      if (is_transient .and. any(is_rough)) list = [list, ingredient_t(squeeze, 'squeeze', &
-         'a steady solution at each time')]
-      if (all(is_rough)) list = [list, &
-         ingredient_t(one_surface, 'roughness_1', 'surface 1 smooth', surface=1), &
-         ingredient_t(one_surface, 'roughness_2', 'surface 2 smooth', surface=2)]
-      list = [list, features_of(contact%surface_1, 1), features_of(contact%surface_2, 2)]
+      list = [pack(ingredients, is_there), features_of(contact%surface_1, 1), &
+         features_of(contact%surface_2, 2)]
    end function ingredients_of
 
    !> The features of a surface with several.
@@ -93,7 +93,7 @@ contains
       if (size(surface%features) < 2) return
       do i = 1, size(surface%features)
          list = [list, ingredient_t(one_feature, 'feature_'//to_text(number)//'_'//to_text(i), &
-            'surface '//to_text(number)//' without its feature '//to_text(i), number, i)]
+            'surface '//to_text(number)//' without its feature '//to_text(i), .false., number, i)]
       end do
    end function features_of
 
@@ -105,20 +105,19 @@ contains
       if (allocated(surface%features)) has_roughness = has_roughness .or. size(surface%features) > 0
    end function has_roughness
 
-   !> Whether an ingredient belongs to the surfaces or their motion: a smooth contact says nothing
-   !> about it.
-   pure elemental logical function is_of_surfaces(ingredient)
-      type(ingredient_t), intent(in) :: ingredient
+   !> Whether a kind of ingredients belongs to the surfaces or their motion: a smooth contact says
+   !> nothing about it.
+   pure elemental logical function is_of_surfaces(kind)
+      integer, intent(in) :: kind
 
-      is_of_surfaces = any(ingredient%kind == [squeeze, roughness, one_surface, one_feature])
+      is_of_surfaces = kind == roughness .or. kind >= squeeze
    end function is_of_surfaces
 
    !> Whether the contact without an ingredient is the same but for its oil.
    pure logical function is_of_oil(ingredient)
       type(ingredient_t), intent(in) :: ingredient
 
-      is_of_oil = any(ingredient%kind == [compressibility, shear_thinning, roelands_law, &
-         piezoviscosity])
+      is_of_oil = ingredient%kind >= shear_thinning .and. ingredient%kind <= piezoviscosity
    end function is_of_oil
 
    !> Removes an ingredient from a contact, or all but a fraction `rest` of it (> 0 only if it can
@@ -148,46 +147,35 @@ contains
             end if
          case (roughness)
             call smoothen_both(contact)
-         case (one_surface)
-            if (ingredient%surface == 1) call smoothen(contact%surface_1)
-            if (ingredient%surface == 2) call smoothen(contact%surface_2)
+         case (roughness_1)
+            call smoothen(contact%surface_1)
+         case (roughness_2)
+            call smoothen(contact%surface_2)
          case (one_feature)
             if (ingredient%surface == 1) call remove(contact%surface_1, ingredient%feature)
             if (ingredient%surface == 2) call remove(contact%surface_2, ingredient%feature)
-         case (squeeze)
-            return   ! the same contact, solved in another way
-         case (elasticity, contact_of_asperities, starvation, heat, heat_of_inlet)
-            select type (contact)
-            type is (line_contact_t)   ! points have none of these
-               call leave_out_of_line(contact, ingredient%kind, rest)
-            end select
-         case default
-            error stop 'leave_out: an ingredient without its case'
+         case default   ! squeeze: the same contact, solved in another way
+            continue
          end select
       end associate
-   end subroutine leave_out
-
-   !> The same for the ingredients of line contacts alone.
-   pure subroutine leave_out_of_line(contact, kind, rest)
-      type(line_contact_t), intent(inout) :: contact
-      integer, intent(in) :: kind
-      real(wp), intent(in) :: rest
-
-      select case (kind)
-      case (elasticity)
-         contact%elasticity = rest*contact%elasticity
-      case (contact_of_asperities)
-         if (allocated(contact%asperities)) deallocate (contact%asperities)
-      case (starvation)
-         contact%supply = huge(1.0_wp)
-      case (heat)
-         if (allocated(contact%heating)) deallocate (contact%heating)
-      case (heat_of_inlet)
-         if (allocated(contact%heating)) contact%heating%has_flow = .false.
-      case default
-         error stop 'leave_out_of_line: an ingredient without its case'
+      select type (contact)
+      type is (line_contact_t)   ! points have none of these
+         select case (ingredient%kind)
+         case (elasticity)
+            contact%elasticity = rest*contact%elasticity
+         case (contact_of_asperities)
+            if (allocated(contact%asperities)) deallocate (contact%asperities)
+         case (starvation)
+            contact%supply = huge(1.0_wp)
+         case (heat)
+            if (allocated(contact%heating)) deallocate (contact%heating)
+         case (heat_of_inlet)
+            if (allocated(contact%heating)) contact%heating%has_flow = .false.
+         case default   ! above
+            continue
+         end select
       end select
-   end subroutine leave_out_of_line
+   end subroutine leave_out
 
    !> Removes one feature from a surface.
    pure subroutine remove(surface, feature)

@@ -8,10 +8,11 @@
 !> are the error estimates of the result.
 module adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kinds, only: exceeds, not_known, quotient, wp
+   use ablations, only: ingredient_t
+   use kinds, only: exceeds, larger, not_known, quotient, wp
    use line_contact, only: line_contact_t, time_settings_t, without_surfaces
    use line_summary, only: line_summary_t
-   use quantities, only: h_min, p_central, quantity_count, quantity_rows
+   use quantities, only: p_central, quantity_count, quantity_rows
    use text, only: joined
    implicit none (type, external)
    private
@@ -27,26 +28,26 @@ module adequacy
 
    !> Relative error that counts without a target, and the share of it below which a change is
    !> irrelevant.
-   real(wp), parameter, public :: usual_accuracy = 0.01_wp
+   real(wp), parameter :: usual_accuracy = 0.01_wp
    real(wp), parameter :: irrelevant_share = 0.1_wp
 
    !> Why a change is not known.
-   character(len=*), parameter, public :: no_solution = &
-      'coarse grids have no solution without it'
+   character(*), parameter, public :: no_solution = 'coarse grids have no solution without it', &
+      too_costly = 'measuring it would cost more than is allowed'
+   !> Whence the errors of numerical choices.
+   character(*), parameter, public :: from_estimates = 'error estimates of the result'
 
    !> An ingredient or a numerical choice, and the verdict on it.
-   type :: influence_t
-      character(len=20) :: name = ''
-      !> What replaced it.
-      character(len=64) :: text = ''
+   type, extends(ingredient_t) :: influence_t
       !> Whether it is a numerical choice, whose change is the error estimate of the result.
       logical :: is_numerical = .false.
       integer :: verdict = verdict_unknown
       !> Why the change of some quantity is not known, and why the verdict is not although all
-      !> changes are.
-      character(len=80) :: unknown = 'measuring it would cost more than is allowed'
+      !> changes are; where the changes come from.
+      character(len=80) :: unknown = too_costly
       character(len=80) :: doubt = &
          'with their errors the changes lie on both sides of the accuracy'
+      character(len=80) :: measured_on = 'the case on coarser grids'
       !> Relative change of each quantity and its error, in the order of the table of the
       !> quantities, lubricated or dry; NaN: not known.
       real(wp) :: change(quantity_count), error(quantity_count)
@@ -54,9 +55,11 @@ module adequacy
       real(wp) :: least(quantity_count) = 0.0_wp
       !> Fraction that was left out.
       real(wp) :: left_out = 1.0_wp
-      !> Of a transient: whether it was measured on the smooth steady contact, and whether the error
-      !> includes the effect of roughness.
-      logical :: is_at_rest = .false., has_roughness = .false.
+      !> Of a transient: whether it was measured on the smooth steady contact; whether it is yet to
+      !> be measured.
+      logical :: is_at_rest = .false., is_open = .true.
+      !> Before the run: row of `reasons` to keep it or to leave it out.
+      integer :: why = 1
    end type influence_t
 
    !> Whether a quantity is compared: those of the closing table, where the largest pressure also
@@ -87,13 +90,13 @@ module adequacy
       !> Intervals of the two grids on which changes were measured, at rest and in time; 0: none
       !> were.
       integer :: at_rest(2) = 0, in_time(2) = 0
-      !> Of a dry contact: mean pressure of the measurement, the largest of the sweep [Pa]; spacing
-      !> of the first grid over that of the result.
-      real(wp) :: mean_pressure = 0.0_wp, ratio = 1.0_wp
+      !> Of a dry contact: mean pressure of the measurement, the largest of the sweep [Pa].
+      real(wp) :: mean_pressure = 0.0_wp
    end type adequacy_t
 
    !> Why an ingredient is kept or left out, short for the closing table and in full.
    type :: reason_t
+      character(len=8) :: decision
       character(len=22) :: short
       character(len=72) :: text
    end type reason_t
@@ -102,18 +105,20 @@ module adequacy
       too_high = 4, not_measured = 5, may_matter = 6, changes_little = 7, goes_along = 8, &
       wanted = 9, at_rest = 10, start_counts = 11, never_steady = 12
    type(reason_t), parameter, public :: reasons(*) = [ &
-      reason_t('cheap at rest', 'a steady contact is solved faster than measured'), &
-      reason_t('no cheaper without', 'a time step without it costs as much'), &
-      reason_t('no cheaper without', 'steady solutions at all places cost as much as time steps'), &
-      reason_t('too high', 'the roughness is too high for the film to leave it out'), &
-      reason_t('not measured', 'its influence could not be measured on coarse grids'), &
-      reason_t('may matter', 'it may change more than a quarter of the target'), &
-      reason_t('', 'it surely changes less than a quarter of the target'), &
-      reason_t('with roughness', 'it belongs to the roughness, which is left out'), &
-      reason_t('passage is wanted', 'film_thresholds and checkpoints need the passage'), &
-      reason_t('at rest', 'nothing that is rough moves, and the start is forgotten'), &
-      reason_t('the start counts', 'the quantities count from before the start is forgotten'), &
-      reason_t('stops or reverses', 'the contact stops or reverses: no steady film there')]
+      reason_t('kept', 'cheap at rest', 'a steady contact is solved faster than measured'), &
+      reason_t('kept', 'no cheaper without', 'a time step without it costs as much'), &
+      reason_t('kept', 'no cheaper without', &
+         'steady solutions at all places cost as much as time steps'), &
+      reason_t('kept', 'too high', 'the roughness is too high for the film to leave it out'), &
+      reason_t('kept', 'not measured', 'its influence could not be measured on coarse grids'), &
+      reason_t('kept', 'may matter', 'it may change more than a quarter of the target'), &
+      reason_t('left out', '', 'it surely changes less than a quarter of the target'), &
+      reason_t('left out', 'with roughness', 'it belongs to the roughness, which is left out'), &
+      reason_t('kept', 'passage is wanted', 'film_thresholds and checkpoints need the passage'), &
+      reason_t('left out', 'at rest', 'nothing that is rough moves, and the start is forgotten'), &
+      reason_t('kept', 'the start counts', &
+         'the quantities count from before the start is forgotten'), &
+      reason_t('kept', 'stops or reverses', 'the contact stops or reverses: no steady film there')]
 
    !> A number of the solution that was chosen or given.
    type :: number_choice_t
@@ -125,16 +130,21 @@ module adequacy
       character(len=40) :: text
    end type number_choice_t
 
+   !> What is solved.
+   integer, parameter, public :: solves_all = 1, solves_smooth = 2, solves_rough = 3, &
+      solves_moments = 4
+   character(*), parameter, public :: solved_texts(*) = [character(len=64) :: &
+      'the case with every ingredient', &
+      'the steady contact with smooth surfaces, in place of the passage', &
+      'the steady contact with its roughness, in place of the passage', &
+      'the steady contact of each moment, without squeeze']
+
    !> The decision on each ingredient.
    type :: model_choice_t
       !> Not allocated: there was nothing to decide. Changes are known if they were measured.
       type(influence_t), allocatable :: rows(:)
-      logical, allocatable :: is_left_out(:)
-      !> Rows of `reasons`.
-      integer, allocatable :: why(:)
-      !> Whether the transient is solved as a steady contact, and that with smooth surfaces; as a
-      !> steady contact at each moment.
-      logical :: is_steady = .false., is_smooth = .false., is_quasi_steady = .false.
+      !> One of the above.
+      integer :: solved = solves_all
       !> Bound on the relative change of each quantity by what is left out; NaN: not known.
       real(wp) :: influence(quantity_count) = 0.0_wp
       !> Intervals of the grids on which it was measured; 0: it was not.
@@ -194,27 +204,21 @@ contains
    end function why_unknown
 
    !> A row of which nothing is known yet.
-   pure elemental function new_influence(name, text) result(row)
-      character(*), intent(in) :: name, text
+   pure elemental function new_influence(ingredient) result(row)
+      type(ingredient_t), intent(in) :: ingredient
       type(influence_t) :: row
 
-      row%name = name
-      row%text = text
+      row%ingredient_t = ingredient
       row%change = not_known()
       row%error = not_known()
    end function new_influence
 
-   !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of
-   !> h_min in `summary` if that is larger.
-   pure real(wp) function accuracy_for(target, summary) result(accuracy)
-      real(wp), intent(in) :: target
-      type(line_summary_t), intent(in) :: summary
+   !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimated
+   !> relative `error` of the result if that is known and larger.
+   pure real(wp) function accuracy_for(target, error) result(accuracy)
+      real(wp), intent(in) :: target, error
 
-      accuracy = usual_accuracy
-      associate (film => summary%of(h_min))
-         if (ieee_is_finite(film%error_estimate)) accuracy = max(usual_accuracy, &
-            film%error_estimate/abs(film%value))
-      end associate
+      accuracy = larger(usual_accuracy, error)
       if (target > 0.0_wp) accuracy = target
    end function accuracy_for
 
@@ -226,18 +230,21 @@ contains
       integer :: i
 
       if (.not. allocated(self%rows)) return
-      self%rows = [self%rows, numerical('grid', 'limit of fine grids and time steps', &
-         summary%of%error_grid, summary), numerical('domain', 'domain without end', &
-         summary%of%error_domain, summary), numerical('iteration', 'exact discrete solution', &
-         summary%of%error_iteration, summary)]
+      associate (of => summary%of)
+         self%rows = [self%rows, &
+            numerical('grid', 'limit of fine grids and time steps', of%error_grid, of%value), &
+            numerical('domain', 'domain without end', of%error_domain, of%value), &
+            numerical('iteration', 'exact discrete solution', of%error_iteration, of%value)]
+      end associate
       if (allocated(self%time_step)) self%rows = [self%rows, bounded(self%time_step, &
          self%rows(size(self%rows) - 2))]
       do i = 1, size(self%rows)
          associate (row => self%rows(i))
             row%verdict = verdict_on(row, self%accuracy)
             if (row%left_out < 1.0_wp) row%doubt = 'all of it may change more or less than a part'
-            if (row%is_at_rest) row%doubt = &
-               'the smooth steady contact only shows what is clearly needed in a passage'
+            if (.not. row%is_at_rest) cycle
+            row%measured_on = 'the smooth steady contact on coarser grids'
+            row%doubt = 'the smooth steady contact only shows what is clearly needed in a passage'
          end associate
       end do
    end subroutine judge
@@ -257,17 +264,18 @@ contains
       end where
    end function bounded
 
-   !> A numerical choice with estimated errors `errors` (quantity_count).
-   pure function numerical(name, text, errors, summary) result(row)
+   !> A numerical choice with the estimated `errors` of `values` of a result, both
+   !> (quantity_count).
+   pure function numerical(name, text, errors, values) result(row)
       character(*), intent(in) :: name, text
-      real(wp), intent(in) :: errors(:)
-      type(line_summary_t), intent(in) :: summary
+      real(wp), intent(in) :: errors(:), values(:)
       type(influence_t) :: row
 
-      row = new_influence(name, text)
+      row = new_influence(ingredient_t(0, name, text))
       row%is_numerical = .true.
       row%unknown = 'there is no error estimate: no_estimate in /summary says why'
-      row%change = quotient(errors, abs(summary%of%value))
+      row%measured_on = from_estimates
+      row%change = quotient(errors, abs(values))
       where (ieee_is_finite(row%change)) row%error = 0.0_wp
    end function numerical
 
@@ -277,41 +285,37 @@ contains
       real(wp), intent(in) :: accuracy
       logical :: is_known(quantity_count)
 
-      verdict = verdict_unknown
       is_known = ieee_is_finite(row%change) .and. compared
-      if (.not. any(is_known)) return
-      if (row%is_at_rest) then
-         if (is_plainly_needed(row, accuracy)) verdict = verdict_needed
-      else if (any(row%least > row%left_out*accuracy)) then
-         verdict = verdict_needed
-      else
-         ! a fraction of an ingredient is extrapolated at its rate to all of it
-         verdict = verdict_of(pack(row%change, is_known)/row%left_out, &
-            pack(row%error, is_known)/row%left_out, accuracy)
-      end if
+      ! a fraction of an ingredient is extrapolated at its rate to all of it
+      verdict = verdict_of(pack(row%change, is_known)/row%left_out, &
+         pack(row%error, is_known)/row%left_out, accuracy)
+      if (any(row%least > row%left_out*accuracy)) verdict = verdict_needed
+      if (row%is_at_rest) verdict = merge(verdict_needed, verdict_unknown, &
+         is_plainly_needed(row, accuracy))
       ! all of it may matter more, or a change with a large lower bound
       if (verdict /= verdict_needed .and. (row%left_out < 1.0_wp &
          .or. any(row%least > irrelevant_share*accuracy))) verdict = verdict_unknown
+      if (.not. any(is_known)) verdict = verdict_unknown
    end function verdict_on
 
    !> Decides whether a `row` of the smooth steady contact leaves the transient open: not if its
    !> change is too large to be small there, nor if the influence of `roughness` cannot alter the
    !> verdict. Changes c and r combine to (1 + c)(1 + r)/(1 + r') - 1 in the transient, r' that of
    !> roughness without the ingredient; the error is widened accordingly.
-   pure subroutine judge_at_rest(row, roughness, accuracy, is_open)
+   pure subroutine judge_at_rest(row, roughness, accuracy)
       type(influence_t), intent(inout) :: row
       type(influence_t), intent(in) :: roughness
       real(wp), intent(in) :: accuracy
-      logical, intent(out) :: is_open
       type(influence_t) :: plain, wider, worst
       real(wp) :: rough(quantity_count)
 
-      is_open = .not. is_plainly_needed(row, accuracy)
-      if (.not. is_open .or. roughness%is_at_rest .or. row%left_out < 1.0_wp) return
+      row%is_open = .not. is_plainly_needed(row, accuracy)
+      if (.not. row%is_open .or. roughness%is_at_rest .or. row%left_out < 1.0_wp) return
       plain = row
       plain%is_at_rest = .false.
       wider = plain
-      wider%has_roughness = .true.
+      wider%measured_on = 'the smooth steady contact on coarser grids, with the error that '// &
+         'roughness adds'
       wider%error = not_known()
       wider%unknown = 'roughness changes too much for the smooth steady contact to tell'
       rough = abs(roughness%change) + roughness%error
@@ -324,8 +328,8 @@ contains
       ! it may be irrelevant in the transient, too
       if (verdict_on(worst, accuracy) == verdict_small .and. verdict_on(plain, accuracy) &
          == verdict_irrelevant) return
-      is_open = .false.
       row = wider
+      row%is_open = .false.
    end subroutine judge_at_rest
 
    !> Whether a change of the smooth steady contact is too large to be small in a transient.
@@ -345,16 +349,16 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(time_settings_t), intent(inout) :: time
 
-      if (choice%is_quasi_steady) then
+      if (choice%solved == solves_moments) then
          time%scheme = 'quasi_steady'
          time%tolerance = 0.0_wp
+      else if (choice%solved /= solves_all) then
+         time = time_settings_t()
+         ! nothing enters any more
+         contact%surface_1%entry_length = 0.0_wp
+         contact%surface_2%entry_length = 0.0_wp
+         if (choice%solved == solves_smooth) contact = without_surfaces(contact)
       end if
-      if (.not. choice%is_steady) return
-      time = time_settings_t()
-      ! nothing enters any more
-      contact%surface_1%entry_length = 0.0_wp
-      contact%surface_2%entry_length = 0.0_wp
-      if (choice%is_smooth) contact = without_surfaces(contact)
    end subroutine apply_model
 
 end module adequacy

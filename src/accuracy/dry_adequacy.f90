@@ -11,8 +11,10 @@ module dry_adequacy
       with_elements, without_fine_harmonics, without_images, without_rows, without_yield
    use kinds, only: exceeds, larger, not_known, quotient, wp
    use roughness, only: power_spectrum
-   use text, only: to_text
-   use adequacy, only: adequacy_t, influence_t, new_influence, usual_accuracy, verdict_of
+   use text, only: number_text, to_text
+   use ablations, only: ingredient_t
+   use adequacy, only: accuracy_for, adequacy_t, from_estimates, influence_t, new_influence, &
+      verdict_of
    implicit none (type, external)
    private
 
@@ -21,7 +23,7 @@ module dry_adequacy
    !> Quantities that are compared.
    integer, parameter, public :: compared(*) = [contact_area, mean_separation, p_max]
    !> Spacing of the second grid over that of the first.
-   real(wp), parameter, public :: coarsening = 2.0_wp
+   real(wp), parameter :: coarsening = 2.0_wp
 
    !> Error measure to which contacts are solved.
    real(wp), parameter :: tolerance = 1.0e-6_wp
@@ -75,11 +77,12 @@ contains
       is_open = record%sweep%grid%kernel == kernel_open
       if (.not. (has_parabola .or. is_open)) harmonics = harmonics_of(record)
       ! images need another kernel, with them and without
-      adequacy%ratio = affordable_ratio(record, heaviest, count([can_yield .and. &
-         yields(record%outcome%rows(heaviest)), harmonics > 0, has_parabola, has_parabola]))
-      setting = dry_setting_t(adequacy%ratio, tolerance, number=harmonics, load=heaviest)
-      grid = new_influence('grid', 'the limit of fine grids')
+      setting = dry_setting_t(affordable_ratio(record, heaviest, count([can_yield .and. &
+         yields(record%outcome%rows(heaviest)), harmonics > 0, has_parabola, has_parabola])), &
+         tolerance, number=harmonics, load=heaviest)
+      grid = new_influence(ingredient_t(0, 'grid', 'the limit of fine grids'))
       grid%is_numerical = .true.
+      grid%measured_on = from_estimates
       grid%unknown = 'there is no error estimate'
       grid%error = 0.0_wp
       if (allocated(record%outcome%errors)) grid%change(compared) = quotient( &
@@ -94,9 +97,7 @@ contains
       if (record%sweep%grid%ny > 1 .and. .not. record%sweep%loads%has_history) call add( &
          without_rows, 'area', 'the mean of '//to_text(profiles)//' profiles along x', no_solution)
       if (allocated(record%outcome%errors)) adequacy%rows = [adequacy%rows, grid]
-      if (allocated(record%outcome%errors)) adequacy%accuracy = larger(usual_accuracy, &
-         grid%change(contact_area))
-      if (target > 0.0_wp) adequacy%accuracy = target
+      adequacy%accuracy = accuracy_for(target, grid%change(contact_area))
       ! nodes in contact are counted: a change of 0 may be anything within its error
       associate (rows => adequacy%rows)
          do i = 1, size(rows)
@@ -113,25 +114,27 @@ contains
          character(*), intent(in) :: name, instead, unknown
          type(influence_t) :: row
 
-         row = new_influence(name, instead)
+         row = new_influence(ingredient_t(part, name, instead))
          row%unknown = unknown
          if (part == without_rows) then
+            row%measured_on = 'the nodes of the result'
             call compare_profiles(record, heaviest, row)
          else
-            call ablate(record, part, setting, full, grid%change(compared), row)
+            row%measured_on = 'grids with '//number_text(setting%ratio, 3)//' and '// &
+               number_text(coarsening*setting%ratio, 3)//' times the spacing'
+            call ablate(record, setting, full, grid%change(compared), row)
          end if
          adequacy%rows = [adequacy%rows, row]
       end subroutine add
 
    end subroutine measure_dry_adequacy
 
-   !> Fills the `row` of leaving out `part` on the grid of `setting` and a coarser one; `full`: with
+   !> Fills the `row` of leaving out a part on the grid of `setting` and a coarser one; `full`: with
    !> all parts on both, 0 nodes until it is known; `doubt`: relative errors of the result by its
    !> grid. If nothing yields, the changes without hardness are 0, and their error is the share by
    !> which the largest pressure may exceed the hardness within its error bar.
-   subroutine ablate(record, part, setting, full, doubt, row)
+   subroutine ablate(record, setting, full, doubt, row)
       type(dry_record_t), intent(inout) :: record
-      integer, intent(in) :: part
       type(dry_setting_t), intent(in) :: setting
       type(dry_row_t), intent(inout) :: full(2)
       real(wp), intent(in) :: doubt(:)
@@ -143,7 +146,7 @@ contains
       integer :: g
 
       associate (outcome => record%outcome, load => setting%load)
-         if (part == without_yield .and. .not. yields(outcome%rows(load))) then
+         if (row%kind == without_yield .and. .not. yields(outcome%rows(load))) then
             row%change(compared) = 0.0_wp
             row%error(compared) = 0.0_wp
             if (.not. allocated(outcome%errors)) return
@@ -157,14 +160,14 @@ contains
       do g = 2, 1, -1
          one = setting
          one%ratio = setting%ratio*coarsening**(g - 1)
-         if (part == without_images) one%without = with_elements
+         if (row%kind == without_images) one%without = with_elements
          with = full(g)
-         if (part == without_images .or. with%nodes == 0) then
+         if (row%kind == without_images .or. with%nodes == 0) then
             call record%run(one, found)
             with = found(1)
          end if
-         if (part /= without_images) full(g) = with
-         one%without = part
+         if (row%kind /= without_images) full(g) = with
+         one%without = row%kind
          without = with
          if (with%is_converged) then
             call record%run(one, found)
@@ -176,12 +179,12 @@ contains
       if (ieee_is_finite(error_of_change(1))) then
          edges = deviations*edge_deviation(with%edges(1) + without%edges(1), with)
          ! yielding changes the area by less than the largest pressure (by a third in 70 contacts)
-         if (part == without_yield .and. all(ieee_is_finite([edges, changes(:, 1), &
+         if (row%kind == without_yield .and. all(ieee_is_finite([edges, changes(:, 1), &
             error_of_change]))) edges = min(edges, abs(changes(3, 1)) + error_of_change(3))
          error_of_change(1) = larger(error_of_change(1), edges)
       end if
       ! a grid on which nothing yields has another contact than the result
-      if (part == without_yield .and. .not. yields(with)) changes(:, 1) = not_known()
+      if (row%kind == without_yield .and. .not. yields(with)) changes(:, 1) = not_known()
       ! changes that follow as 0 from the contact are exact
       where (exceeds(error_of_change, 0.0_wp)) error_of_change = larger(error_of_change, &
          grid_share*doubt)

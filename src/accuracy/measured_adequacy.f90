@@ -7,10 +7,11 @@
 !> take one steady solution on each grid; without the squeeze term, steady solutions follow the
 !> waves. With `adequacy%is_full` whatever remains open is run in time on n/2 and n/4, at any cost.
 module measured_adequacy
-   use ablation_runs, only: by_larger_step, by_scheme, change_between, doubt_between, &
-      measure_at_rest, set_change, set_step_error, widths
-   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out, roughness, squeeze
-   use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence
+   use ablation_runs, only: by_larger_step, by_scheme, measure_at_rest, set_change, &
+      set_step_error, widths
+   use ablations, only: ingredient_t, ingredients, ingredients_of, is_of_surfaces, leave_out, &
+      roughness, squeeze
+   use adequacy, only: adequacy_t, influence_t, judge_at_rest, new_influence, too_costly
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t
    use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment, solution_t
@@ -24,7 +25,6 @@ module measured_adequacy
    use listener, only: listener_t
    use passage_times, only: new_passage_times, passage_times_t
    use pressure_errors, only: doubt_spike
-   use quantities, only: quantity_count
    use wave_resolution, only: node_spacing, steps_in_wave
    implicit none (type, external)
    private
@@ -93,28 +93,28 @@ contains
       type(line_contact_t) :: even
       type(line_state_t) :: on_even
       type(passage_pair_t) :: pair
-      logical :: always_moves, is_known
+      logical :: always_moves
 
       call listener%on_stage('measuring what each ingredient changes')
       associate (contact => solved%experiment%contact, n => real(size(state%x) - 1, wp), &
          budget => adequacy%budget)
          if (allocated(contact%duty)) then   ! the steady contact of each moment
             always_moves = contact%duty%always_moves(0.0_wp)
-            adequacy%rows = [new_influence('squeeze', 'a steady solution at each time')]
+            adequacy%rows = [new_influence(ingredients(squeeze))]
             adequacy%rows%unknown = merge(no_grids, no_film_at_rest, always_moves)
             pair = pair_of(solved, 2)
             pair%counts_spikes = .false.
-            if (pair%is_known .and. always_moves) call measure_change(pair, ingredient_t(squeeze, &
-               'squeeze', ''), adequacy%rows(1), is_known, listener)
+            if (pair%is_known .and. always_moves) call measure_change(pair, adequacy%rows(1), &
+               listener)
          else if (solved%experiment%time%is_transient) then
             budget = march_weight*n*solved%newton_steps
             if (solved%bars%grids > 0) budget = budget*(merge(2, 1, &
                solved%bars%is_first_order) + coarse_share)
             budget = max(share*budget, small_run)
-            call measure_passage(solved, ingredients_of(contact, is_transient=.true.), adequacy, &
-               listener)
+            call measure_passage(solved, adequacy, listener)
          else
             budget = max(share*steady_steps*n, small_run)
+            adequacy%rows = new_influence(ingredients_of(contact, is_transient=.false.))
             even = contact
             on_even = state
             if (contact%domain%grid == 'graded') then
@@ -136,72 +136,64 @@ contains
       cost = coarse_share*count(list%kind /= roughness .and. list%kind /= squeeze)
    end function full_cost
 
-   !> Measures the ingredients of a transient, the rows of the `list`: those of oil and bodies at
-   !> rest, those known from the runs of the error bars, and the others in time if asked for.
-   subroutine measure_passage(solved, list, adequacy, listener)
+   !> Measures the ingredients of a transient: those of oil and bodies at rest, those known from the
+   !> runs of the error bars, and the others in time if asked for.
+   subroutine measure_passage(solved, adequacy, listener)
       type(solved_t), intent(in) :: solved
-      type(ingredient_t), intent(in) :: list(:)
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
-      type(passage_pair_t) :: fine, coarse
+      type(passage_pair_t) :: coarse, fine
       type(influence_t) :: rough
-      logical :: is_known, is_open(size(list))
       integer :: i
 
-      call measure_smooth(solved%experiment, list, adequacy, listener)
+      call measure_smooth(solved%experiment, adequacy, listener)
       if (listener%is_stopping) return
       if (adequacy%is_full) adequacy%budget = huge(adequacy%budget)
       fine = pair_of(solved, 1)
       coarse = pair_of(solved, 2)
-      is_open = .true.   ! which ingredients remain unknown
-      rough = new_influence('', '')
-      i = findloc(list%kind, roughness, 1)
+      rough = new_influence(ingredients(roughness))
+      i = findloc(adequacy%rows%kind, roughness, 1)
       if (i > 0) then
          if (all([fine%is_known, adequacy%budget >= steps_to_start*sum(fine%runs%contact%domain &
-            %intervals)])) then
-            call measure_change(fine, list(i), adequacy%rows(i), is_known, listener)
-            is_open(i) = .not. is_known
-         end if
+            %intervals)])) call measure_change(fine, adequacy%rows(i), listener)
          adequacy%budget = adequacy%budget - fine%work
          rough = adequacy%rows(i)
       end if
-      do i = 1, size(list)
-         if (.not. is_of_surfaces(list(i))) call judge_at_rest(adequacy%rows(i), rough, &
-            adequacy%accuracy, is_open(i))
+      do i = 1, size(adequacy%rows)
+         if (.not. is_of_surfaces(adequacy%rows(i)%kind)) call judge_at_rest(adequacy%rows(i), &
+            rough, adequacy%accuracy)
       end do
       if (adequacy%is_full) then
          if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, listener)
          if (coarse%is_known) adequacy%in_time = coarse%runs%contact%domain%intervals
       end if
       if (listener%is_stopping) return
-      adequacy%time_step = new_influence('time_step', 'limit of small time steps')
+      adequacy%time_step = new_influence(ingredient_t(0, 'time_step', 'limit of small time steps'))
       call measure_time_step(solved, coarse, adequacy%budget, adequacy%time_step, listener)
-      do i = 1, size(list)
-         if (is_open(i)) call measure_open(list(i), fine, coarse, adequacy, i, listener)
+      do i = 1, size(adequacy%rows)
+         if (listener%is_stopping) return
+         if (adequacy%rows(i)%is_open) call measure_open(fine, coarse, adequacy, i, listener)
       end do
    end subroutine measure_passage
 
-   !> Measures an ingredient that is still open, row `i`: the squeeze term on the coarse pair within
-   !> the budget (on the fine one if there is no other, or for a full measurement), others on the
-   !> coarse pair for a full measurement.
-   subroutine measure_open(ingredient, fine, coarse, adequacy, i, listener)
-      type(ingredient_t), intent(in) :: ingredient
+   !> Measures row `i`, still open: the squeeze term on the coarse pair within the budget (on the
+   !> fine one if there is no other, or for a full measurement), others on the coarse pair for a
+   !> full measurement.
+   subroutine measure_open(fine, coarse, adequacy, i, listener)
       type(passage_pair_t), intent(in) :: fine, coarse
       type(adequacy_t), intent(inout) :: adequacy
       integer, intent(in) :: i
       class(listener_t), intent(inout), target :: listener
       type(passage_pair_t) :: pair
-      logical :: is_known
+      logical :: is_enough
 
-      if (listener%is_stopping) return
       pair = coarse
-      is_known = adequacy%is_full
-      if (ingredient%kind == squeeze) then
+      is_enough = adequacy%is_full
+      if (adequacy%rows(i)%kind == squeeze) then
          if (fine%is_known .and. (adequacy%is_full .or. .not. pair%is_known)) pair = fine
-         if (pair%is_known) call limit_places(pair, adequacy%budget, is_known)
+         if (pair%is_known) call limit_places(pair, adequacy%budget, is_enough)
       end if
-      if (is_known .and. pair%is_known) call measure_change(pair, ingredient, adequacy%rows(i), &
-         is_known, listener)
+      if (is_enough .and. pair%is_known) call measure_change(pair, adequacy%rows(i), listener)
    end subroutine measure_open
 
    !> The transient on `factor` and 2 `factor` times fewer intervals by the second-order scheme, as
@@ -235,6 +227,7 @@ contains
       logical :: is_first_order
 
       row%is_numerical = .true.
+      row%measured_on = 'runs of the error estimates, or a coarse grid with twice its time step'
       is_first_order = solved%experiment%time%scheme == 'backward_euler'
       if (.not. coarse%is_known .or. (is_first_order .and. solved%bars%grids < 2)) then
          row%unknown = 'there is no error estimate, or a coarse grid does not see all waves'
@@ -256,16 +249,15 @@ contains
    end subroutine measure_time_step
 
    !> Creates the rows and measures the ingredients of oil and bodies on the smooth steady contact.
-   subroutine measure_smooth(experiment, list, adequacy, listener)
+   subroutine measure_smooth(experiment, adequacy, listener)
       type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: list(:)
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
       type(outcome_t) :: outcome
       type(solution_t) :: solution
       type(line_contact_t) :: contact
 
-      adequacy%rows = new_influence(list%name, list%text)
+      adequacy%rows = new_influence(ingredients_of(experiment%contact, is_transient=.true.))
       adequacy%rows%unknown = merge(no_grids, only_full, adequacy%is_full)
       contact = without_surfaces(experiment%contact)
       associate (n => contact%domain%intervals)
@@ -280,8 +272,11 @@ contains
          adequacy%budget = adequacy%budget - steps_to_start*n
       end associate
       adequacy%ends_early = .true.
+      adequacy%rows%is_open = .not. is_of_surfaces(adequacy%rows%kind)
+      where (adequacy%rows%is_open) adequacy%rows%unknown = too_costly
       call measure_at_rest(contact, solution%state, adequacy, listener)
-      adequacy%rows%is_at_rest = .not. is_of_surfaces(list)
+      adequacy%rows%is_at_rest = adequacy%rows%is_open
+      adequacy%rows%is_open = .true.
    end subroutine measure_smooth
 
    !> The transient of `experiment` on `factors` times fewer intervals, not run yet.
@@ -324,54 +319,44 @@ contains
       end associate
    end function sees_all
 
-   !> Measures the change without an ingredient and its error; `is_known`: both grids have a
-   !> solution without it.
-   subroutine measure_change(pair, ingredient, row, is_known, listener)
+   !> Measures the change without the ingredient of a `row`, and its error; the row stays open
+   !> unless both grids have a solution without it.
+   subroutine measure_change(pair, row, listener)
       type(passage_pair_t), intent(inout) :: pair
-      type(ingredient_t), intent(in) :: ingredient
       type(influence_t), intent(inout) :: row
-      logical, intent(out) :: is_known
       class(listener_t), intent(inout), target :: listener
       type(passage_pair_t) :: lean
-      type(line_summary_t) :: one, other
-      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), dx
+      type(line_summary_t) :: full(2)
       integer :: g
 
       lean = pair
       do g = 1, 2
-         call leave_out(lean%runs(g)%contact, ingredient, 0.0_wp)
+         call leave_out(lean%runs(g)%contact, row%ingredient_t, 0.0_wp)
          associate (intervals => lean%runs(g)%contact%domain%intervals)
             ! too few for the leaner film: no run
             if (intervals < coarsest_for_film(lean%runs(g)%contact, min_intervals)) intervals = 0
          end associate
       end do
-      if (ingredient%kind == squeeze) then   ! the steady contact of each moment
+      if (row%kind == squeeze) then   ! the steady contact of each moment
          lean%runs%time%scheme = 'quasi_steady'
          lean%runs%time%tolerance = 0.0_wp
       end if
       ! smooth surfaces: the same at all times
-      if (ingredient%kind == roughness) lean%runs%time%time_step = lean%runs%time%end_time
+      if (row%kind == roughness) lean%runs%time%time_step = lean%runs%time%end_time
       call run_pair(lean, listener)
       pair%work = lean%work
-      is_known = lean%is_known
-      if (.not. is_known) return
-      do g = 1, 2
-         changes(:, g) = change_between(lean%full(g), pair%full(g))
-      end do
-      doubt = 0.0_wp
+      if (.not. lean%is_known) return
+      full = pair%full
       if (pair%counts_spikes) then
-         one = pair%full(1)
-         other = lean%full(1)
          associate (contact => pair%runs(1)%contact)
-            dx = node_spacing(contact)
-            call doubt_spike(contact%fluid, contact%lambda, dx, one)
-            call doubt_spike(contact%fluid, contact%lambda, dx, other)
+            call doubt_spike(contact%fluid, contact%lambda, node_spacing(contact), full(1))
+            call doubt_spike(contact%fluid, contact%lambda, node_spacing(contact), lean%full(1))
          end associate
-         doubt = doubt_between(other, one)
       end if
+      row%is_open = .false.
       row%is_at_rest = .false.
       row%left_out = 1.0_wp
-      call set_change(row, changes, doubt, pair%widths)
+      call set_change(row, lean%full, full, pair%widths, pair%counts_spikes)
    end subroutine measure_change
 
    !> Limits the number of positions at which the waves of a pair are solved, equal on both grids,

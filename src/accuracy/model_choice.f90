@@ -11,9 +11,10 @@ module model_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: has_roughness, ingredient_t, ingredients_of, is_of_surfaces, roughness, &
       squeeze
-   use adequacy, only: at_rest, changes_little, cheap_in_motion, cheap_passage, cheap_steady, &
-      compared, goes_along, may_matter, model_choice_t, never_steady, new_influence, &
-      not_measured, start_counts, too_high, wanted
+   use adequacy, only: at_rest, changes_little, cheap_in_motion, cheap_passage, compared, &
+      cheap_steady, goes_along, may_matter, model_choice_t, never_steady, &
+      new_influence, not_measured, solves_moments, solves_rough, solves_smooth, start_counts, &
+      too_high, wanted
    use entry_zone, only: is_moving
    use contact_moment, only: film_estimate
    use experiment, only: coarser, experiment_t
@@ -57,98 +58,78 @@ contains
       type(model_choice_t), intent(out) :: choice
       class(listener_t), intent(inout), target :: listener
       type(experiment_t) :: whole
-      type(ingredient_t), allocatable :: list(:)
       integer :: i, kind
 
-      list = ingredients_of(experiment%contact, experiment%time%is_transient)
-      ! of smooth surfaces the squeeze term is decided on without a measurement
-      if (experiment%time%is_transient .and. .not. any(list%kind == squeeze)) list = [list, &
-         ingredient_t(squeeze, 'squeeze', 'the steady solution')]
-      choice%rows = new_influence(list%name, list%text)
-      allocate (choice%is_left_out(size(list)), source=.false.)
-      allocate (choice%why(size(list)), source=cheap_steady)
+      choice%rows = new_influence(ingredients_of(experiment%contact, experiment%time%is_transient))
       if (.not. experiment%time%is_transient) return
-      choice%why = wanted
+      ! of smooth surfaces the squeeze term is decided on without a measurement
+      if (.not. any(choice%rows%kind == squeeze)) choice%rows = [choice%rows, &
+         new_influence(ingredient_t(squeeze, 'squeeze', 'the steady solution'))]
+      choice%rows%why = wanted
       if (needs_passage .and. .not. allocated(experiment%contact%duty)) return
-      choice%why = cheap_passage
+      choice%rows%why = cheap_passage
       whole = experiment
       if (allocated(whole%time%resume_from)) deallocate (whole%time%resume_from)
       call move_profiles(whole%contact, 0.0_wp, listener%error)
       if (allocated(listener%error)) return
       call listener%on_stage('measuring what the model needs')
-      call give_reasons(whole, list, target, choice, kind)
-      i = findloc(list%kind, kind, 1)
+      call give_reasons(whole, target, choice, kind)
+      i = findloc(choice%rows%kind, kind, 1)
       if (i == 0) return
-      call measure(whole, list(i), target, choice, i, listener)
-      if (choice%why(i) /= changes_little) return
-      choice%is_quasi_steady = kind == squeeze
-      choice%is_steady = kind == roughness
-      choice%is_smooth = choice%is_steady
-      choice%is_left_out = list%kind == kind .or. (choice%is_smooth .and. is_of_surfaces(list))
-      where (choice%is_left_out) choice%why = goes_along
-      choice%why(i) = changes_little
+      call measure(whole, target, choice, i, listener)
+      if (choice%rows(i)%why /= changes_little) return
+      choice%solved = merge(solves_moments, solves_smooth, kind == squeeze)
+      if (kind == squeeze) return
+      where (is_of_surfaces(choice%rows%kind)) choice%rows%why = goes_along
+      choice%rows(i)%why = changes_little
    end subroutine choose_model
 
    !> Gives the reasons that need no measurement; `kind`: what is to be measured, 0: nothing.
-   pure subroutine give_reasons(experiment, list, target, choice, kind)
+   pure subroutine give_reasons(experiment, target, choice, kind)
       type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
       integer, intent(out) :: kind
 
       kind = 0
-      associate (contact => experiment%contact)
+      associate (contact => experiment%contact, rows => choice%rows, &
+         times => new_passage_times(experiment%contact, experiment%time))
          if (allocated(contact%duty)) then
-            where (list%kind == squeeze) choice%why = never_steady
+            where (rows%kind == squeeze) rows%why = never_steady
             if (contact%duty%always_moves(0.0_wp)) kind = squeeze
          else if (moves(contact%surface_1) .or. moves(contact%surface_2)) then
-            where (list%kind == squeeze) choice%why = cheap_in_motion
-            where (list%kind == roughness) choice%why = too_high
+            where (rows%kind == squeeze) rows%why = cheap_in_motion
+            where (rows%kind == roughness) rows%why = too_high
             if (height_on(contact%surface_1) + height_on(contact%surface_2) &
                <= highest*target*film_estimate(contact)) kind = roughness
-         else if (counts_late(experiment)) then
-            where (list%kind >= roughness) choice%why = cheap_steady
-            choice%is_steady = .true.
-            choice%is_left_out = list%kind == squeeze
-            choice%is_smooth = .not. any(list%kind == roughness)
-            where (choice%is_left_out) choice%why = at_rest
+         else if (times%counts_from >= times%settled_from .and. times%end_time &
+            >= times%needed_end) then   ! the quantities count once the start is forgotten
+            where (is_of_surfaces(rows%kind)) rows%why = cheap_steady
+            where (rows%kind == squeeze) rows%why = at_rest
+            choice%solved = merge(solves_rough, solves_smooth, any(rows%kind == roughness))
          else
-            choice%why = start_counts
+            rows%why = start_counts
          end if
       end associate
    end subroutine give_reasons
 
-   !> Whether the quantities of a transient count only once its start is forgotten.
-   pure logical function counts_late(experiment)
-      type(experiment_t), intent(in) :: experiment
-
-      associate (times => new_passage_times(experiment%contact, experiment%time))
-         counts_late = times%counts_from >= times%settled_from .and. times%end_time &
-            >= times%needed_end
-      end associate
-   end function counts_late
-
    !> Measures the changes of all quantities without an ingredient, row `i`, on the two finest grids
    !> within the budget, by the first scheme that finds all solutions; the reason becomes
    !> `changes_little` if so. What a spike may add to both pressures alike is not counted.
-   subroutine measure(experiment, ingredient, target, choice, i, listener)
+   subroutine measure(experiment, target, choice, i, listener)
       type(experiment_t), intent(in) :: experiment
-      type(ingredient_t), intent(in) :: ingredient
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
       integer, intent(in) :: i
       class(listener_t), intent(inout), target :: listener
       type(passage_pair_t) :: pair
       type(experiment_t) :: own
-      logical :: is_known
       integer :: factor, k
 
-      choice%why(i) = not_measured
+      choice%rows(i)%why = not_measured
       factor = coarsening(experiment)
       if (factor == 0) return
       own = experiment
-      is_known = .false.
       do k = 1, size(schemes)
          own%settings = solver_settings_t(method='newton_krylov', tolerance=coarse_tolerance, &
             max_cycles=max_cycles, explains_failure=.false., space_scheme=schemes(k))
@@ -157,18 +138,17 @@ contains
          choice%grids = pair%runs%contact%domain%intervals
          call run_pair(pair, listener)
          if (listener%is_stopping) return
-         if (pair%is_known) call measure_change(pair, ingredient, choice%rows(i), is_known, &
-            listener)
-         if (is_known) exit
+         if (pair%is_known) call measure_change(pair, choice%rows(i), listener)
+         if (.not. choice%rows(i)%is_open) exit
       end do
       associate (row => choice%rows(i))
          if (.not. all(ieee_is_finite(row%change([h_min, h_central])))) return
-         choice%why(i) = may_matter
+         row%why = may_matter
          if (any(pack(abs(row%change) + row%error, ieee_is_finite(row%change) &
             .and. compared) > leave_share*target)) return
          choice%influence = abs(row%change) + row%error
+         row%why = changes_little
       end associate
-      choice%why(i) = changes_little
    end subroutine measure
 
    !> How many times fewer intervals the finer of two grids within the budget has: 2, 4 ...; 0: none

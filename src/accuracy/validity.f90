@@ -8,16 +8,14 @@
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use contact_moment, only: film_with_viscosity, flooded_film
-   use elliptic_contact, only: track_shear
    use features, only: feature_sinusoid, rough_surface_t
-   use film_heating, only: largest_rise
-   use hertz, only: bodies_t
+   use film_heating, only: inlet_heating_loss, largest_rise
+   use hertz, only: bodies_t, track_shear
    use kinds, only: larger, not_known, wp
    use line_contact, only: finest_wave, line_contact_t
    use line_state, only: line_state_t, stressed_share
    use line_summary, only: line_summary_t
    use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
-   use model_limits, only: film_reynolds_number, inlet_heating_loss, shortest_length, side_flow_loss
    use quantities, only: h_central, h_min, p_max
    use scaling, only: new_heating, scaling_t
    use text, only: number_text, prefixed_text
@@ -43,7 +41,9 @@ module validity
       !> The model is left beyond it: below where `is_least`, else above.
       real(wp) :: threshold
       logical :: is_least
-      !> What the value is.
+      !> What passing it means, with its value for #, in percent where % follows, its threshold for
+      !> @; what the value is.
+      character(len=66) :: words
       character(len=110) :: meaning
       !> Where the threshold comes from.
       character(len=130) :: source
@@ -51,48 +51,60 @@ module validity
 
    type(limit_row_t), parameter, public :: limit_rows(*) = [ &
       limit_row_t('starvation', '1', 5.0e-3_wp, .false., &
+         'starves the film by # % (the default &domain does not)', &
          'share by which the given inlet starves the film', &
          'rule of the inlet, 71 contacts against twice the domain; points and above 5 % '// &
             'measured; threshold: estimate'), &
       limit_row_t('mixed_lubrication', '1', 3.0_wp, .true., &
+         'the film is # times the composite roughness: mixed lubrication', &
          'smallest film over composite rms height of both surfaces', &
          'full film above 3: Hamrock, Schmid and Jacobson, Fundamentals of Fluid Film '// &
             'Lubrication, 2004'), &
       limit_row_t('viscosity_data', 'Pa', 1.03e9_wp, .false., &
+         'pressures to #, viscosities are measured to @', &
          'largest pressure; threshold: the pressures to which viscosities are measured', &
          'Roelands: data of the ASME Pressure-Viscosity Report, 1953; Barus, 0.3e9: estimate'), &
       limit_row_t('limiting_stress', '1', 0.1_wp, .false., &
+         'the shear stress is # of the pressure: oils give way near 0.1', &
          'largest mean shear stress over pressure, where p is above a tenth of its largest', &
          'stress at which oils give way: Bair and Winer, J. Lubr. Technol. 101, 1979, 251; '// &
             '0.1: estimate'), &
       limit_row_t('hardness', 'Pa', 0.0_wp, .false., &
+         'pressures to # pass the hardness, @', &
          'largest pressure; threshold: the given hardness', 'definition of the hardness'), &
       limit_row_t('shakedown', 'Pa', 0.0_wp, .false., &
+         'Hertzian pressure # passes the shakedown limit, @', &
          'Hertzian pressure; threshold: 4 k, a circle 4.7 k, with k = hardness/6 the yield '// &
             'stress in shear', 'Johnson, Contact Mechanics, 1985, sections 9.2 (no '// &
             'friction) and 6.3 (hardness 3 Y = 6 k); ellipses: upper bound'), &
-      limit_row_t('shear_heating', 'K', 0.0_wp, .false., &
+      limit_row_t('shear_heating', 'K', 0.0_wp, .false., 'sliding heats by # K:', &
          'temperature rise of the film by sliding; threshold: a tenth of the viscosity', &
          'Jaeger 1942, Archard, Wear 2, 1959, 438, and conduction across the film; threshold: '// &
             'estimate'), &
       limit_row_t('inlet_heating', '1', 0.05_wp, .false., &
+         'heat of the inlet, not in the model, would thin the film by # %', &
          'share by which heat of the flow in the inlet thins the film', &
          'formula: Gupta et al., Tribol. Trans. 35, 1992, 269; threshold: estimate'), &
       limit_row_t('side_flow', '1', 0.01_wp, .false., &
+         'flow to the sides takes # % of the film: the contact is short', &
          'share of the smallest film that is lost to the sides', &
          'formula: Hamrock and Dowson, J. Lubr. Technol. 99, 1977, 264; threshold: estimate'), &
       limit_row_t('stokes_number', '1', 0.25_wp, .false., &
+         "stress rises by # with p (T_max): Reynolds' equation in doubt", &
          'T_max, largest d tau/dp at a given shear rate, tau of the sliding', &
          'Bair, Khonsari and Winer, Tribol. Int. 31, 1998, 573 (below 1); 0.25, 1 % of the '// &
             'film: estimate'), &
       limit_row_t('surface_slope', '1', 0.2_wp, .false., &
+         "surfaces are as steep as #: too much for Reynolds' equation", &
          'largest slope dh/dx of the film where p is above a hundredth of its largest', &
          'Stokes flow in a rigid wavy channel, 1 % of the flow; threshold: estimate'), &
       limit_row_t('film_over_wave', '1', 0.1_wp, .false., &
+         "the film is # of the finest wave: thick for Reynolds' equation", &
          'central film over the finest wave of the surfaces', &
          'Stokes flow past a rigid wave, (2 pi h/Lambda)^2/30 of its pressure; threshold: '// &
             'estimate'), &
       limit_row_t('turbulence', '1', 1000.0_wp, .false., &
+         'the Reynolds number of the film is #: not laminar', &
          'Reynolds number of the flow, ambient density and viscosity, central film', &
          'Harnoy, Bearing Design in Machinery, 2003, section 5.5 (1000 to 1600)')]
 
@@ -144,6 +156,9 @@ module validity
    real(wp), parameter :: barus_data = 0.3e9_wp
    !> Yield stress in shear of a perfectly plastic body over its hardness.
    real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp
+   !> Decay of the loss to the sides with length over width: of elliptical contacts with the ratio
+   !> of their axes.
+   real(wp), parameter :: end_decay = 0.68_wp
    !> Tolerable loss of viscosity by heat.
    real(wp), parameter :: tolerable_thinning = 0.1_wp
    !> Beyond this exponent the viscosity counts as lost.
@@ -236,10 +251,10 @@ contains
             if (allocated(scaling%ellipse)) then
                limit%missing = 'the flow to the sides is solved'
             else if (given%length > 0.0_wp) then
-               limit%value = side_flow_loss(given%length, length)
+               limit%value = exp(-end_decay*given%length/length)
             else
                limit%missing = '&bodies contact_length is not given, a contact shorter than '// &
-                  prefixed_text(shortest_length(limit%threshold, length), 'm')//' would lose '// &
+                  prefixed_text(-log(limit%threshold)*length/end_decay, 'm')//' would lose '// &
                   number_text(100.0_wp*limit%threshold, 2)//' % of its film to the sides'
             end if
          case (stokes_number)
@@ -254,8 +269,9 @@ contains
                limit%missing = 'no waves on the surfaces'
             end if
          case (turbulence)
-            limit%value = film_reynolds_number(given%density, mean_speed, &
-               summary%of(h_central)%value*scaling%film, oil%viscosity)
+            ! by conservation of mass about the same all along the inlet
+            limit%value = given%density*abs(mean_speed)*(summary%of(h_central)%value*scaling%film) &
+               /oil%viscosity
          case default
             error stop 'evaluate: a limit without its case'
          end select

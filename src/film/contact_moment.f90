@@ -29,8 +29,8 @@ module contact_moment
    use kinds, only: wp
    use line_contact, only: line_contact_t, smoothen_both
    use lubricant, only: faster_fluid, fluid_t, fluid_viscosity
-   use moes, only: central_film, moes_l_from_alpha_bar, moes_l_sum_from_mean, &
-      moes_m_mean_from_sum, moes_m_sum_from_lambda
+   use moes, only: central_film, l_sum_per_mean, m_mean_per_sum, moes_l_from_alpha_bar, &
+      moes_m_sum_from_lambda
    implicit none (type, external)
    private
 
@@ -105,8 +105,8 @@ contains
             fluid%rheology%ln_b_scale = fluid%rheology%ln_b_scale - log(moment%load)
          end if
          own%moes_m_sum = moes_m_sum_from_lambda(own%lambda)
-         own%moes_l_sum = moes_l_sum_from_mean(moes_l_from_alpha_bar(fluid%alpha_bar, &
-            moes_m_mean_from_sum(own%moes_m_sum)))
+         own%moes_l_sum = moes_l_from_alpha_bar(fluid%alpha_bar, own%moes_m_sum*m_mean_per_sum) &
+            *l_sum_per_mean
       end associate
       own%domain = contact%domain
       associate (domain => own%domain, ends => [contact%domain%x_inlet, contact%domain%x_outlet] &

@@ -1,8 +1,7 @@
 !> &bodies and &load: what contradicts each other or follows from other keys; two bodies as one.
 module body_input
-   use elliptic_contact, only: new_ellipse
-   use hertz, only: bodies_t, line_load_from_pressure, point_load_from_pressure, reduced_modulus, &
-      reduced_radius
+   use hertz, only: bodies_t, line_load_from_pressure, new_ellipse, point_load_from_pressure, &
+      reduced_modulus, reduced_radius
    use input_keys, only: find_key, key_rows
    use input_values, only: has_shape, input_values_t, surfaces
    use key_row, only: lubricated, point

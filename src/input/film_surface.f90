@@ -9,7 +9,7 @@ module film_surface
    use measured_heights, only: heights_t
    use input_values, only: features_of, input_values_t, read_synthesis
    use kinds, only: int64, wp
-   use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
+   use moes, only: central_film, l_sum_per_mean, m_mean_per_sum
    use profile, only: profile_length, profile_t
    use surface_scaling, only: scaled_surface
    use synthetic_surface, only: new_synthetic_pieces, synthesis_t, synthetic_heights, &
@@ -121,8 +121,8 @@ contains
       profile%finest_wave = max(2*maxval(heights%spacing), 0.5_wp*values%real_value(group, &
          'cutoff_short'))
       associate (scales => case%scaling)
-         film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
-            moes_l_sum_from_mean(scales%moes_l))
+         film = scales%film*central_film(scales%moes_m/m_mean_per_sum, &
+            scales%moes_l*l_sum_per_mean)
          if (allocated(case%point)) film = scales%film*case%point%expected_film
       end associate
       form = heights%trend%form

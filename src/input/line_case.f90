@@ -16,8 +16,7 @@ module line_case
    use line_contact, only: finest_wave, leaves_scheme, line_contact_t, max_intervals_of, &
       max_refined_intervals, rough_contact_t, time_settings_t
    use lubricant_input, only: read_asperities
-   use moes, only: moes_l_mean_from_sum, moes_l_sum_from_mean, moes_m_mean_from_sum, &
-      moes_m_sum_from_mean
+   use moes, only: l_sum_per_mean, m_mean_per_sum
    use passage_times, only: place_features, sufficient_end
    use scaling, only: new_heating, new_moes_scaling, new_scaling, scaled_fluid, sum_per_mean
    use surface_scaling, only: scaled_duty
@@ -55,8 +54,8 @@ contains
             m = m*sum_per_mean**0.75_wp
             l = l*sum_per_mean**(-0.25_wp)
          else if (is_sum) then
-            m = moes_m_mean_from_sum(m)
-            l = moes_l_mean_from_sum(l)
+            m = m*m_mean_per_sum
+            l = l/l_sum_per_mean
          end if
          call new_moes_scaling(case%scaling, m, l, case%lubricant, ratio)
       else
@@ -82,8 +81,8 @@ contains
       end if
       associate (contact => case%contact)
          contact%lambda = case%scaling%lambda
-         contact%moes_m_sum = moes_m_sum_from_mean(case%scaling%moes_m)
-         contact%moes_l_sum = moes_l_sum_from_mean(case%scaling%moes_l)
+         contact%moes_m_sum = case%scaling%moes_m/m_mean_per_sum
+         contact%moes_l_sum = case%scaling%moes_l*l_sum_per_mean
          contact%slide_to_roll = case%scaling%slide_to_roll
          contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
          contact%domain = case%domain

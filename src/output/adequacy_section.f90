@@ -3,9 +3,10 @@
 !> table; /adequacy/validity: the limits of the model.
 module adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use ablations, only: ingredient_t
    use adequacy, only: adequacy_t, compared, influence_t, model_choice_t, new_influence, &
-      reasons, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, verdict_unknown, &
-      why_unknown
+      reasons, solved_texts, verdict_irrelevant, verdict_needed, verdict_small, &
+      verdict_text, verdict_unknown, why_unknown
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
@@ -15,10 +16,9 @@ module adequacy_section
    implicit none (type, external)
    private
 
-   public :: decision_lines, model_line, model_sentence, solved_text, write_adequacy, &
-      write_decision, write_influence, write_validity
+   public :: decision_lines, model_line, write_adequacy, write_decision, write_row, &
+      write_validity
 
-   character(*), parameter, public :: from_estimates = 'error estimates of the result'
    !> Whence the film that is lost to heat.
    character(*), parameter :: film_loss_source = 'central film of the smooth contact with the '// &
       'viscosity at that temperature: Nijenbanning, Venner and Moes, Wear 176, 1994, 217'
@@ -30,27 +30,18 @@ module adequacy_section
 
 contains
 
-   !> A group for each ingredient of a lubricated contact, with a dataset for each quantity of the
-   !> closing table whose change is known; nothing if nothing was measured.
+   !> A group for each row of a lubricated contact, with the quantities of the closing table;
+   !> nothing if nothing was measured.
    subroutine write_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
       type(adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: group, source
       integer :: i, k
 
       if (.not. allocated(adequacy%rows)) return
       do i = 1, size(adequacy%rows)
-         group = '/adequacy/'//trim(adequacy%rows(i)%name)
-         associate (row => adequacy%rows(i))
-            source = 'the case on coarser grids'
-            if (row%is_at_rest) source = 'the smooth steady contact on coarser grids'
-            if (row%has_roughness) source = 'the smooth steady contact on coarser grids, with '// &
-               'the error that roughness adds'
-            if (row%is_numerical) source = from_estimates
-            if (row%name == 'time_step') source = 'runs of the error estimates, or a coarse '// &
-               'grid with twice its time step'
-            call write_influence(file, row, source, pack(quantity_rows%name, compared), &
-               pack(row%change, compared), pack(row%error, compared))
+         associate (row => adequacy%rows(i), group => '/adequacy/'//trim(adequacy%rows(i)%name))
+            call write_row(file, row, quantity_rows%name, pack([(k, k=1, quantity_count)], &
+               compared))
             call write_attribute(file, group, 'left_out', row%left_out)
             do k = 1, quantity_count
                if (compared(k) .and. row%least(k) > 0.0_wp) call write_attribute(file, group, &
@@ -70,26 +61,44 @@ contains
          adequacy%in_time(1))
    end subroutine write_adequacy
 
-   !> The group of `row`, with a dataset for each of `quantities` whose relative change is known,
-   !> with its error, and why others are not. `measured_on`: where these come from.
-   subroutine write_influence(file, row, measured_on, quantities, changes, errors)
+   !> The group of a `row`: the verdict, the changes of the quantities `rows` of a table with these
+   !> `names`, where they come from, and why others are not known.
+   subroutine write_row(file, row, names, rows)
       class(hdf5_file_t), intent(inout) :: file
       type(influence_t), intent(in) :: row
-      character(*), intent(in) :: measured_on, quantities(:)
-      real(wp), intent(in) :: changes(:), errors(:)
+      character(*), intent(in) :: names(:)
+      integer, intent(in) :: rows(:)
       character(:), allocatable :: group, why
-      logical :: is_known(size(changes))
 
-      is_known = ieee_is_finite(changes) .and. ieee_is_finite(errors)
       group = '/adequacy/'//trim(row%name)
       call file%create_group(group)
       call write_attribute(file, group, 'verdict', verdict_text(row%verdict, row%is_numerical))
       call write_attribute(file, group, 'instead', trim(row%text))
-      call write_attribute(file, group, 'measured_on', measured_on)
-      why = why_unknown(row, quantities, is_known)
+      call write_attribute(file, group, 'measured_on', trim(row%measured_on))
+      why = why_unknown(row, names(rows), ieee_is_finite(row%change(rows)) .and. &
+         ieee_is_finite(row%error(rows)))
       if (why /= '') call write_attribute(file, group, 'not_known', why)
-      call write_changes(file, group, trim(row%text), quantities, changes, errors)
-   end subroutine write_influence
+      call write_changes(file, group, row, names, rows)
+   end subroutine write_row
+
+   !> The known relative changes of a `row` into its group, each with its error.
+   subroutine write_changes(file, group, row, names, rows)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: group, names(:)
+      type(influence_t), intent(in) :: row
+      integer, intent(in) :: rows(:)
+      character(:), allocatable :: path
+      integer :: i, k
+
+      do k = 1, size(rows)
+         i = rows(k)
+         if (.not. (ieee_is_finite(row%change(i)) .and. ieee_is_finite(row%error(i)))) cycle
+         path = group//'/'//trim(names(i))
+         call write_dataset(file, path, row%change(i), new_label('relative change of ' &
+            //trim(names(i))//' with: '//trim(row%text), '1'))
+         call write_attribute(file, path, 'error_estimate', row%error(i))
+      end do
+   end subroutine write_changes
 
    !> One dataset for each limit that could be evaluated; the others are named with the reason.
    subroutine write_validity(file, limits)
@@ -126,71 +135,43 @@ contains
          missing(:len(missing) - 2))
    end subroutine write_validity
 
-   !> The known relative `changes` of `quantities` into a group, each with its error; `instead`:
-   !> what replaced the ingredient.
-   subroutine write_changes(file, group, instead, quantities, changes, errors)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: group, instead, quantities(:)
-      real(wp), intent(in) :: changes(:), errors(:)
-      character(:), allocatable :: path
+   !> What the closing table says of the ingredients: by their verdicts, or, not `is_whole`, what
+   !> simpler models would do at that accuracy, and which may; empty: nothing.
+   pure function model_line(adequacy, is_whole) result(line)
+      type(adequacy_t), intent(in) :: adequacy
+      logical, intent(in) :: is_whole
+      character(:), allocatable :: line, percent
+      integer, parameter :: verdicts(4) = [verdict_needed, verdict_small, verdict_irrelevant, &
+         verdict_unknown]
+      character(len=16), parameter :: words(4) = [character(len=16) :: '', 'less than that:', &
+         'irrelevant:', 'not known:']
+      type(influence_t), allocatable :: rows(:)
       integer :: i
 
-      do i = 1, size(quantities)
-         if (.not. (ieee_is_finite(changes(i)) .and. ieee_is_finite(errors(i)))) cycle
-         path = group//'/'//trim(quantities(i))
-         call write_dataset(file, path, changes(i), new_label('relative change of ' &
-            //trim(quantities(i))//' with: '//instead, '1'))
-         call write_attribute(file, path, 'error_estimate', errors(i))
-      end do
-   end subroutine write_changes
-
-   !> What the closing table says of the ingredients among `rows`; empty: nothing.
-   pure function model_line(rows, accuracy) result(line)
-      type(influence_t), intent(in) :: rows(:)
-      real(wp), intent(in) :: accuracy
-      character(:), allocatable :: line
-
       line = ''
-      call add('needed at '//number_text(100*accuracy, 2)//' %: ', verdict_needed)
-      call add('less than that: ', verdict_small)
-      call add('irrelevant: ', verdict_irrelevant)
-      call add('not known: ', verdict_unknown)
-      if (len(line) > 0) line = 'model     '//line
-
-   contains
-
-      !> One verdict with the names that have it.
-      pure subroutine add(words, verdict)
-         character(*), intent(in) :: words
-         integer, intent(in) :: verdict
-         logical :: is_one(size(rows))
-
-         is_one = rows%verdict == verdict .and. .not. rows%is_numerical
-         if (.not. any(is_one)) return
-         if (len(line) > 0) line = line//'; '
-         line = line//words//joined(pack(rows%name, is_one), ', ')
-      end subroutine add
-
+      if (.not. allocated(adequacy%rows)) return
+      rows = pack(adequacy%rows, .not. adequacy%rows%is_numerical)
+      if (size(rows) == 0) return
+      percent = number_text(100*adequacy%accuracy, 2)//' %'
+      if (is_whole) then
+         do i = 1, size(verdicts)
+            if (.not. any(rows%verdict == verdicts(i))) cycle
+            if (line /= '') line = line//'; '
+            if (i == 1) line = 'needed at '//percent//':'
+            line = line//trim(words(i))//' '//joined(pack(rows%name, rows%verdict &
+               == verdicts(i)), ', ')
+         end do
+         line = 'model     '//line
+         return
+      end if
+      line = 'model     at '//percent//' nothing simpler will do'
+      associate (is_enough => rows%verdict == verdict_small .or. rows%verdict &
+         == verdict_irrelevant, is_open => rows%verdict == verdict_unknown)
+         if (any(is_enough)) line = 'model     at '//percent//' each of these alone will do: '// &
+            joined(pack(rows%text, is_enough), ', ')
+         if (any(is_open)) line = line//'; perhaps '//joined(pack(rows%text, is_open), ', ')
+      end associate
    end function model_line
-
-   !> The same in a sentence: what simpler models would do at that accuracy, and which may.
-   pure function model_sentence(rows, accuracy) result(line)
-      type(influence_t), intent(in) :: rows(:)
-      real(wp), intent(in) :: accuracy
-      character(:), allocatable :: line
-      logical :: is_enough(size(rows)), is_open(size(rows))
-
-      line = ''
-      if (all(rows%is_numerical)) return
-      is_enough = (rows%verdict == verdict_small .or. rows%verdict == verdict_irrelevant) .and. &
-         .not. rows%is_numerical
-      is_open = rows%verdict == verdict_unknown .and. .not. rows%is_numerical
-      line = 'nothing simpler will do'
-      if (any(is_enough)) line = 'each of these alone will do: '//joined(pack(rows%text, &
-         is_enough), ', ')
-      if (any(is_open)) line = line//'; perhaps '//joined(pack(rows%text, is_open), ', ')
-      line = 'model     at '//number_text(100*accuracy, 2)//' % '//line
-   end function model_sentence
 
    !> Writes a group for each ingredient, with the changes that were measured before the run, and
    !> one for each number that was chosen; nothing if nothing was to be decided.
@@ -199,26 +180,24 @@ contains
       type(model_choice_t), intent(in) :: choice
       character(len=*), parameter :: root = '/adequacy/decision'
       character(:), allocatable :: group
-      integer :: i
+      integer :: i, k
 
       if (.not. allocated(choice%rows)) return
       call file%create_group(root)
       call write_attribute(file, root, 'about', "what model = 'auto' decided of each "// &
          'ingredient before the run, and the changes by which it did; grid, domain, time step '// &
          'and method of the run')
-      call write_attribute(file, root, 'solved', solved_text(choice))
+      call write_attribute(file, root, 'solved', trim(solved_texts(choice%solved)))
       if (all(choice%grids > 0)) call write_attribute(file, root, 'intervals', choice%grids(1))
-
       do i = 1, size(choice%rows)
-         group = root//'/'//trim(choice%rows(i)%name)
-         call file%create_group(group)
-         call write_attribute(file, group, 'decision', trim(merge('left out', 'kept    ', &
-            choice%is_left_out(i))))
-         call write_attribute(file, group, 'reason', trim(reasons(choice%why(i))%text))
-         call write_attribute(file, group, 'instead', trim(choice%rows(i)%text))
-         associate (row => choice%rows(i))
-            call write_changes(file, group, trim(row%text), pack(quantity_rows%name, &
-               compared), pack(row%change, compared), pack(row%error, compared))
+         associate (row => choice%rows(i), reason => reasons(choice%rows(i)%why))
+            group = root//'/'//trim(row%name)
+            call file%create_group(group)
+            call write_attribute(file, group, 'decision', trim(reason%decision))
+            call write_attribute(file, group, 'reason', trim(reason%text))
+            call write_attribute(file, group, 'instead', trim(row%text))
+            call write_changes(file, group, row, quantity_rows%name, pack([(k, k=1, &
+               quantity_count)], compared))
          end associate
       end do
       if (.not. allocated(choice%numbers)) return
@@ -232,21 +211,6 @@ contains
       end do
    end subroutine write_decision
 
-   !> What was solved.
-   pure function solved_text(choice) result(text)
-      type(model_choice_t), intent(in) :: choice
-      character(:), allocatable :: text
-
-      text = 'the case with every ingredient'
-      if (choice%is_smooth) then
-         text = 'the steady contact with smooth surfaces, in place of the passage'
-      else if (choice%is_steady) then
-         text = 'the steady contact with its roughness, in place of the passage'
-      else if (choice%is_quasi_steady) then
-         text = 'the steady contact of each moment, without squeeze'
-      end if
-   end function solved_text
-
    !> What was solved; with `is_whole` a table, of at most `width` columns: each ingredient with the
    !> quantity that it changes most, measured before the run or else after it (`adequacy`), then the
    !> chosen numbers with the largest error due to them. Empty: nothing was to be decided.
@@ -259,16 +223,17 @@ contains
 
       lines = ''
       if (.not. allocated(choice%rows)) return
-      lines = 'auto      '//solved_text(choice)
+      lines = 'auto      '//trim(solved_texts(choice%solved))
       if (.not. is_whole) return
       lines = '  auto'
       do i = 1, size(choice%rows)
          if (i > 1) lines = lines//new_line('a')
+         associate (reason => reasons(choice%rows(i)%why))
+            words = trim(reason%decision)
+            if (reason%short /= '') words = words//': '//trim(reason%short)
+         end associate
          call place(lines, trim(choice%rows(i)%name), tabs(1))
          call place(lines, influence_text(choice%rows(i), adequacy), tabs(2))
-         words = trim(merge('left out', 'kept    ', choice%is_left_out(i)))
-         if (reasons(choice%why(i))%short /= '') words = words//': ' &
-            //trim(reasons(choice%why(i))%short)
          call place(lines, words, tabs(3))
       end do
       if (allocated(choice%numbers)) then
@@ -276,8 +241,8 @@ contains
             associate (number => choice%numbers(i))
                lines = lines//new_line('a')
                call place(lines, trim(number%name), tabs(1))
-               call place(lines, influence_text(new_influence(trim(number%judged_as), ''), &
-                  adequacy), tabs(2))
+               call place(lines, influence_text(new_influence(ingredient_t(0, number%judged_as, &
+                  '')), adequacy), tabs(2))
                call place(lines, trim(number%decision)//': '//trim(number%text), tabs(3))
             end associate
          end do

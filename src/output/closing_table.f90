@@ -1,7 +1,7 @@
 !> What is printed of a lubricated case at its end: outcome, quantities; and of a film breakdown.
 module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use adequacy_section, only: decision_lines, model_line, model_sentence
+   use adequacy_section, only: decision_lines, model_line
    use case_record, only: case_t
    use field_sections, only: formula_lines
    use hdf5_dataset, only: label_t
@@ -17,8 +17,8 @@ module closing_table
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
    use text, only: count_of, counted, number_text, prefixed_text, wrapped
-   use validity, only: inlet_heating, limit_count, limit_rows, limit_t, mixed_lubrication, &
-      shear_heating, side_flow, starvation
+   use validity, only: limit_count, limit_rows, limit_t, mixed_lubrication, shear_heating, &
+      starvation
    implicit none (type, external)
    private
 
@@ -33,22 +33,6 @@ module closing_table
    integer, parameter :: margin = 12
    !> The largest temperature rise that is printed as it is [K].
    real(wp), parameter :: hottest = 999.0_wp
-
-   !> What passing a limit means, in their order: its value for #, its threshold for @.
-   character(len=66), parameter :: sentences(limit_count) = [character(len=66) :: &
-      'starves the film by # (the default &domain does not)', &
-      'the film is # times the composite roughness: mixed lubrication', &
-      'pressures to #, viscosities are measured to @', &
-      'the shear stress is # of the pressure: oils give way near 0.1', &
-      'pressures to # pass the hardness, @', &
-      'Hertzian pressure # passes the shakedown limit, @', &
-      'sliding heats by # K:', &
-      'heat of the inlet, not in the model, would thin the film by #', &
-      'flow to the sides takes # of the film: the contact is short', &
-      "stress rises by # with p (T_max): Reynolds' equation in doubt", &
-      "surfaces are as steep as #: too much for Reynolds' equation", &
-      "the film is # of the finest wave: thick for Reynolds' equation", &
-      'the Reynolds number of the film is #: not laminar']
 
    !> Lines of the table, unless it is to be whole.
    integer, parameter :: most_lines = 12
@@ -100,13 +84,7 @@ contains
             //times_text(times))
          call add_words(body, decision_lines(writer%choice, adequacy, log%is_verbose))
          if (allocated(report%note)) call add_words(body, 'note      '//report%note)
-         if (allocated(adequacy%rows)) then
-            if (log%is_verbose) then
-               call add_words(body, model_line(adequacy%rows, adequacy%accuracy))
-            else
-               call add_words(body, model_sentence(adequacy%rows, adequacy%accuracy))
-            end if
-         end if
+         call add_words(body, model_line(adequacy, log%is_verbose))
       end associate
       if (all([allocated(writer%limits), log%scaling%is_dimensional, .not. ieee_is_finite(ratio), &
          count_of(nl, head//body) < most_lines - 1])) call add_words(body, &
@@ -182,13 +160,12 @@ contains
       character(:), allocatable :: value, words
       integer :: k
 
+      words = trim(limit_rows(i)%words)
       value = number_text(limit%value, 2)
       if (limit_rows(i)%units == 'Pa') value = prefixed_text(limit%value, 'Pa')
-      if (any(i == [starvation, inlet_heating, side_flow])) value = &
-         number_text(100.0_wp*limit%value, 2)//' %'
+      if (index(words, '# %') > 0) value = number_text(100.0_wp*limit%value, 2)
       ! of an isothermal oil that does not thin it may come out beyond all sense
       if (i == shear_heating .and. limit%value > hottest) value = '>'//number_text(hottest, 3)
-      words = trim(sentences(i))
       k = index(words, '#')
       words = words(:k - 1)//value//words(k + 1:)
       k = index(words, '@')

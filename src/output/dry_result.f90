@@ -5,9 +5,9 @@ module dry_result
    use, intrinsic :: iso_c_binding, only: c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use adequacy, only: adequacy_t
-   use adequacy_section, only: from_estimates, model_line, write_influence
+   use adequacy_section, only: model_line, write_row
    use features, only: node_positions
-   use dry_adequacy, only: coarsening, compared
+   use dry_adequacy, only: compared
    use dry_case, only: dry_case_t
    use dry_problem, only: kernel_open, no_hardness
    use dry_quantities, only: contact_area, dry_count, dry_fields_t, dry_outcome_t, dry_table, &
@@ -222,19 +222,11 @@ contains
    subroutine write_dry_adequacy(file, adequacy)
       type(section_file_t), intent(inout) :: file
       type(adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: source
       integer :: i
 
       if (.not. allocated(adequacy%rows)) return
       do i = 1, size(adequacy%rows)
-         associate (row => adequacy%rows(i))
-            source = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
-               //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
-            if (row%name == 'area') source = 'the nodes of the result'
-            if (row%is_numerical) source = from_estimates
-            call write_influence(file, row, source, dry_table(compared)%name, &
-               row%change(compared), row%error(compared))
-         end associate
+         call write_row(file, adequacy%rows(i), dry_table%name, compared)
       end do
       if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
       call write_attribute(file, '/adequacy', 'about', 'relative change under '// &
@@ -366,10 +358,8 @@ contains
                table = table // trim(line) // nl
             end associate
          end do
-         if (allocated(adequacy%rows)) then
-            words = model_line(adequacy%rows, adequacy%accuracy)
-            if (words /= '') table = table // '  ' // wrapped(words, columns - 2, 12) // nl
-         end if
+         words = model_line(adequacy, is_whole=.true.)
+         if (words /= '') table = table // '  ' // wrapped(words, columns - 2, 12) // nl
          if (allocated(solution%report%note)) table = table // '  ' // wrapped('note      ' &
             // solution%report%note, columns - 2) // nl
          call log%print_summary(table // '  result    ' // path)

@@ -13,8 +13,7 @@ module field_sections
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use lubricant, only: thins
-   use moes, only: film_by_formula, formula_rows, formulas_hold, known_bias, moes_l_mean_from_sum, &
-      moes_m_mean_from_sum
+   use moes, only: film_by_formula, formula_rows, formulas_hold, known_bias
    use quantities, only: quantity_rows
    use result_labels, only: field_names, field_values, less, scaled_label, section_file_t
    use scaling, only: scaling_t
@@ -200,7 +199,7 @@ contains
       type(line_contact_t), intent(in) :: contact
 
       has_formulas = .not. finest_wave(contact) < huge(1.0_wp) .and. formulas_hold( &
-         moes_m_mean_from_sum(contact%moes_m_sum), moes_l_mean_from_sum(contact%moes_l_sum))
+         contact%moes_m_sum, contact%moes_l_sum)
    end function has_formulas
 
    !> Writes /formulas: films, and how far above the computed one.
@@ -218,8 +217,7 @@ contains
       label = scaled_label('', 'film', file%scaling)
       do i = 1, size(formula_rows)
          associate (row => formula_rows(i), path => '/formulas/'//trim(formula_rows(i)%name))
-            film = film_by_formula(i, moes_m_mean_from_sum(contact%moes_m_sum), &
-               moes_l_mean_from_sum(contact%moes_l_sum))
+            film = film_by_formula(i, contact%moes_m_sum, contact%moes_l_sum)
             call file%put(trim(row%name), film*label%si_scale, trim(row%text), label%si_units)
             if (label%si_units == '1') call write_attribute(file, path, 'units', '1')
             call write_attribute(file, path, 'dimensionless', film)
@@ -244,8 +242,7 @@ contains
       lines = ''
       do i = 1, size(formula_rows)
          associate (row => formula_rows(i))
-            film = film_by_formula(i, moes_m_mean_from_sum(contact%moes_m_sum), &
-               moes_l_mean_from_sum(contact%moes_l_sum))
+            film = film_by_formula(i, contact%moes_m_sum, contact%moes_l_sum)
             value = number_text(film, 4)
             if (scaling%is_dimensional) value = prefixed_text(film*scaling%film, 'm')
             if (i > 1) lines = lines//new_line('a')

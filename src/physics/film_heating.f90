@@ -12,18 +12,24 @@
 !> If asked for, the flow that the pressure drives warms the film too, mostly in the inlet, by F =
 !> h^3 (dp/dx)^2/(12 mu), which arises as z^2 from the middle: the oil is warm by F h/(16 k) (1 - (2
 !> z/h)^4). It flows by Int z^2/mu dz, so that the mean weighted by z^2 counts, F h/(28 k).
+!>
+!> Estimates of these temperatures tell whether a model without heat suffices.
 module film_heating
    use kinds, only: pi, wp
    use lubricant, only: fluid_t, viscosity_roelands
-   use model_limits, only: film_temperatures, flash_temperatures
    implicit none (type, external)
    private
 
-   public :: film_warmth, heating_t, largest_rise, thermal_fall, thinning
+   public :: film_warmth, flash_temperatures, heating_t, inlet_heating_loss, largest_rise, &
+      thermal_fall, thinning
 
    !> 1/sqrt(s) is the sum of spacing*2/sqrt(pi) exp(y - s exp(2 y)) over y at this spacing, from
    !> `fastest` down to where the rest is `rest` of it: to 1e-7.
    real(wp), parameter :: spacing = 0.3_wp, fastest = 1.9_wp, rest = 1.0e-8_wp
+
+   !> Most cells over which the heat of a contact is averaged: enough for 1 % of its largest
+   !> temperature.
+   integer, parameter :: max_cells = 256
 
    !> Steps to the stress at its own temperature: to round-off.
    integer, parameter :: newton_steps = 6
@@ -144,33 +150,78 @@ contains
          *(1 + ln_mu*fluid%z/(fluid%alpha_bar*fluid%p0))
    end function thermal_fall
 
-   !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
-   !> mean shear `stress` [p_h b/R] in the `film` [b^2/R], at rising nodes `x` [b], each (nx), or of
-   !> a point contact (nx ny), where heat spreads into the depth alone: each row is a band. Speeds
-   !> of a negative sum take the heat to the left.
-   pure recursive real(wp) function largest_rise(heating, x, stress, film) result(rise)
+   !> Temperature rise [K] of both surfaces from the `heat` [W/m^2] at rising nodes `x` [m], each
+   !> (n), the flow to the right. The heat is averaged over as many even cells as there are nodes,
+   !> at most `max_cells`; nodes get the temperature at the end of their cell.
+   !>
+   !> Both bodies pass a band source faster than heat spreads (J. C. Jaeger, J. Proc. R. Soc. New
+   !> South Wales 76, 1942, 203; J. F. Archard, Wear 2, 1959, 438) and share the heat so that their
+   !> surfaces are equally warm:
+   !>
+   !>     T(x) = Int_{x' < x} q(x')/sqrt(x - x') dx' / ( sqrt(pi) e (sqrt|u1| + sqrt|u2|) )
+   !>
+   !> `effusivity` e = sqrt(k rho c) [W s^0.5/(m^2 K)] of both, `speeds` [m/s] of the surfaces, not
+   !> both zero. A body at rest takes no heat, so a contact of simple sliding comes out too warm.
+   pure function flash_temperatures(heat, x, effusivity, speeds) result(rise)
+      real(wp), intent(in), contiguous :: heat(:), x(:)
+      real(wp), intent(in) :: effusivity, speeds(2)
+      real(wp) :: rise(size(heat)), width, means(max_cells), warm(max_cells)
+      real(wp), allocatable :: weights(:)
+      integer :: cell(size(heat)), i, n, nodes
+
+      nodes = (size(heat) - 1)/max_cells + 1
+      n = size(heat)
+      width = nodes*(x(n) - x(1))/(n - 1)
+      cell = 1 + int((x - x(1))/width + 1.0e-6_wp)   ! a node on a border is behind it
+      means = 0.0_wp
+      do i = 1, n
+         means(cell(i)) = means(cell(i)) + heat(i)*(x(min(i + 1, n)) - x(max(i - 1, 1))) &
+            /((min(i + 1, n) - max(i - 1, 1))*width)
+      end do
+      weights = [(sqrt(real(i, wp)) - sqrt(real(i - 1, wp)), i=1, cell(n))]
+      do i = 1, cell(n)
+         warm(i) = dot_product(weights(:i), means(i:1:-1))
+      end do
+      rise = warm(cell)*2.0_wp*sqrt(width/pi)/(effusivity*sum(sqrt(abs(speeds))))
+   end function flash_temperatures
+
+   !> Share by which the heat of the flow in the inlet thins the film of an EHL contact [-].
+   !>
+   !> P. K. Gupta, H. S. Cheng, D. Zhu, N. H. Forster and J. B. Schrand, Tribol. Trans. 35, 1992,
+   !> 269:
+   !>
+   !>     1 - (1 - 13.2 (p_h/E') L^0.42)/(1 + 0.213 (1 + 2.23 S^0.83) L^0.64) ,  L = beta mu_0 u^2/k
+   !>
+   !> `loading` L >= 0, u the mean speed, beta = -d ln mu/dT; `slide_to_roll` S = |u2 - u1|/u >= 0;
+   !> `strain` p_h/E' >= 0. At most 1.
+   pure elemental real(wp) function inlet_heating_loss(loading, slide_to_roll, strain) result(loss)
+      real(wp), intent(in) :: loading, slide_to_roll, strain
+
+      loss = 1.0_wp - max(1.0_wp - 13.2_wp*strain*loading**0.42_wp, 0.0_wp) &
+         /(1.0_wp + 0.213_wp*(1.0_wp + 2.23_wp*slide_to_roll**0.83_wp)*loading**0.64_wp)
+   end function inlet_heating_loss
+
+   !> Largest temperature rise [K] at mid-film: of the surfaces, and of the film above them by the
+   !> heat q that is released evenly across it, q h/(8 k). `stress`: mean shear stress [p_h b/R] in
+   !> the `film` [b^2/R], at rising nodes `x` [b], each (nx), or of a point contact (nx ny), where
+   !> heat spreads into the depth alone: each row is a band. Speeds of a negative sum take the heat
+   !> to the left.
+   pure real(wp) function largest_rise(heating, x, stress, film) result(rise)
       type(heating_t), intent(in) :: heating
       real(wp), intent(in), contiguous :: x(:), stress(:), film(:)
-      type(heating_t) :: turned
-      real(wp) :: heat(size(stress))
-      integer :: first, last
+      real(wp) :: along(size(x)), heat(size(x))
+      integer :: first, i, order(size(x))
 
-      if (sum(heating%speeds) < 0.0_wp) then
-         turned = heating
-         turned%speeds = -heating%speeds
-         rise = largest_rise(turned, -x(size(x):1:-1), stress(size(stress):1:-1), &
-            film(size(film):1:-1))
-         return
-      end if
       rise = 0.0_wp
       associate (speeds => heating%speeds)
          if (.not. abs(speeds(2) - speeds(1)) > 0.0_wp) return
-         heat = abs(stress)*(heating%shear_stress*abs(speeds(2) - speeds(1)))
-         do first = 1, size(heat), size(x)
-            last = first + size(x) - 1
-            rise = max(rise, maxval(flash_temperatures(heat(first:last), x*heating%half_width, &
-               heating%effusivity, speeds) + film_temperatures(heat(first:last), &
-               film(first:last)*heating%film, heating%conductivity)))
+         order = [(i, i=1, size(x))]
+         if (sum(speeds) < 0.0_wp) order = order(size(x):1:-1)
+         along = sign(heating%half_width, sum(speeds))*x(order)
+         do first = 0, size(stress) - 1, size(x)
+            heat = abs(stress(first + order))*(heating%shear_stress*abs(speeds(2) - speeds(1)))
+            rise = max(rise, maxval(flash_temperatures(heat, along, heating%effusivity, speeds) &
+               + heat*(film(first + order)*heating%film)/(8.0_wp*heating%conductivity)))
          end do
       end associate
    end function largest_rise

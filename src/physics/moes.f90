@@ -8,19 +8,24 @@
 !> With U = mu_0 u/(E' R), mean speed u, G = alpha E' and W = w/(E' R) they are M = W U^(-1/2) and
 !> L = G U^(1/4), and h/R = U^(1/2) times a function of M and L alone: the exponents of the formulas
 !> of handbooks obey that to the last digit.
+!>
+!> Of a point contact with D = Rx/Ry they are those of the sum of the speeds: M = w/(E' Rx^2)
+!> (2U)^(-3/4), L = alpha E' (2U)^(1/4), film h/Rx (2U)^(-1/2), 2U = mu_0 (u1 + u2)/(E' Rx).
 module moes
+   use hertz, only: ellipse_t
    use kinds, only: pi, wp
    use lubricant, only: density_constant, fluid_density, fluid_t, viscosity_barus
    implicit none (type, external)
    private
 
-   public :: film_by_formula, formula_row_t, formulas_hold, known_bias, moes_l_mean_from_sum, &
-      moes_l_sum_from_mean, moes_m_mean_from_sum, moes_m_sum_from_mean
+   public :: alpha_bar_from_moes, central_film, central_point_film, film_by_formula, &
+      film_from_moes_units, formula_row_t, formulas_hold, known_bias, lambda_from_moes_sum, &
+      moes_l_from_alpha_bar, moes_m_sum_from_lambda, point_alpha_bar, point_film_unit, &
+      point_lambda, rigid_film
 
-   public :: lambda_from_moes_sum, moes_m_sum_from_lambda, alpha_bar_from_moes, &
-      moes_l_from_alpha_bar
-   public :: film_from_moes_units, central_film, rigid_film
-
+   !> M of the mean speed over that of the sum of speeds, L of the sum over that of the mean [-].
+   real(wp), parameter, public :: m_mean_per_sum = sqrt(2.0_wp), &
+      l_sum_per_mean = sqrt(sqrt(2.0_wp))
    !> Film of the rigid isoviscous contact times M_sum, in Moes units [-]; H. M. Martin, Engineering
    !> 102, 1916, 119 (with the free cavitation boundary; the often quoted value 3 is 23 % high).
    real(wp), parameter, public :: martin_film = 2.4475_wp
@@ -36,60 +41,32 @@ module moes
       !> (`make formulas`): with Roelands' viscosity and constant density, with Dowson and
       !> Higginson's, with Barus' viscosity and either; of h_central without that density.
       real(wp) :: bias(2, 4)
+      !> Film in Moes units: this times M and L to these powers; 0: by `central_film`.
+      real(wp) :: factor, powers(2)
    end type formula_row_t
-
-   integer, parameter :: dowson_higginson = 1, dowson_toyoda = 2, moes_fit = 3
 
    type(formula_row_t), parameter, public :: formula_rows(*) = [ &
       formula_row_t('dowson_higginson', 'Dowson-Higginson', 'h_min', &
          'smallest film, h/R = 2.65 U^0.70 G^0.54 W^-0.13', &
          'D. Dowson, Proc. Instn. Mech. Engrs. 182 (3A), 1968, 151', &
          reshape([-0.10_wp, 0.13_wp, -0.07_wp, 0.12_wp, -0.13_wp, 0.0_wp, -0.10_wp, 0.01_wp], &
-         [2, 4])), &
+         [2, 4]), 2.65_wp, [-0.13_wp, 0.54_wp]), &
       formula_row_t('dowson_toyoda', 'Dowson-Toyoda', 'h_central', &
          'central film, h/R = 3.06 U^0.69 G^0.56 W^-0.10', &
          'D. Dowson and A. Toyoda, Proc. 5th Leeds-Lyon Symposium, 1979, 60', &
          reshape([-0.08_wp, 0.12_wp, -0.09_wp, 0.05_wp, -0.11_wp, 0.02_wp, -0.12_wp, -0.01_wp], &
-         [2, 4])), &
+         [2, 4]), 3.06_wp, [-0.10_wp, 0.56_wp]), &
       formula_row_t('moes', 'Moes', 'h_central', &
          'central film, four asymptotes joined smoothly', &
          'G. Nijenbanning, C. H. Venner and H. Moes, Wear 176, 1994, 217', &
          reshape([-0.04_wp, 0.11_wp, -0.05_wp, 0.04_wp, -0.07_wp, -0.01_wp, -0.09_wp, -0.03_wp], &
-         [2, 4]))]
+         [2, 4]), 0.0_wp, [0.0_wp, 0.0_wp])]
 
    !> Moes' numbers (mean speed) for which the formulas are compared: elastic bodies and an oil
    !> whose viscosity rises with pressure.
    real(wp), parameter :: m_range(2) = [3.0_wp, 500.0_wp], l_range(2) = [5.0_wp, 30.0_wp]
 
 contains
-
-   !> M in the mean-speed convention of (2.53) from that of the sum of speeds [-].
-   pure elemental real(wp) function moes_m_mean_from_sum(m_sum) result(m_mean)
-      real(wp), intent(in) :: m_sum
-
-      m_mean = m_sum*sqrt(2.0_wp)
-   end function moes_m_mean_from_sum
-
-   !> L in the mean-speed convention of (2.54) from that of the sum of speeds [-].
-   pure elemental real(wp) function moes_l_mean_from_sum(l_sum) result(l_mean)
-      real(wp), intent(in) :: l_sum
-
-      l_mean = l_sum/sqrt(sqrt(2.0_wp))
-   end function moes_l_mean_from_sum
-
-   !> M of the sum of speeds from M of (2.53), mean speed [-].
-   pure elemental real(wp) function moes_m_sum_from_mean(m_mean) result(m_sum)
-      real(wp), intent(in) :: m_mean
-
-      m_sum = m_mean/sqrt(2.0_wp)
-   end function moes_m_sum_from_mean
-
-   !> L of the sum of speeds from L of (2.54), mean speed [-].
-   pure elemental real(wp) function moes_l_sum_from_mean(l_mean) result(l_sum)
-      real(wp), intent(in) :: l_mean
-
-      l_sum = l_mean*sqrt(sqrt(2.0_wp))
-   end function moes_l_sum_from_mean
 
    !> Speed parameter lambda [-] of (2.57):  lambda = 3 pi^2/(8 M_sum^2) = 3 pi^2/(4 M_mean^2);
    !> `m_sum` > 0.
@@ -172,30 +149,29 @@ contains
       film = film_from_moes_units(martin_film/m_sum, m_sum)
    end function rigid_film
 
-   !> Whether the formulas are meant for a contact of Moes' numbers `m_mean` and `l_mean` (mean
-   !> speed), and their bias is known: 3 <= M <= 500, 5 <= L <= 30.
-   pure logical function formulas_hold(m_mean, l_mean) result(hold)
-      real(wp), intent(in) :: m_mean, l_mean
+   !> Whether the formulas are meant for a contact of Moes' numbers `m_sum` and `l_sum`, and their
+   !> bias is known: 3 <= M <= 500, 5 <= L <= 30 of the mean speed.
+   pure logical function formulas_hold(m_sum, l_sum) result(hold)
+      real(wp), intent(in) :: m_sum, l_sum
 
-      hold = m_mean >= m_range(1) .and. m_mean <= m_range(2) .and. l_mean >= l_range(1) &
-         .and. l_mean <= l_range(2)
+      associate (m => m_sum*m_mean_per_sum, l => l_sum/l_sum_per_mean)
+         hold = m >= m_range(1) .and. m <= m_range(2) .and. l >= l_range(1) .and. l <= l_range(2)
+      end associate
    end function formulas_hold
 
-   !> Film in b^2/R [-] by row `i` of the formulas; M and L > 0 with the mean speed.
-   pure real(wp) function film_by_formula(i, m_mean, l_mean) result(film)
+   !> Film in b^2/R [-] by row `i` of the formulas; M and L > 0 with the sum of speeds.
+   pure real(wp) function film_by_formula(i, m_sum, l_sum) result(film)
       integer, intent(in) :: i
-      real(wp), intent(in) :: m_mean, l_mean
+      real(wp), intent(in) :: m_sum, l_sum
+      type(formula_row_t) :: row
+      real(wp) :: l, m
 
-      select case (i)
-      case (dowson_higginson)
-         film = film_from_moes_units(2.65_wp*m_mean**(-0.13_wp)*l_mean**0.54_wp, m_mean)
-      case (dowson_toyoda)
-         film = film_from_moes_units(3.06_wp*m_mean**(-0.10_wp)*l_mean**0.56_wp, m_mean)
-      case (moes_fit)
-         film = central_film(moes_m_sum_from_mean(m_mean), moes_l_sum_from_mean(l_mean))
-      case default
-         error stop 'film_by_formula: a formula without its case'
-      end select
+      row = formula_rows(i)
+      m = m_sum*m_mean_per_sum
+      l = l_sum/l_sum_per_mean
+      film = central_film(m/m_mean_per_sum, l*l_sum_per_mean)
+      if (row%factor > 0.0_wp) film = film_from_moes_units(row%factor*m**row%powers(1) &
+         *l**row%powers(2), m)
    end function film_by_formula
 
    !> Least and most by which row `i` usually lies above the computed film of a Newtonian oil [-].
@@ -215,5 +191,60 @@ contains
       call fluid_density(fluid, [1.0_wp], rho, slope)
       bias = (1 + bias)*rho(1) - 1
    end function known_bias
+
+   !> t of Moes' number M > 0, sum of speeds: films are in units of t^(2/3) a^2/Rx.
+   pure elemental real(wp) function moes_scale(ellipse, moes_m) result(t)
+      type(ellipse_t), intent(in) :: ellipse
+      real(wp), intent(in) :: moes_m
+
+      t = 3*moes_m/(pi**2*ellipse%compliance*ellipse%ratio)
+   end function moes_scale
+
+   !> lambda = 6 u_s mu_0 Rx^2/(a^3 p_h) [-] of M.
+   pure elemental real(wp) function point_lambda(ellipse, moes_m) result(lambda)
+      type(ellipse_t), intent(in) :: ellipse
+      real(wp), intent(in) :: moes_m
+
+      lambda = 12/(pi*ellipse%compliance)*moes_scale(ellipse, moes_m)**(-4.0_wp/3.0_wp)
+   end function point_lambda
+
+   !> alpha p_h [-] of M and L.
+   pure elemental real(wp) function point_alpha_bar(ellipse, moes_m, moes_l) result(alpha_bar)
+      type(ellipse_t), intent(in) :: ellipse
+      real(wp), intent(in) :: moes_m, moes_l
+
+      alpha_bar = 0.5_wp*pi*ellipse%compliance*moes_l*moes_scale(ellipse, moes_m)**(1.0_wp/3.0_wp)
+   end function point_alpha_bar
+
+   !> a^2/Rx, the unit of the film, in units of Moes.
+   pure elemental real(wp) function point_film_unit(ellipse, moes_m) result(factor)
+      type(ellipse_t), intent(in) :: ellipse
+      real(wp), intent(in) :: moes_m
+
+      factor = moes_scale(ellipse, moes_m)**(2.0_wp/3.0_wp)
+   end function point_film_unit
+
+   !> Central film in units of Moes of a smooth incompressible Newtonian contact with entrainment
+   !> along x: fit of G. Nijenbanning, C. H. Venner and H. Moes, Wear 176, 1994, 217. M > 0, L >= 0,
+   !> D > 0. Within 3 % for M >= 20 and 0.2 <= D <= 1; 20 % high at M = 1.
+   pure elemental real(wp) function central_point_film(moes_m, moes_l, radius_ratio) result(film)
+      real(wp), intent(in) :: moes_m, moes_l, radius_ratio
+      real(wp) :: rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, shape, power, isoviscous
+
+      associate (d => radius_ratio)
+         shape = 1 + 0.006_wp*log(d) + 0.63_wp*d**(4.0_wp/7.0_wp)
+         rigid_iso = 145*(1 + 0.796_wp*d**(14.0_wp/15.0_wp))**(-15.0_wp/7.0_wp)/(d*moes_m**2)
+         elastic_iso = 3.18_wp*shape**(-0.56_wp)*d**(-1.0_wp/15.0_wp)*moes_m**(-2.0_wp/15.0_wp)
+         rigid_piezo = 1.29_wp*(1 + 0.691_wp*d)**(-2.0_wp/3.0_wp)*moes_l**(2.0_wp/3.0_wp)
+         elastic_piezo = 1.48_wp*shape**(-0.35_wp)*d**(-1.0_wp/24.0_wp) &
+            *moes_m**(-1.0_wp/12.0_wp)*moes_l**0.75_wp
+         power = 1.5_wp*(1 + exp(-1.2_wp*elastic_iso/rigid_iso))
+         isoviscous = (rigid_iso**(1.5_wp*power) + (elastic_iso**(-4) &
+            + (1.8_wp/d)**(-4))**(-0.375_wp*power))**(2.0_wp/3.0_wp)
+         ! both piezoviscous films are 0 for L = 0
+         film = (isoviscous + (max(rigid_piezo, tiny(1.0_wp)**0.02_wp)**(-8) &
+            + max(elastic_piezo, tiny(1.0_wp)**0.02_wp)**(-8))**(-power/8))**(1/power)
+      end associate
+   end function central_point_film
 
 end module moes

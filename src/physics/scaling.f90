@@ -1,16 +1,14 @@
 !> Reference values of the lubricated contact: the only place that converts between SI and
 !> dimensionless values.
 module scaling
-   use elliptic_contact, only: ellipse_t, new_ellipse, point_alpha_bar, point_film_unit, &
-      point_lambda
    use eyring, only: eyring_t, ln_b_of_no_sliding
    use film_heating, only: heating_t
-   use hertz, only: bodies_t, line_half_width, line_peak_pressure
+   use hertz, only: bodies_t, ellipse_t, line_half_width, line_peak_pressure, new_ellipse
    use kinds, only: not_known, pi, wp
    use lubricant, only: density_constant, density_dowson_higginson, dowson_higginson_c1, fluid_t, &
       lubricant_t, viscosity_constant, viscosity_roelands
-   use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, &
-      lambda_from_moes_sum, alpha_bar_from_moes, moes_l_from_alpha_bar
+   use moes, only: alpha_bar_from_moes, lambda_from_moes_sum, m_mean_per_sum, &
+      moes_l_from_alpha_bar, moes_m_sum_from_lambda, point_alpha_bar, point_film_unit, point_lambda
    implicit none (type, external)
    private
 
@@ -127,7 +125,7 @@ contains
             *speed**0.25_wp
          scaling%film_moes = scaling%slope**2/sqrt(speed)
       else
-         scaling%moes_m = moes_m_mean_from_sum(moes_m_sum_from_lambda(scaling%lambda))
+         scaling%moes_m = moes_m_sum_from_lambda(scaling%lambda)*m_mean_per_sum
          scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
          scaling%film_moes = 8.0_wp*scaling%moes_m/pi
       end if
@@ -156,7 +154,7 @@ contains
          scaling%alpha_bar = point_alpha_bar(scaling%ellipse, m, moes_l_mean*sum_per_mean**0.25_wp)
          scaling%film_moes = point_film_unit(scaling%ellipse, m)*sqrt(sum_per_mean)
       else
-         scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
+         scaling%lambda = lambda_from_moes_sum(moes_m_mean/m_mean_per_sum)
          scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
          scaling%film_moes = 8.0_wp*scaling%moes_m/pi
       end if

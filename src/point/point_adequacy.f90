@@ -2,12 +2,12 @@
 !> start, where it is known with all of them; rules and errors are those of line contacts (module
 !> ablation_runs). In time the ingredients of the oil are left out of the smooth steady start.
 module point_adequacy
-   use ablation_runs, only: change_between, doubt_between, set_change, set_change_by_one, widths
-   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, leave_out
+   use ablation_runs, only: set_change, widths
+   use ablations, only: ingredients_of, is_of_surfaces, leave_out
    use adequacy, only: accuracy_for, adequacy_t, influence_t, new_influence, no_solution, &
       verdict_needed, verdict_on
    use iteration_report, only: phase_adequacy, report_t
-   use kinds, only: not_known, wp
+   use kinds, only: not_known, quotient, wp
    use lean_levels, only: largest_rest
    use line_contact, only: smoothen_both
    use line_summary, only: line_summary_t
@@ -18,7 +18,7 @@ module point_adequacy
    use point_newton, only: point_newton_t, solve_point_newton
    use point_quantities, only: summary_of_point
    use point_solver, only: interpolate, point_run_t
-   use quantities, only: h_min, h_min_node, quantity_count
+   use quantities, only: h_min, h_min_node
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -36,7 +36,7 @@ module point_adequacy
    character(*), parameter :: no_passage = 'not measured of a point contact in time', &
       no_grids = 'no two coarser grids hold the film'
 
-   !> The coarser (1) and the finer of two grids, the contact on them with all ingredients, its
+   !> The finer (1) and the coarser of two grids, the contact on them with all ingredients, its
    !> pressures, H0 of the finer less that of the coarser one, and the work that may still be spent,
    !> in nodes times iterations.
    type :: grid_pair_t
@@ -59,16 +59,15 @@ contains
       type(report_t), intent(inout) :: report
       type(point_contact_t) :: steady
       type(grid_pair_t) :: pair
-      type(ingredient_t), allocatable :: list(:)
       real(wp) :: start
       integer :: i
 
       if (.not. report%converged) return
       start = wall_seconds()
-      adequacy%accuracy = accuracy_for(run%settings%target, summary)
+      adequacy%accuracy = accuracy_for(run%settings%target, quotient( &
+         summary%of(h_min)%error_estimate, abs(summary%of(h_min)%value)))
       call listener%on_stage('measuring what each ingredient changes')
-      list = ingredients_of(contact, run%time%is_transient)
-      adequacy%rows = new_influence(list%name, list%text)
+      adequacy%rows = new_influence(ingredients_of(contact, run%time%is_transient))
       steady = contact
       if (run%time%is_transient) then
          adequacy%rows%unknown = no_passage
@@ -79,13 +78,15 @@ contains
          adequacy%rows%unknown = no_grids
          return
       end if
-      call choose_pair(size(list))
-      do i = 1, size(list)
+      call choose_pair(size(adequacy%rows))
+      do i = 1, size(adequacy%rows)
          if (listener%is_stopping) exit
-         if (run%time%is_transient .and. is_of_surfaces(list(i))) cycle
-         adequacy%rows(i)%is_at_rest = run%time%is_transient
-         call measure_one(list(i), steady, size(list) - i, pair, adequacy, adequacy%rows(i), &
-            listener)
+         associate (row => adequacy%rows(i))
+            if (run%time%is_transient .and. is_of_surfaces(row%kind)) cycle
+            row%is_at_rest = run%time%is_transient
+            call measure_one(steady, size(adequacy%rows) - i, pair, adequacy%accuracy, row, &
+               listener)
+         end associate
       end do
       report%converged = .not. listener%is_stopping
       report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
@@ -107,14 +108,14 @@ contains
          do while (k > 1 .and. solutions*usual_work*sum(nodes(k:k + 1)) > pair%budget)
             k = k - 1
          end do
-         do g = 2, 1, -1
-            intervals = [contact%domain%intervals, contact%domain%rows]/2**(last - k - g + 1)
+         do g = 1, 2
+            intervals = [contact%domain%intervals, contact%domain%rows]/2**(last - k + g - 2)
             call new_hierarchy(pair%newtons(g)%hierarchy, steady, intervals(1), intervals(2), &
                run%threads, listener%error)
             listener%is_stopping = listener%is_stopping .or. allocated(listener%error)
             if (listener%is_stopping) return
-            pair%full(g) = run%grids(k + g - 1)
-            adequacy%at_rest(3 - g) = intervals(1)
+            pair%full(g) = run%grids(k - g + 2)
+            adequacy%at_rest(g) = intervals(1)
          end do
          g = 2**(last - 2 - k)
          pair%coarse = run%older(::g, ::g)
@@ -124,54 +125,51 @@ contains
 
    end subroutine measure_point_adequacy
 
-   !> One ingredient, of which `others` follow: on the coarser grid first, which may show that it is
-   !> needed.
-   subroutine measure_one(ingredient, contact, others, pair, adequacy, row, listener)
-      type(ingredient_t), intent(in) :: ingredient
+   !> Measures the ingredient of a `row`, behind which `others` follow: on the coarser grid first,
+   !> which may show that it is needed.
+   subroutine measure_one(contact, others, pair, accuracy, row, listener)
       type(point_contact_t), intent(in) :: contact
       integer, intent(in) :: others
       type(grid_pair_t), intent(inout) :: pair
-      type(adequacy_t), intent(in) :: adequacy
+      real(wp), intent(in) :: accuracy
       type(influence_t), intent(inout) :: row
       class(listener_t), intent(inout) :: listener
       type(influence_t) :: by_one
       type(point_contact_t) :: lean
-      type(line_summary_t) :: summary
-      real(wp) :: changes(quantity_count, 2), rest
+      type(line_summary_t) :: summaries(2)
+      real(wp) :: rest
       integer :: after
       logical :: is_known
 
-      associate (fine => pair%newtons(2)%hierarchy%levels(1), &
-         coarse => pair%newtons(1)%hierarchy%levels(1))
+      associate (fine => pair%newtons(1)%hierarchy%levels(1), &
+         coarse => pair%newtons(2)%hierarchy%levels(1))
          rest = 0.0_wp
          do
             if (pair%budget < usual_work*size(coarse%film)) return
             lean = contact
-            call leave_out(lean, ingredient, rest)
+            call leave_out(lean, row%ingredient_t, rest)
             lean%expected_film = film_by_formulas(lean, 1.0_wp)
             call set_surfaces(coarse, lean, 0.0_wp)
             coarse%pressure = pair%coarse
             ! the smallest film of the same pressure is that by the change of the expected one
             coarse%rigid_displacement = 0.0_wp
             call set_point_film(coarse)
-            coarse%rigid_displacement = pair%full(1)%of(h_min_node)%value*lean%expected_film &
+            coarse%rigid_displacement = pair%full(2)%of(h_min_node)%value*lean%expected_film &
                /contact%expected_film - minval(coarse%film)
             is_known = first_intervals(lean, 2*coarse%nx) <= coarse%nx .or. rest > 0.0_wp
-            if (is_known) call solve_lean(pair, 1, lean, summary, is_known, listener)
+            if (is_known) call solve_lean(pair, 2, lean, summaries(2), is_known, listener)
             if (is_known) exit
             row%unknown = no_solution
-            if (listener%is_stopping .or. rest > 0.0_wp .or. .not. ingredient%can_reduce) return
+            if (listener%is_stopping .or. rest > 0.0_wp .or. .not. row%can_reduce) return
             rest = largest_rest
          end do
          row%left_out = 1 - rest
-         changes(:, 2) = change_between(summary, pair%full(1))
-         ! the smallest film hops from node to node
-         changes(:, 1) = changes(:, 2)
-         changes([h_min, h_min_node], 1) = not_known()
          by_one = row
-         call set_change_by_one(changes(:, 1), doubt_between(summary, pair%full(1)), by_one)
+         call set_change(by_one, summaries(2:), pair%full(2:), widths)
+         by_one%change([h_min, h_min_node]) = not_known()   ! it hops from node to node
+         by_one%error([h_min, h_min_node]) = not_known()
          after = others*size(coarse%film)
-         if (verdict_on(by_one, adequacy%accuracy) == verdict_needed) then
+         if (verdict_on(by_one, accuracy) == verdict_needed) then
             row = by_one
             after = others*(size(coarse%film) + size(fine%film))
          end if
@@ -180,11 +178,9 @@ contains
          call interpolate(coarse%pressure - pair%coarse, fine%pressure)
          fine%pressure = max(pair%fine + fine%pressure, 0.0_wp)
          fine%rigid_displacement = coarse%rigid_displacement + pair%rise
-         call solve_lean(pair, 2, lean, summary, is_known, listener)
+         call solve_lean(pair, 1, lean, summaries(1), is_known, listener)
          if (.not. is_known) row%unknown = no_solution
-         if (.not. is_known) return
-         changes(:, 1) = change_between(summary, pair%full(2))
-         call set_change(row, changes, doubt_between(summary, pair%full(2)), widths)
+         if (is_known) call set_change(row, summaries, pair%full, widths)
       end associate
    end subroutine measure_one
 

@@ -10,11 +10,11 @@
 module point_contact
    use contact_moment, only: least_speed, sample_count, set_sliding, thinned_central_film
    use duty, only: moment_t
-   use elliptic_contact, only: central_point_film, ellipse_t, new_ellipse, &
-      point_film_unit, point_lambda
+   use hertz, only: ellipse_t, new_ellipse
    use kinds, only: pi, wp
    use line_contact, only: rough_contact_t, smoothen_both
    use lubricant, only: faster_fluid, fluid_t
+   use moes, only: central_point_film, point_film_unit, point_lambda
    implicit none (type, external)
    private
 
