@@ -3,8 +3,8 @@
 module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
       c_null_ptr, c_ptr
-   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dget_space_f, &
-      h5dwrite_f, h5iinc_ref_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
+   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dcreate_f, h5dget_space_f, h5dwrite_f, &
+      h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, hid_t, hsize_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_library, only: creation, link_creation, scalar_space, small_creation
@@ -126,7 +126,7 @@ contains
       logical, intent(in), optional :: is_single
       integer(hid_t) :: space, dataset, file_type
       character(:), allocatable :: units
-      integer :: references, status
+      integer :: status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
       call new_space(extents, space, status)
@@ -138,24 +138,20 @@ contains
             dcpl_id=merge(small_creation, creation, is_small), &
             lcpl_id=link_creation)
       end associate
+      if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
       call file%check(status, path)
       if (allocated(file%failure)) return
+      call file%keep_object(path, dataset)
       if (present(label)) then
-         call h5iinc_ref_f(dataset, references, status)   ! one is used here, the file keeps another
-         call file%keep_object(path, dataset)
          call write_attribute(file, path, 'long_name', label%long_name//label%definition)
          call write_attribute(file, path, 'si_units', label%si_units)
          call write_attribute(file, path, 'si_scale', label%si_scale)
          units = '1'   ! what `si_scale` turns into SI
          if (.not. label%has_scale()) units = label%si_units
          if (units /= '1' .or. size(extents) > 0) call write_attribute(file, path, 'units', units)
-         if (allocated(file%failure)) return
       end if
-      status = 0
-      if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
-         status)
-      if (status >= 0) call h5dclose_f(dataset, status)
-      if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
+      if (allocated(file%failure) .or. any(extents <= 0) .or. .not. c_associated(values)) return
+      call h5dwrite_f(dataset, type_id, values, status)
       call file%check(status, path)
    end subroutine write_values
 
