@@ -39,7 +39,7 @@ module hdf5_dataset
 
    !> Stores an attribute of an existing group or dataset, named by its path.
    interface write_attribute
-      module procedure :: attach_reals, attach_quantity, attach_integer, attach_string
+      module procedure :: attach_reals, attach_integer, attach_string
    end interface write_attribute
 
 contains
@@ -155,27 +155,22 @@ contains
       call file%check(status, path)
    end subroutine write_values
 
-   !> A real or several.
-   subroutine attach_reals(file, path, name, value)
+   !> A real or several; with `units` they stand in `<name>_units`.
+   subroutine attach_reals(file, path, name, value, units)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, name
       real(wp), intent(in), contiguous, target :: value(..)
+      character(*), intent(in), optional :: units
 
-      if (allocated(file%row)) call file%row%put(path, name, '=', numbers=value)
+      character(:), allocatable :: unit
+
+      unit = '='   ! that of its dataset
+      if (present(units)) unit = units
+      if (allocated(file%row)) call file%row%put(path, name, unit, numbers=value)
       call attach_values(file, path, name, file%real_type, shape(value), c_loc(value))
+      if (present(units) .and. .not. allocated(file%row)) call attach_string(file, path, &
+         name//'_units', units)
    end subroutine attach_reals
-
-   !> A real number, with its unit in `<name>_units`.
-   subroutine attach_quantity(file, path, name, value, units)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path, name, units
-      real(wp), intent(in) :: value
-
-      if (allocated(file%row)) call file%row%put(path, name, units, numbers=value)
-      if (allocated(file%row)) return
-      call attach_reals(file, path, name, value)
-      call attach_string(file, path, name//'_units', units)
-   end subroutine attach_quantity
 
    !> An integer.
    subroutine attach_integer(file, path, name, value)

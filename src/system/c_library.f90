@@ -5,9 +5,9 @@ module c_library
    implicit none (type, external)
    private
 
-   public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_isatty, c_mallopt, c_mkdir, &
-      c_open, c_poll, c_pread, c_prlimit, c_pwrite, c_rename, c_setenv, c_setitimer, c_signal, &
-      c_statx, c_sysconf, c_unlink, c_write
+   public :: c_close, c_exit, c_fcntl, c_fsync, c_ftruncate, c_isatty, c_lseek, c_mallopt, &
+      c_mkdir, c_open, c_poll, c_pread, c_prlimit, c_pwrite, c_rename, c_setenv, c_setitimer, &
+      c_signal, c_statx, c_sysconf, c_unlink, c_write
 
    !> File descriptors of the standard streams.
    integer(c_int), parameter, public :: standard_output = 1_c_int, standard_error = 2_c_int
@@ -76,6 +76,12 @@ module c_library
          character(kind=c_char), intent(in) :: text(*)
          integer(c_size_t), value :: bytes
       end function c_write
+      !> lseek(2): the new place [bytes]; below 0: an error.
+      integer(c_int64_t) function c_lseek(descriptor, offset, origin) bind(c, name='lseek')
+         import
+         integer(c_int), value :: descriptor, origin
+         integer(c_int64_t), value :: offset
+      end function c_lseek
       !> fsync(2): everything written to a file reaches the disk.
       integer(c_int) function c_fsync(descriptor) bind(c, name='fsync')
          import

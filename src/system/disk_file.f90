@@ -5,7 +5,7 @@ module disk_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_short, &
       c_size_t
    use build_info, only: program_name
-   use c_library, only: c_close, c_fcntl, c_fsync, c_ftruncate, c_mkdir, c_open, c_pread, &
+   use c_library, only: c_close, c_fcntl, c_fsync, c_ftruncate, c_lseek, c_mkdir, c_open, c_pread, &
       c_rename, c_statx, c_unlink, c_write, file_lock_t, statx_t
    use text, only: to_text
    implicit none (type, external)
@@ -51,9 +51,9 @@ module disk_file
    integer, parameter, public :: seal_bytes = 80
    !> Bytes that are looked at; of a table more than a line has.
    integer, parameter :: head_bytes = 4096, tail_bytes = 65536
-   !> O_RDONLY, O_RDWR + O_APPEND; O_RDONLY + O_NONBLOCK: a pipe waits for no writer.
+   !> O_RDONLY, O_RDWR + O_APPEND; O_RDONLY + O_NONBLOCK: a pipe waits for no writer; SEEK_END.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_append = 1026_c_int, &
-      read_at_once = 2048_c_int
+      read_at_once = 2048_c_int, from_end = 2_c_int
    !> F_OFD_SETLK, a lock that other descriptors do not end; F_OFD_SETLKW waits; F_WRLCK, F_UNLCK.
    integer(c_int), parameter :: set_lock = 37_c_int, wait_for_lock = 38_c_int
    integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
@@ -88,13 +88,14 @@ contains
    recursive integer function mark_of(path) result(mark)
       character(kind=c_char), intent(in) :: path(*)
       character(kind=c_char, len=head_bytes), target :: head
-      type(statx_t) :: file
+      integer(c_int64_t) :: bytes
       integer(c_int) :: descriptor, status
       integer :: length, place
 
       mark = no_mark
       descriptor = c_open(path, read_at_once)
       if (descriptor < 0_c_int) return
+      bytes = c_lseek(descriptor, 0_c_int64_t, from_end)
       length = int(c_pread(descriptor, c_loc(head), int(head_bytes, c_size_t), 0_c_int64_t))
       place = index(head(:length), attribute)
       if (place > 0) then
@@ -103,12 +104,11 @@ contains
       end if
       if (index(head(:length), xdmf_words) > 0) mark = xdmf_mark
       if (index(head(:length), part_words) == 1) mark = part_mark
-      if (length <= empty_bytes .and. index(head(:length), signature) == 1) mark = empty_mark
-      if (length == 0) mark = empty_mark
-      if (mark == no_mark .and. length > seal_bytes) then
-         status = c_statx(descriptor, c_null_char, empty_path, basic, file)
+      if (bytes == 0_c_int64_t .or. (bytes <= empty_bytes .and. index(head(:length), signature) &
+         == 1)) mark = empty_mark
+      if (mark == no_mark .and. bytes > seal_bytes) then
          length = int(c_pread(descriptor, c_loc(head), int(seal_bytes, c_size_t), &
-            file%bytes - seal_bytes))
+            bytes - seal_bytes))
          if (index(head(:length), seal_words) == 1) mark = hdf5_mark
       end if
       status = c_close(descriptor)
@@ -167,7 +167,7 @@ contains
          text = head//line
          if (length == len(head)) then   ! behind the last line that ends
             text = line
-            inquire (file=path, size=bytes)
+            bytes = c_lseek(lock%descriptor, 0_c_int64_t, from_end)
             start = max(bytes - tail_bytes, 0_c_int64_t)
             length = int(c_pread(lock%descriptor, c_loc(found), int(tail_bytes, c_size_t), start))
             start = start + index(found(:length), new_line('a'), back=.true.)

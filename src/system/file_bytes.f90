@@ -76,17 +76,14 @@ contains
       call self%check(c_pwrite(self%descriptor, c_loc(values), bytes, place) == bytes, 'write')
    end subroutine write_reals
 
-   !> Reads `values` (n) from byte `place` on; of the last of them the bytes after `end` are 0.
-   subroutine read_reals(self, place, values, end)
+   !> Reads `values` (n) from byte `place` on.
+   subroutine read_reals(self, place, values)
       class(positional_file_t), intent(inout) :: self
       integer(int64), intent(in) :: place
       real(wp), intent(out), contiguous, target :: values(:)
-      integer(int64), intent(in), optional :: end
       integer(c_size_t) :: bytes
 
       bytes = size(values, kind=c_size_t)*real_bytes
-      if (bytes > 0_c_size_t) values(size(values)) = 0.0_wp
-      if (present(end)) bytes = min(bytes, end - place)
       if (.not. allocated(self%failure) .and. bytes > 0_c_size_t) call self%check( &
          c_pread(self%descriptor, c_loc(values), bytes, place) == bytes, 'read')
       if (allocated(self%failure)) values = 0.0_wp
@@ -178,16 +175,23 @@ contains
       integer(int64), intent(in) :: bytes
       type(checksum_t) :: sums
       real(wp), allocatable :: values(:)
+      integer(int64), target :: last
       integer(int64) :: place
 
       allocate (values(block_numbers))
-      do place = 0_int64, bytes - 1, real_bytes*block_numbers
-         associate (block => values(:min(block_numbers, (bytes - place - 1)/real_bytes + 1)))
-            call file%read_reals(place, block, bytes)
+      do place = 0_int64, bytes - real_bytes, real_bytes*block_numbers
+         associate (block => values(:min(block_numbers, (bytes - place)/real_bytes)))
+            call file%read_reals(place, block)
             call sums%add(block)
          end associate
          if (allocated(file%failure)) return
       end do
+      place = bytes - modulo(bytes, int(real_bytes, int64))
+      if (place == bytes) return
+      last = 0_int64
+      call file%check(c_pread(file%descriptor, c_loc(last), bytes - place, place) &
+         == bytes - place, 'read')
+      call sums%add([transfer(last, 0.0_wp)])
    end function sums_of
 
    !> Adds `values`, the lower half of each before the upper one.
