@@ -30,7 +30,7 @@ COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", 
 SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dry_)?adequacy_section)\.f90")
 # name: bound
 BOUNDS = {
-    "sources": 46_795,
+    "sources": 46_796,
     "how sure": 5_199,
     "tests": 32_002,
     "bench": 4_272,

@@ -51,8 +51,8 @@ contains
 
       call attach_name(file, path, 'CLASS', 'DIMENSION_SCALE')
       call attach_name(file, path, 'NAME', path(index(path, '/', back=.true.) + 1:))
-      k = axis_at(file, path)
       if (allocated(file%failure)) return
+      k = axis_at(file, path)
       file%axes(k)%object = file%object_at(path)
       call h5iinc_ref_f(file%axes(k)%object, references, status)   ! open until `write_users`
       call file%check(status, path)

@@ -3,9 +3,9 @@
 module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
       c_null_ptr, c_ptr
-   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dcreate_f, h5dget_space_f, h5dwrite_f, &
-      h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, hid_t, hsize_t
+   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dget_space_f, &
+      h5dwrite_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, hid_t, &
+      hsize_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_library, only: creation, link_creation, scalar_space, small_creation
    use kinds, only: int64, wp
@@ -130,8 +130,8 @@ contains
 
       if (allocated(file%failure) .or. allocated(file%row)) return
       call new_space(extents, space, status)
-      associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
-         file%real_type .or. type_id == file%integer_type))
+      associate (is_small => product(int(extents, int64)) <= few .and. any(type_id == &
+         [file%real_type, file%integer_type]))
          file_type = type_id
          if (present(is_single)) file_type = merge(file%single_type, type_id, is_single)
          if (status >= 0) call h5dcreate_f(file%id, path, file_type, space, dataset, status, &
@@ -141,17 +141,19 @@ contains
       if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
       call file%check(status, path)
       if (allocated(file%failure)) return
-      call file%keep_object(path, dataset)
       if (present(label)) then
+         call file%keep_object(path, dataset)
          call write_attribute(file, path, 'long_name', label%long_name//label%definition)
          call write_attribute(file, path, 'si_units', label%si_units)
          call write_attribute(file, path, 'si_scale', label%si_scale)
          units = '1'   ! what `si_scale` turns into SI
          if (.not. label%has_scale()) units = label%si_units
          if (units /= '1' .or. size(extents) > 0) call write_attribute(file, path, 'units', units)
+         if (allocated(file%failure)) return
       end if
-      if (allocated(file%failure) .or. any(extents <= 0) .or. .not. c_associated(values)) return
-      call h5dwrite_f(dataset, type_id, values, status)
+      if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
+         status)
+      if (status >= 0 .and. .not. present(label)) call h5dclose_f(dataset, status)
       call file%check(status, path)
    end subroutine write_values
 
@@ -161,7 +163,6 @@ contains
       character(*), intent(in) :: path, name
       real(wp), intent(in), contiguous, target :: value(..)
       character(*), intent(in), optional :: units
-
       character(:), allocatable :: unit
 
       unit = '='   ! that of its dataset
