@@ -14,8 +14,7 @@ program asperity
    use read_cases, only: read_all_cases, report_good, status_bad_input
    use result_table, only: print_results
    use run_case, only: run_one_case
-   use signals, only: is_interrupted, listen_to_signals, stop_listening, disarm_exit_message, &
-      watch_silence
+   use signals, only: is_interrupted, listen_to_signals, disarm_exit_message, watch_silence
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 
@@ -35,7 +34,7 @@ program asperity
       call log%say(error%message)
       status = merge(status_not_written, status_bad_input, error%kind == output_error)
    end if
-   call stop_listening()
+   call disarm_exit_message(is_over=.true.)
    ! without the ends of libraries: a thread of OpenBLAS that gets no memory never returns
    if (status /= 0) call c_exit(int(status, c_int))
 
@@ -86,7 +85,7 @@ contains
       do i = 1, size(cases)
          if (is_interrupted()) then   ! no further case is started
             log = new_progress_log(command%has('--quiet'))
-            call disarm_exit_message()
+            call disarm_exit_message(is_over=.false.)
             if (outcome%status /= status_interrupted) call log%say_error('interrupted before ' &
                // cases(i)%file)
             status = status_interrupted

@@ -54,7 +54,7 @@ contains
             outcome%status = merge(status_not_written, status_interrupted, &
                allocated(listener%failure))
             outcome%reason = writer%interruption_text()
-            call disarm_exit_message()
+            call disarm_exit_message(is_over=.false.)
             call listener%log%say_error(outcome%reason)
             call writer%discard()
             return

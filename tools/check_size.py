@@ -30,9 +30,9 @@ COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", 
 SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dry_)?adequacy_section)\.f90")
 # name: bound
 BOUNDS = {
-    "sources": 46_079,
+    "sources": 45_773,
     "how sure": 4_965,
-    "tests": 31_562,
+    "tests": 31_559,
     "bench": 3_999,
     "words of pages": 44_949,
     "imports of a file": 20,

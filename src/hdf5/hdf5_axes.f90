@@ -4,12 +4,10 @@
 !> scale, DIMENSION_LIST of its users, REFERENCE_LIST of a scale in use. NetCDF looks for scales in
 !> the group of the dataset, so a coordinate is linked where else it is used.
 module hdf5_axes
-   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_loc, &
-      c_null_char, c_sizeof
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_loc, c_null_char, c_sizeof
    use hdf5, only: h5iinc_ref_f, h5lcreate_soft_f, h5offsetof, h5rcreate_f, h5t_c_s1, &
-      h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, &
-      h5tcopy_f, h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, &
-      hid_t, hobj_ref_t_f, hvl_t, size_t
+      h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5tclose_f, h5tcopy_f, h5tcreate_f, &
+      h5tinsert_f, h5tset_size_f, h5tvlen_create_f, hid_t, hobj_ref_t_f, hvl_t, size_t
    use hdf5_dataset, only: attach_values, label_t, new_label, write_dataset, write_values
    use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
    use hdf5_library, only: link_creation
@@ -49,18 +47,15 @@ contains
    subroutine make_axis(file, path)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      type(axis_t) :: axis
-      integer :: references, status
+      integer :: k, references, status
 
       call attach_name(file, path, 'CLASS', 'DIMENSION_SCALE')
       call attach_name(file, path, 'NAME', path(index(path, '/', back=.true.) + 1:))
-      axis%path = path
-      axis%place = place_of(file, path)
       if (allocated(file%failure)) return
-      axis%object = file%object_at(path)
-      call h5iinc_ref_f(axis%object, references, status)   ! it stays open for `write_users`
+      k = axis_at(file, path)
+      file%axes(k)%object = file%object_at(path)
+      call h5iinc_ref_f(file%axes(k)%object, references, status)   ! open until `write_users`
       call file%check(status, path)
-      file%axes = [file%axes, axis]
    end subroutine make_axis
 
    !> A string with a null character at its end, as the specification has them.
@@ -75,7 +70,6 @@ contains
       copy = name//c_null_char
       call h5tcopy_f(h5t_c_s1, name_type, status)
       if (status >= 0) call h5tset_size_f(name_type, len(copy, kind=size_t), status)
-      if (status >= 0) call h5tset_strpad_f(name_type, h5t_str_nullterm_f, status)
       call file%check(status, attribute)
       call attach_values(file, path, attribute, name_type, [integer ::], c_loc(copy))
       call h5tclose_f(name_type, status)
@@ -101,33 +95,26 @@ contains
       type(hvl_t), allocatable, target :: lists(:)
       integer(int64) :: user
       integer(hid_t) :: list_type
-      integer :: first, i, k, rank, status
+      integer :: first, i, k, last, status
 
       if (allocated(file%row)) return
       if (axes == '=') call make_axis(file, path)
       if (axes == '=' .or. allocated(file%failure)) return
-      user = place_of(file, path)
-      rank = count_of(' ', axes) + 1
-      allocate (places(rank), lists(rank))
+      user = place_of(file, file%object_at(path), '.')
+      allocate (places(count_of(' ', axes) + 1), lists(count_of(' ', axes) + 1))
       first = 1
-      do i = rank, 1, -1
-         associate (group => path(:index(path, '/', back=.true.)), length => index(axes(first:) &
-            //' ', ' ') - 1)
-            k = axis_at(file, group//axes(first:first + length - 1))
-            if (k == 0) call file%check(-1, group//axes(first:first + length - 1) &
-               //': no coordinate')
-            first = first + length + 1
-         end associate
+      do i = size(places), 1, -1
+         last = first + index(axes(first:)//' ', ' ') - 2
+         k = axis_at(file, path(:index(path, '/', back=.true.))//axes(first:last))
          if (allocated(file%failure)) return
-         file%uses = [file%uses, axis_use_t(user, i - 1)]
-         file%used = [file%used, k]
+         file%axes(k)%uses = [file%axes(k)%uses, axis_use_t(user, i - 1)]
          places(i) = file%axes(k)%place
-         lists(i)%len = 1_size_t
-         lists(i)%p = c_loc(places(i))
+         lists(i) = hvl_t(1_size_t, c_loc(places(i)))
+         first = last + 2
       end do
       call h5tvlen_create_f(h5t_std_ref_obj, list_type, status)
       call file%check(status, path)
-      call attach_values(file, path, 'DIMENSION_LIST', list_type, [rank], c_loc(lists))
+      call attach_values(file, path, 'DIMENSION_LIST', list_type, shape(lists), c_loc(lists))
       call h5tclose_f(list_type, status)
    end subroutine name_axes
 
@@ -136,18 +123,11 @@ contains
    subroutine link_object(file, path, second)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, second
-      type(axis_t) :: axis
-      integer :: k, status
+      integer :: status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
       call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=link_creation)
       call file%check(status, second)
-      k = axis_at(file, path)
-      if (k == 0 .or. allocated(file%failure)) return
-      axis = file%axes(k)
-      axis%path = second
-      axis%object = -1_hid_t
-      file%axes = [file%axes, axis]
    end subroutine link_object
 
    !> Lists in every coordinate the datasets that use it: once, before the file is closed.
@@ -171,40 +151,39 @@ contains
             call file%keep_object(axis%path, axis%object)
             uses = [axis_use_t ::]
             do k = i, size(file%axes)
-               if (file%axes(k)%place == axis%place) uses = [uses, pack(file%uses, file%used == k)]
+               if (file%axes(k)%place == axis%place) uses = [uses, file%axes(k)%uses]
             end do
             if (size(uses) > 0) call attach_values(file, axis%path, 'REFERENCE_LIST', use_type, &
                shape(uses), c_loc(uses))
          end associate
       end do
       call h5tclose_f(use_type, status)
-      file%axes = file%axes(:0)
    end subroutine write_users
 
-   !> Number of the coordinate at `path`; 0: there is none.
-   pure integer function axis_at(file, path) result(k)
-      class(hdf5_file_t), intent(in) :: file
+   !> Number of the coordinate at `path`, or of this second name of one; a new path is added.
+   integer function axis_at(file, path) result(k)
+      class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
 
-      do k = size(file%axes), 1, -1
+      do k = 1, size(file%axes)
          if (file%axes(k)%path == path) return
       end do
+      file%axes = [file%axes, axis_t(path, place=place_of(file, file%id, path), &
+         uses=[axis_use_t ::])]
    end function axis_at
 
-   !> The place in the file that stands for a dataset in references.
-   function place_of(file, path) result(place)
+   !> The place in the file that stands in references for the dataset `path` of a `location`.
+   function place_of(file, location, path) result(place)
       class(hdf5_file_t), intent(inout) :: file
+      integer(hid_t), intent(in) :: location
       character(*), intent(in) :: path
       integer(int64) :: place
       type(hobj_ref_t_f) :: reference
-      integer(hid_t) :: object
       integer :: status
 
       place = 0_int64
       if (allocated(file%failure)) return
-      object = file%object_at(path)
-      if (allocated(file%failure)) return
-      call h5rcreate_f(object, '.', reference, status)
+      call h5rcreate_f(location, path, reference, status)
       call file%check(status, path)
       place = int(reference%ref, int64)
    end function place_of

@@ -4,8 +4,8 @@ module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
       c_null_ptr, c_ptr
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5dclose_f, h5dcreate_f, h5dget_space_f, &
-      h5dwrite_f, h5iinc_ref_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, hid_t, hsize_t
+      h5dwrite_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, hid_t, &
+      hsize_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_library, only: creation, link_creation, scalar_space, small_creation
    use kinds, only: int64, wp
@@ -39,7 +39,7 @@ module hdf5_dataset
 
    !> Stores an attribute of an existing group or dataset, named by its path.
    interface write_attribute
-      module procedure :: attach_reals, attach_quantity, attach_integer, attach_string
+      module procedure :: attach_reals, attach_integer, attach_string
    end interface write_attribute
 
 contains
@@ -126,22 +126,22 @@ contains
       logical, intent(in), optional :: is_single
       integer(hid_t) :: space, dataset, file_type
       character(:), allocatable :: units
-      integer :: references, status
+      integer :: status
 
       if (allocated(file%failure) .or. allocated(file%row)) return
       call new_space(extents, space, status)
-      associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
-         file%real_type .or. type_id == file%integer_type))
+      associate (is_small => product(int(extents, int64)) <= few .and. any(type_id == &
+         [file%real_type, file%integer_type]))
          file_type = type_id
          if (present(is_single)) file_type = merge(file%single_type, type_id, is_single)
          if (status >= 0) call h5dcreate_f(file%id, path, file_type, space, dataset, status, &
             dcpl_id=merge(small_creation, creation, is_small), &
             lcpl_id=link_creation)
       end associate
+      if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
       call file%check(status, path)
       if (allocated(file%failure)) return
       if (present(label)) then
-         call h5iinc_ref_f(dataset, references, status)   ! one is used here, the file keeps another
          call file%keep_object(path, dataset)
          call write_attribute(file, path, 'long_name', label%long_name//label%definition)
          call write_attribute(file, path, 'si_units', label%si_units)
@@ -151,35 +151,27 @@ contains
          if (units /= '1' .or. size(extents) > 0) call write_attribute(file, path, 'units', units)
          if (allocated(file%failure)) return
       end if
-      status = 0
       if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
          status)
-      if (status >= 0) call h5dclose_f(dataset, status)
-      if (status >= 0 .and. size(extents) > 0) call h5sclose_f(space, status)
+      if (status >= 0 .and. .not. present(label)) call h5dclose_f(dataset, status)
       call file%check(status, path)
    end subroutine write_values
 
-   !> A real or several.
-   subroutine attach_reals(file, path, name, value)
+   !> A real or several; with `units` they stand in `<name>_units`.
+   subroutine attach_reals(file, path, name, value, units)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, name
       real(wp), intent(in), contiguous, target :: value(..)
+      character(*), intent(in), optional :: units
+      character(:), allocatable :: unit
 
-      if (allocated(file%row)) call file%row%put(path, name, '=', numbers=value)
+      unit = '='   ! that of its dataset
+      if (present(units)) unit = units
+      if (allocated(file%row)) call file%row%put(path, name, unit, numbers=value)
       call attach_values(file, path, name, file%real_type, shape(value), c_loc(value))
+      if (present(units) .and. .not. allocated(file%row)) call attach_string(file, path, &
+         name//'_units', units)
    end subroutine attach_reals
-
-   !> A real number, with its unit in `<name>_units`.
-   subroutine attach_quantity(file, path, name, value, units)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path, name, units
-      real(wp), intent(in) :: value
-
-      if (allocated(file%row)) call file%row%put(path, name, units, numbers=value)
-      if (allocated(file%row)) return
-      call attach_reals(file, path, name, value)
-      call attach_string(file, path, name//'_units', units)
-   end subroutine attach_quantity
 
    !> An integer.
    subroutine attach_integer(file, path, name, value)

@@ -13,7 +13,7 @@ module hdf5_file
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
-   use hdf5_library, only: file_access, hdf5_handle_t, link_creation, start_hdf5, start_writing
+   use hdf5_library, only: file_access, hdf5_handle_t, link_creation
    use kinds, only: are_finite, wp
    use summary_row, only: summary_row_t
    implicit none (type, external)
@@ -24,15 +24,6 @@ module hdf5_file
    !> O_WRONLY + O_TRUNC.
    integer(c_int), parameter :: truncate = 513_c_int
 
-   !> A coordinate of datasets in a file (see `hdf5_axes`).
-   type :: axis_t
-      character(:), allocatable :: path
-      !> The open dataset; -1: it is another name.
-      integer(hid_t) :: object = -1_hid_t
-      !> Its address in references.
-      integer(int64) :: place = 0
-   end type axis_t
-
    !> An element of REFERENCE_LIST: a dataset, by its address, and the number of a dimension of it
    !> that has a coordinate (0 = the slowest).
    type, bind(c) :: axis_use_t
@@ -42,19 +33,28 @@ module hdf5_file
       integer(c_int) :: nothing = 0_c_int
    end type axis_use_t
 
+   !> A coordinate of datasets in a file, or a second name of one (see `hdf5_axes`).
+   type :: axis_t
+      character(:), allocatable :: path
+      !> The open dataset; -1: it is another name.
+      integer(hid_t) :: object = -1_hid_t
+      !> Its address in references, and its users.
+      integer(int64) :: place = 0
+      type(axis_use_t), allocatable :: uses(:)
+   end type axis_t
+
    !> An open file for writing.
    type, extends(hdf5_handle_t) :: hdf5_file_t
       !> The row of a table, into which single values go in place of a file.
       type(summary_row_t), allocatable :: row
       !> HDF5 types of real(wp), real(real32) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t, single_type = -1_hid_t, integer_type = -1_hid_t
-      !> Coordinates so far, what uses them, and which of them.
+      !> Coordinates so far.
       type(axis_t), allocatable :: axes(:)
-      type(axis_use_t), allocatable :: uses(:)
-      integer, allocatable :: used(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
-      !> The object of the last attribute, kept open: to look up its path costs as much as one.
+      !> The object of the last attribute, kept open (to look up its path costs as much as one), and
+      !> its path; empty: none.
       character(:), allocatable, private :: object_path
       integer(hid_t), private :: object = -1_hid_t
    contains
@@ -75,18 +75,16 @@ contains
       integer :: status
 
       file%path = path
-      allocate (file%axes(0), file%uses(0), file%used(0))
+      file%object_path = ''
+      allocate (file%axes(0))
       fault = place_fault(path, any_mark)
       if (fault /= '') call fail(file%failure, output_error, 'cannot write '//path//fault)
-      call start_hdf5(status)
-      call file%check(status, 'starting the HDF5 library')
+      call file%start_hdf5()
       if (.not. allocated(file%failure)) then
          file%real_type = h5kind_to_type(wp, h5_real_kind)
          file%single_type = h5kind_to_type(real32, h5_real_kind)
          file%integer_type = h5kind_to_type(int64, h5_integer_kind)
-         call start_writing(status)
-         if (status >= 0) call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, &
-            access_prp=file_access)
+         call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, access_prp=file_access)
          file%is_open = status >= 0
          call file%check(status, 'creating the file')
          if (file%is_open) then
@@ -129,13 +127,16 @@ contains
       if (.not. allocated(self%failure)) call self%keep_object(path, group)
    end subroutine create_group
 
-   !> Takes over the open `object` at `path`.
+   !> Takes over the open `object` at `path`; the one that was kept open is closed.
    subroutine keep_object(self, path, object)
       class(hdf5_file_t), intent(inout) :: self
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: object
+      integer :: status
 
-      call close_object(self)
+      status = 0
+      if (self%object_path /= '') call h5oclose_f(self%object, status)
+      call self%check(status, self%object_path)
       self%object_path = path
       self%object = object
    end subroutine keep_object
@@ -147,25 +148,12 @@ contains
       integer(hid_t) :: object
       integer :: status
 
-      if (allocated(self%object_path)) then
-         object = self%object
-         if (self%object_path == path) return
-      end if
+      object = self%object
+      if (self%object_path == path) return
       call h5oopen_f(self%id, path, object, status)
       call self%check(status, path)
       if (.not. allocated(self%failure)) call self%keep_object(path, object)
    end function object_at
-
-   !> Closes the object that was kept open.
-   subroutine close_object(self)
-      class(hdf5_file_t), intent(inout) :: self
-      integer :: status
-
-      if (.not. allocated(self%object_path)) return
-      call h5oclose_f(self%object, status)
-      call self%check(status, self%object_path)
-      deallocate (self%object_path)
-   end subroutine close_object
 
    !> Closes the file, once, and all in it, or empties a failed one; `error`: the first failure.
    subroutine close_file(self, error)
@@ -183,7 +171,7 @@ contains
             ! Left open it is no other file's; empty it needs no room on a full disk.
             status = c_close(c_open(self%path//c_null_char, truncate))
          else
-            call close_object(self)
+            call self%keep_object('', -1_hid_t)
             call h5fclose_f(self%id, status)
             call self%check(status, 'closing the file')
          end if

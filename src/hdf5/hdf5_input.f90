@@ -18,7 +18,7 @@ module hdf5_input
       h5sget_simple_extent_npoints_f, h5sselect_hyperslab_f, h5t_float_f, h5t_integer_f, &
       h5t_native_double, h5t_std_ref_obj, h5t_string_f, h5tclose_f, h5tequal_f, h5tget_class_f, &
       h5tget_size_f, h5tis_variable_str_f, h5tvlen_create_f, hid_t, hsize_t, hvl_t, size_t
-   use hdf5_library, only: hdf5_handle_t, start_hdf5, text_at
+   use hdf5_library, only: hdf5_handle_t, text_at
    use kinds, only: int64, wp
    use text, only: to_text
    implicit none (type, external)
@@ -83,8 +83,7 @@ contains
       if (file_fault(path) /= '') then
          call fail(reader%failure, input_error, 'cannot read '//path//': '//file_fault(path))
       else
-         call start_hdf5(status)
-         call reader%check(status, 'starting the HDF5 library')
+         call reader%start_hdf5()
          call h5fopen_f(path, h5f_acc_rdonly_f, reader%id, status)
          call reader%check(status, 'opening the file')
          reader%is_open = .not. allocated(reader%failure)
@@ -95,12 +94,15 @@ contains
    !> Whether there is a file at `path` that is HDF5 by its content.
    logical function is_hdf5(path)
       character(*), intent(in) :: path
+      type(hdf5_input_t) :: reader
       integer :: status
 
       is_hdf5 = .false.
       if (file_fault(path) /= '') return
-      call start_hdf5(status)
-      if (status >= 0) call h5fis_hdf5_f(path, is_hdf5, status)
+      reader%path = path
+      call reader%start_hdf5()
+      if (allocated(reader%failure)) return
+      call h5fis_hdf5_f(path, is_hdf5, status)
       is_hdf5 = is_hdf5 .and. status >= 0   ! a file that cannot be read is none
    end function is_hdf5
 

@@ -14,7 +14,7 @@ module hdf5_library
    implicit none (type, external)
    private
 
-   public :: start_hdf5, start_writing, text_at
+   public :: text_at
 
    !> Longest string whose type is kept for the next string of its length.
    integer, parameter :: longest_kept = 256
@@ -30,11 +30,9 @@ module hdf5_library
       integer(hid_t) :: id = -1_hid_t
       logical :: is_open = .false.
    contains
-      procedure :: check, string_type
+      procedure :: check, start_hdf5, string_type
    end type hdf5_handle_t
 
-   !> The library has been started in this process.
-   logical :: is_started = .false.
    !> What all files share that are written: properties of files; of links, where groups above are
    !> made as well; of datasets, and of small ones, whose values stand in their header.
    integer(hid_t), protected, public :: file_access = -1_hid_t, link_creation = -1_hid_t, &
@@ -82,29 +80,19 @@ contains
 
    !> Starts the library, however often it is called: it prints nothing, and it locks no files
    !> (`lock_t` does that, once for a whole run; the library's own locks would be in its way).
-   !> `status` < 0: it cannot be started. Only the first call does anything: a second h5open_f
-   !> returns a status at random in some versions (1.10.10).
-   subroutine start_hdf5(status)
-      integer, intent(out) :: status
-      integer :: ignored
+   !> Makes what all files share that are written. Only the first call does anything: a second
+   !> h5open_f returns a status at random in some versions (1.10.10).
+   subroutine start_hdf5(self)
+      class(hdf5_handle_t), intent(inout) :: self
+      integer :: ignored, status
 
-      status = 0
-      if (is_started) return
+      if (scalar_space >= 0_hid_t) return
       status = c_setenv('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char, 1_c_int)
       call h5dont_atexit_f(ignored)       ! at its end the library would write a failed file again
       call h5open_f(status)
       if (status >= 0) call h5eset_auto_f(0, status)
       if (status >= 0) status = h5lunregister(external_link)   ! a file does not lead into others
-      is_started = status >= 0
-   end subroutine start_hdf5
-
-   !> Makes what all files share, for the first of them; `status` < 0: it cannot be made.
-   subroutine start_writing(status)
-      integer, intent(out) :: status
-
-      status = 0
-      if (scalar_space >= 0_hid_t) return
-      call h5pcreate_f(h5p_file_access_f, file_access, status)
+      if (status >= 0) call h5pcreate_f(h5p_file_access_f, file_access, status)
       if (status >= 0) call h5pset_fclose_degree_f(file_access, h5f_close_strong_f, status)
       if (status >= 0) call h5pset_libver_bounds_f(file_access, h5f_libver_earliest_f, &
          h5f_libver_latest_f, status)
@@ -115,7 +103,8 @@ contains
       if (status >= 0) call h5pcopy_f(creation, small_creation, status)
       if (status >= 0) call h5pset_layout_f(small_creation, h5d_compact_f, status)
       if (status >= 0) call h5screate_f(h5s_scalar_f, scalar_space, status)
-   end subroutine start_writing
+      call self%check(status, 'starting the HDF5 library')
+   end subroutine start_hdf5
 
    !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; undefined after a failure.
    function string_type(self, length) result(type_id)

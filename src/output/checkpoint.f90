@@ -137,21 +137,18 @@ contains
       character(*), intent(in) :: old, new
       character(:), allocatable :: a, b, difference
       character(*), parameter :: ending = new_line('a')
-      integer :: i, k
+      integer :: i
 
-      difference = ''
       a = old//ending
       b = new//ending
-      do while (len(a) + len(b) > 0)
-         i = index(a, ending)
-         k = index(b, ending)
-         if (i /= k .or. a(:i) /= b(:k)) exit
-         a = a(i + 1:)
-         b = b(k + 1:)
+      do i = 1, min(len(a), len(b))
+         if (a(i:i) /= b(i:i)) exit
       end do
-      if (len(a) + len(b) == 0) return
-      if (a == '') a = 'nothing'//ending
-      if (b == '') b = 'nothing'//ending
+      difference = ''
+      if (i > max(len(a), len(b))) return
+      i = index(a(:i - 1), ending, back=.true.) + 1
+      a = a(i:)//'nothing'//ending
+      b = b(i:)//'nothing'//ending
       difference = ' is of another case: it has '//a(:index(a, ending) - 1)//', the namelist ' &
          //b(:index(b, ending) - 1)
    end function first_difference
@@ -172,8 +169,17 @@ contains
          if (passage%has_earlier) call file%visit_plain('/earlier', passage%earlier, &
             storage_size(passage%earlier))
       end associate
-      if (file%has('/statistics', allocated(checkpoint%statistics%thresholds))) call &
-         visit_statistics(file, checkpoint%statistics)
+      associate (statistics => checkpoint%statistics)
+         if (file%has('/statistics', allocated(statistics%thresholds))) then
+            call file%visit_vector('/statistics/thresholds', statistics%thresholds, 1)
+            call file%visit_vector('/statistics/times_below', statistics%times_below, 1)
+            call file%visit_vector('/statistics/shares_below', statistics%shares_below, 1)
+            call file%visit('/statistics/film_bins', statistics%film_bins)
+            call file%visit('/statistics/pressure_bins', statistics%pressure_bins)
+            call file%visit_plain('/statistics/sums', statistics%film_sums_t, &
+               storage_size(statistics%film_sums_t))
+         end if
+      end associate
       call visit_march(file, checkpoint%march)
       if (file%has('/momentum', allocated(checkpoint%momentum))) then
          if (file%is_read) allocate (checkpoint%momentum)
@@ -182,20 +188,6 @@ contains
       end if
       call file%visit_text('/part_digits', checkpoint%part_digits)
    end subroutine visit_checkpoint
-
-   !> Sums over the time steps so far.
-   subroutine visit_statistics(file, statistics)
-      type(checkpoint_file_t), intent(inout) :: file
-      type(film_statistics_t), intent(inout) :: statistics
-
-      call file%visit_vector('/statistics/thresholds', statistics%thresholds, 1)
-      call file%visit_vector('/statistics/times_below', statistics%times_below, 1)
-      call file%visit_vector('/statistics/shares_below', statistics%shares_below, 1)
-      call file%visit('/statistics/film_bins', statistics%film_bins)
-      call file%visit('/statistics/pressure_bins', statistics%pressure_bins)
-      call file%visit_plain('/statistics/sums', statistics%film_sums_t, &
-         storage_size(statistics%film_sums_t))
-   end subroutine visit_statistics
 
    !> The last solutions.
    subroutine visit_march(file, march)

@@ -54,7 +54,6 @@ contains
 
       ratio = not_known()
       if (allocated(writer%limits)) ratio = writer%limits(mixed_lubrication)%value
-      call log%clear()
       head = wrapped(log%name//': '//outcome_text(report, log%is_quiet), columns)
       if (all([report%outcome() /= has_converged, log%prints_errors_apart()])) call &
          log%write_line(head)

@@ -59,9 +59,8 @@ module progress_log
       !> Step at which they started; -1: they have not.
       integer, private :: first_step = -1
    contains
-      procedure :: on_cycle, on_step, say, say_error, print_summary, prints_errors_apart, clear, &
-         write_line
-      procedure, private :: update
+      procedure :: on_cycle, on_step, say, say_error, print_summary, prints_errors_apart, write_line
+      procedure, private :: is_due, update, replace
    end type progress_log_t
 
 contains
@@ -84,16 +83,21 @@ contains
       character(*), intent(in) :: words
       integer, intent(in) :: cycle
       real(wp), intent(in) :: residual, load_error
-      logical :: is_due
 
-      if (self%is_quiet) return
-      is_due = popcnt(cycle) == 1 .or. wall_seconds() - self%last_line >= log_seconds
-      if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() &
-         - self%last_line >= update_seconds
-      if (.not. is_due) return
-      call self%update(words//' '//number_text(real(cycle, wp), 9) &
-         //'  residual '//number_text(residual, 3)//'  load error '//number_text(load_error, 3))
+      if (self%is_due(merge(cycle == 1, popcnt(cycle) == 1, self%is_updating))) call self%update( &
+         words//' '//number_text(real(cycle, wp), 9)//'  residual '//number_text(residual, 3) &
+         //'  load error '//number_text(load_error, 3))
    end subroutine on_cycle
+
+   !> Whether a cycle or step is shown: one with a mark, or any after a long silence.
+   logical function is_due(self, has_mark)
+      class(progress_log_t), intent(in) :: self
+      logical, intent(in) :: has_mark
+
+      is_due = .not. self%is_quiet
+      if (is_due .and. .not. has_mark) is_due = wall_seconds() - self%last_line &
+         >= merge(update_seconds, log_seconds, self%is_updating)
+   end function is_due
 
    !> Step, time, smallest film and remaining time in one line: in a log every tenth of the way and
    !> after a long silence; on a terminal ten a second at most.
@@ -103,21 +107,17 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       character(:), allocatable :: line
-      real(wp) :: film, now, silence
-      logical :: is_due
+      real(wp) :: film
+      logical :: is_tenth
 
-      if (self%is_quiet) return
-      now = wall_seconds()
       if (self%first_step < 0) then
          self%first_step = step
-         self%steps_start = now
-         self%last_line = now
+         self%steps_start = wall_seconds()
+         self%last_line = self%steps_start
       end if
       if (step == self%first_step) return
-      silence = now - self%last_line
-      is_due = 10_int64*step/steps > 10_int64*(step - 1)/steps .or. silence >= log_seconds
-      if (self%is_updating) is_due = silence >= update_seconds
-      if (.not. is_due) return
+      is_tenth = 10_int64*step/steps > 10_int64*(step - 1)/steps
+      if (.not. self%is_due(is_tenth .and. .not. self%is_updating)) return
       film = minval(state%film_thickness)
       if (.not. allocated(state%y)) film = parabola_minimum(state%x, state%film_thickness)
       line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T ' &
@@ -129,8 +129,8 @@ contains
       end if
       if (report%residual > report%tolerance_effective) line = line//'  residual ' &
          //number_text(report%residual, 2)
-      call self%update(line//'  '//duration_text((now - self%steps_start)*real(steps - step, wp) &
-         /real(step - self%first_step, wp))//' left')
+      call self%update(line//'  '//duration_text((wall_seconds() - self%steps_start) &
+         *real(steps - step, wp)/real(step - self%first_step, wp))//' left')
    end subroutine on_step
 
    !> Whether errors are printed apart from the summary, which may be quiet or have another reader.
@@ -149,8 +149,8 @@ contains
       type(error_t), allocatable :: error
 
       if (self%is_quiet) return
-      call self%clear()
       if (self%has_summary_apart) then
+         call self%replace('')
          call begin_line()
          call write_text(lines//new_line('a'), error)   ! error: said below
          call end_line()
@@ -165,9 +165,7 @@ contains
       class(progress_log_t), intent(inout) :: self
       character(*), intent(in) :: message
 
-      if (self%is_quiet) return
-      call self%clear()
-      call self%write_line(message)
+      if (.not. self%is_quiet) call self%write_line(message)
    end subroutine say
 
    !> Something went wrong: `message` as it is, in any case.
@@ -175,7 +173,6 @@ contains
       class(progress_log_t), intent(inout) :: self
       character(*), intent(in) :: message
 
-      call self%clear()
       call self%write_line('asperity: '//message)
    end subroutine say_error
 
@@ -184,43 +181,40 @@ contains
       class(progress_log_t), intent(inout) :: self
       character(*), intent(in) :: line
       character(:), allocatable :: full
-      integer :: status
 
       full = shortened(self%name, name_columns)//': '//line
       self%last_line = wall_seconds()
       if (self%is_updating) then
-         full = full(:min(len(full), columns - 1))
-         call begin_line()
-         self%shown = max(self%shown, columns_of_sign)
-         write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, &
-            repeat(' ', max(self%shown - len(full), 0))
-         flush (self%unit, iostat=status)
-         call end_line()
-         self%shown = len(full)
+         call self%replace(full(:min(len(full), columns - 1)))
       else
          call self%write_line(full)
       end if
    end subroutine update
 
-   !> Removes the updating line from the screen.
-   subroutine clear(self)
+   !> Puts `text` in place of the updating line, if there is any; with '' another may follow there.
+   subroutine replace(self, text)
       class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: text
       integer :: status
 
       call begin_line()
       self%shown = max(self%shown, columns_of_sign)
-      if (self%shown > 0) write (self%unit, '(3a)', advance='no', iostat=status) achar(13), &
-         repeat(' ', self%shown), achar(13)
-      self%shown = 0
+      if (self%shown + len(text) > 0) write (self%unit, '(3a)', advance='no', iostat=status) &
+         achar(13), text, repeat(' ', max(self%shown - len(text), 0))
+      if (self%shown > 0 .and. text == '') write (self%unit, '(a)', advance='no', iostat=status) &
+         achar(13)
+      flush (self%unit, iostat=status)
+      self%shown = len(text)
       call end_line()
-   end subroutine clear
+   end subroutine replace
 
-   !> Writes one or more whole lines.
+   !> Writes one or more whole lines, in place of the updating one.
    subroutine write_line(self, line)
-      class(progress_log_t), intent(in) :: self
+      class(progress_log_t), intent(inout) :: self
       character(*), intent(in) :: line
       integer :: status
 
+      call self%replace('')
       call begin_line()
       write (self%unit, '(a)', iostat=status) line
       flush (self%unit, iostat=status)

@@ -37,8 +37,6 @@ module transient_store
    character(len=name_length), parameter :: number_names(*) = [character(len=name_length) :: &
       'time', 'rigid_displacement', 'h_min', 'p_max', 'rolling_friction_coefficient', &
       'rolling_power', 'residual']
-   !> Coordinates of fields.
-   character(len=1), parameter :: coordinates(2) = ['x', 'y']
    !> Groups of series, and how the names begin of those by the full momentum equations.
    character(*), parameter, public :: in_time = '/transient/', in_full = '/momentum/transient/'
    character(*), parameter :: of_momentum = 'momentum_'
@@ -148,8 +146,8 @@ contains
       type(text_lines_t) :: lines
       type(error_t), allocatable :: error
       character(:), allocatable :: line
-      real(wp) :: values(1, 1)
-      integer :: length, profiles, status
+      real(wp) :: values(1)
+      integer :: numbers, profiles, status
       logical :: is_there
 
       records = 0
@@ -160,14 +158,14 @@ contains
       call lines%close()
       if (allocated(error)) return
       line = lines%line(:lines%length)
+      numbers = index(line, ' numbers ')
       profiles = index(line, ' profiles')
       if (index(line, part_words) /= 1 .or. profiles == 0) return
       store%line = line//new_line('a')
-      store%nodes = number_after('nodes ')
+      store%nodes = max(number_after('nodes '), 0)
       store%stride = max(number_after('stride '), 1)
-      store%first_profile = count_of(' ', line(index(line, ' numbers ') + 1:profiles - 1)) + 1
-      store%names = [character(len=name_length) :: (' ', length=1, &
-         count_of(' ', trim(line(profiles + 1:))) + store%first_profile)]
+      store%first_profile = count_of(' ', line(numbers + 1:profiles - 1)) + 1
+      allocate (store%names(count_of(' ', trim(line(profiles + 1:))) + store%first_profile))
       do while (place_of(store, store%records + 1) <= lines%bytes)
          store%records = store%records + 1
       end do
@@ -176,16 +174,15 @@ contains
       call store%file%read_reals(place_of(store, store%records - 1, 1), values)
       call store%file%close()
       records = store%records
-      time = values(1, 1)
+      time = values(1)
 
    contains
 
       !> The number behind `words` in the line; 0: there is none.
-      function number_after(words) result(number)
+      integer function number_after(words) result(number)
          character(*), intent(in) :: words
-         integer :: number, start
+         integer :: start
 
-         number = 0
          start = index(line, words) + len(words)
          read (line(start:start + index(line(start:), ' ') - 2), '(i10)', iostat=status) number
          if (status /= 0) number = 0
@@ -242,29 +239,32 @@ contains
       logical, intent(in) :: has_si
       character(*), intent(in) :: group
       type(checksum_t) :: sums
-      character(:), allocatable :: name
+      type(label_t) :: label
+      character(:), allocatable :: axes, name
       integer, allocatable :: extents(:)
       integer :: i
 
       if (any([allocated(file%failure), allocated(file%row), .not. allocated(self%names)])) return
+      axes = 'x'
       extents = shape(state%x)
-      if (allocated(state%y)) extents = [extents, size(state%y)]
-      do i = 1, size(extents)
-         associate (axis => coordinates(i))
-            call link_object(file, '/solution/'//axis, group//axis)
-            if (has_si) call link_object(file, '/si/solution/'//axis, '/si'//group//axis)
-         end associate
+      if (allocated(state%y)) then
+         axes = 'xy'
+         extents = [extents, size(state%y)]
+      end if
+      do i = 1, len(axes)
+         call link_object(file, '/solution/'//axes(i:i), group//axes(i:i))
+         if (has_si) call link_object(file, '/si/solution/'//axes(i:i), '/si'//group//axes(i:i))
       end do
       do i = 1, size(self%names)
          name = trim(self%names(i))
          call begin_activity('writing the result, '//name)
-         if (group == in_full .and. index(name, of_momentum) == 1) then
-            call copy(name(len(of_momentum) + 1:), name)
-         else if (group == in_full .and. name == profile_time_name) then
-            call copy(name, of_momentum//name)
-         else if (name == 'time' .or. group == in_time .and. index(name, of_momentum) /= 1) then
-            call copy(name, name)
-         end if
+         if (group == in_full .and. name == profile_time_name) name = of_momentum//name
+         if (name /= 'time' .and. (group == in_full .neqv. index(name, of_momentum) == 1)) cycle
+         label = row_label(name, scaling)
+         if (index(name, of_momentum) == 1) name = name(len(of_momentum) + 1:)
+         call copy_series(self, file, i, group//name, 1.0_wp, label, extents)
+         if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si'//group//name, &
+            label%si_scale, new_label(label%long_name, label%si_units), extents)
       end do
       sums = sums_of(self%file, place_of(self, self%records))
       if (all([sums%digits() /= self%sums%digits(), .not. allocated(self%file%failure)])) call &
@@ -272,20 +272,6 @@ contains
          //' was changed by another program while the run went on')
       if (all([allocated(self%file%failure), .not. allocated(file%failure)])) file%failure = &
          self%file%failure
-
-   contains
-
-      !> Series `i` under a `name`, with the label of a `row`, and in SI.
-      subroutine copy(name, row)
-         character(*), intent(in) :: name, row
-         type(label_t) :: label
-
-         label = row_label(row, scaling)
-         call copy_series(self, file, i, group//name, 1.0_wp, label, extents)
-         if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si'//group//name, &
-            label%si_scale, new_label(label%long_name, label%si_units), extents)
-      end subroutine copy
-
    end subroutine copy_into
 
    !> Series `i` times `factor` to a `path`, with its axes; `shape`: of a field.
@@ -297,28 +283,26 @@ contains
       real(wp), intent(in) :: factor
       type(label_t), intent(in) :: label
       integer, intent(in) :: shape(:)
+      character(:), allocatable :: axes
       real(wp), allocatable :: values(:, :)
       integer, allocatable :: extents(:)
-      integer :: every, first, last, row, k
+      integer :: block, every, first, k
 
       every = merge(store%stride, 1, i >= store%first_profile)
-      row = merge(store%nodes, 1, i > store%first_profile)
       extents = pack(shape, i > store%first_profile)
+      block = max(block_numbers/product(extents), 1)
+      axes = 'time'
+      if (any(store%names(i) == [character(len=name_length) :: 'time', profile_time_name])) axes = &
+         '='
+      if (i > store%first_profile) axes = trim(merge('x y', 'x  ', size(shape) > 1))//' ' &
+         //profile_time_name
       associate (count => (store%records + every - 1)/every)
          call write_values(file, path, file%real_type, [extents, count], c_null_ptr, label)
-         if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
-            call name_axes(file, path, '=')
-         else if (i > store%first_profile) then
-            call name_axes(file, path, trim(merge('x y', 'x  ', size(shape) > 1))//' ' &
-               //profile_time_name)
-         else
-            call name_axes(file, path, 'time')
-         end if
-         do first = 1, count, max(block_numbers/row, 1)
-            last = min(first + max(block_numbers/row, 1) - 1, count)
-            allocate (values(row, first:last))
-            do k = first, last
-               call store%file%read_reals(place_of(store, every*(k - 1), i), values(:, k:k))
+         call name_axes(file, path, axes)
+         do first = 1, count, block
+            allocate (values(product(extents), first:min(first + block - 1, count)))
+            do k = first, ubound(values, 2)
+               call store%file%read_reals(place_of(store, every*(k - 1), i), values(:, k))
             end do
             values = factor*values
             call write_records(file, path, extents, first - 1, values)

@@ -76,11 +76,11 @@ contains
       call self%check(c_pwrite(self%descriptor, c_loc(values), bytes, place) == bytes, 'write')
    end subroutine write_reals
 
-   !> Reads `values` (m, n) from byte `place` on.
+   !> Reads `values` (n) from byte `place` on.
    subroutine read_reals(self, place, values)
       class(positional_file_t), intent(inout) :: self
       integer(int64), intent(in) :: place
-      real(wp), intent(out), contiguous, target :: values(:, :)
+      real(wp), intent(out), contiguous, target :: values(:)
       integer(c_size_t) :: bytes
 
       bytes = size(values, kind=c_size_t)*real_bytes
@@ -138,7 +138,7 @@ contains
       type(positional_file_t) :: file
       type(checksum_t) :: sums
       integer(int64) :: bytes
-      real(wp) :: numbers(seal_bytes/real_bytes, 1)
+      real(wp) :: numbers(seal_bytes/real_bytes)
       character(len=seal_bytes) :: line
       character(len=16) :: digits
 
@@ -174,20 +174,20 @@ contains
       type(positional_file_t), intent(inout) :: file
       integer(int64), intent(in) :: bytes
       type(checksum_t) :: sums
-      real(wp), allocatable :: values(:, :)
+      real(wp), allocatable :: values(:)
       integer(int64), target :: last
       integer(int64) :: place
 
-      allocate (values(block_numbers, 1))
-      place = 0_int64
-      do while (place + real_bytes <= bytes .and. .not. allocated(file%failure))
-         associate (block => values(:min(block_numbers, (bytes - place)/real_bytes), :))
+      allocate (values(block_numbers))
+      do place = 0_int64, bytes - real_bytes, real_bytes*block_numbers
+         associate (block => values(:min(block_numbers, (bytes - place)/real_bytes)))
             call file%read_reals(place, block)
-            call sums%add(block(:, 1))
-            place = place + real_bytes*size(block)
+            call sums%add(block)
          end associate
+         if (allocated(file%failure)) return
       end do
-      if (place == bytes .or. allocated(file%failure)) return
+      place = bytes - modulo(bytes, int(real_bytes, int64))
+      if (place == bytes) return
       last = 0_int64
       call file%check(c_pread(file%descriptor, c_loc(last), bytes - place, place) &
          == bytes - place, 'read')

@@ -25,8 +25,8 @@ module signals
    private
 
    public :: begin_activity, begin_line, begin_subject, end_line, clear_exit_message, &
-      is_interrupted, set_exit_message, listen_to_signals, set_patience, stop_listening, &
-      disarm_exit_message, watch_silence
+      is_interrupted, set_exit_message, listen_to_signals, set_patience, disarm_exit_message, &
+      watch_silence
 
    !> Numbers of signals; SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ and SIGPROF as on Linux.
    integer(c_int), parameter :: signal_hangup = 1_c_int, signal_interrupt = 2_c_int, &
@@ -130,17 +130,15 @@ contains
    end subroutine clear_exit_message
 
    !> The program is about to say itself that it was interrupted: the handlers no longer say it, so
-   !> that it is said once however long the rest of the end takes.
-   subroutine disarm_exit_message()
-      call set_timer(wall_timer, merge(patience, soon, is_waiting))   ! first: time to say it
+   !> that it is said once however long the rest of the end takes. `is_over`: all work is done, and
+   !> the message is printed.
+   subroutine disarm_exit_message(is_over)
+      logical, intent(in) :: is_over
+
+      ! first: time to say it, or none
+      call set_timer(wall_timer, merge(0_c_long, merge(patience, soon, is_waiting), is_over))
       is_taken = .true.
    end subroutine disarm_exit_message
-
-   !> Stops the timer: all work is done and the message is printed.
-   subroutine stop_listening()
-      call set_timer(wall_timer, 0_c_long)
-      is_taken = .true.
-   end subroutine stop_listening
 
    !> Whether to wait for a time step with its checkpoint, or for the writing of a result.
    subroutine set_patience(is_worth_it)
