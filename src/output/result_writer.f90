@@ -151,9 +151,9 @@ contains
                summary = self%quantities_at_end(state, report)
             end if
             self%missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), summary)
-            if (all([report%converged, .not. self%run%passage%times%is_settled()])) self%missing = &
-               'the start is in the quantities, see /report/note'
          end if
+         if (all([report%converged, .not. self%run%passage%times%is_settled()])) self%missing = &
+            'the start is in the quantities, see /report/note'
          ratio = not_known()
          if (allocated(self%limits)) ratio = self%limits(mixed_lubrication)%value
          call write_summary(file, summary, self%is_transient, self%missing, ratio)

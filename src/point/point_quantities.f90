@@ -223,7 +223,7 @@ contains
          if (present(longer)) of%error_domain = domain_factor*abs(longer%near%of%between &
             - longer%far%of%between)
          of%error_iteration = residual*abs(of%value)
-         of%error_estimate = of%error_grid + of%error_domain + of%error_iteration
+         of%error_estimate = of%error_grid + of%error_domain + of%error_iteration + of%error_start
       end associate
    end subroutine estimate_point_errors
 
