@@ -13,6 +13,7 @@ module result_table
    use kinds, only: exceeds, not_known, wp
    use quantities, only: quantity_rows
    use read_cases, only: status_bad_input
+   use result_labels, only: field_names
    use progress_log, only: print_text, write_text
    use summary_row, only: csv_cell
    use text, only: counted, number_text, prefixed_text
@@ -31,11 +32,9 @@ module result_table
    character(len=10), parameter :: heads(*) = [character(len=10) :: merge(quantity_rows%short, &
       '         ', quantity_rows%name /= 'p_central'), 'lambda', '', '', 'contact', '', &
       'separation']
-   !> Arrays of /solution that can be a column of --profiles, beside x.
-   character(len=20), parameter :: profiles(*) = [character(len=20) :: 'x', 'pressure', &
-      'film_thickness', 'gap', 'viscosity', 'density', 'slip_factor', 'shear_stress_1', &
-      'shear_stress_mean', 'shear_stress_2', 'roughness_1', 'roughness_2', 'height_undeformed', &
-      'height_loaded', 'height_unloaded', 'plastic_deformation']
+   !> Arrays of /solution that can be a column of --profiles, x first, then those of dry contacts.
+   character(len=29), parameter :: profiles(*) = [character(len=29) :: field_names, 'gap', &
+      'height_undeformed', 'height_loaded', 'height_unloaded', 'plastic_deformation']
    !> Problems whose fields are not over x alone.
    character(len=9), parameter :: maps(*) = [character(len=9) :: 'dry_area', 'ehl_point']
    character(len=*), parameter :: nl = new_line('a')
