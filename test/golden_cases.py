@@ -485,7 +485,7 @@ ONCE = "asperity a.nml --quiet 2>&1 | grep -a '^a' || echo none; rm -f *.h5*"
 GCC = "gcc -w -shared -fPIC fails.c -o fails.so"
 STARVED = """smooth 1 2 18 ridge_slow 1 2 50 full 1 2 52 auto_lean 1 2 40 auto_rest 1 2 22 target_in_time 1 2 36 stokes 1 2 26
 moving_lower 1 2 38 outlet_cut 1 2 14 graded_cut 1 2 20 area_plastic 1 2 76 sphere 1 2 60 random_forever 1 2 60 point 11 16
-point_passage 5 10 point_target 11 9 164 point_passages 15 40 275 line 1 6 38 tilted_files 7 5 40 area_separation 1 3 88"""
+point_passage 5 10 point_target 11 9 164 point_passages 15 40 235 line 1 6 38 tilted_files 7 5 40 area_separation 1 3 88"""
 MORE |= {
     f"starved_{name}": (
         {"a.nml": ONE[name], "fails.c": FAILS},
