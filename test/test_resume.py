@@ -128,7 +128,7 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
         h_min = one["summary/h_min"]
         assert h_min.attrs["error_grid"] > 0
         is_told = b"the target accuracy is not shown" in one["report/note"][()] if "report/note" in one else False
-        assert is_told == (h_min.attrs[error] > target * h_min[()])
+        assert is_told != (h_min.attrs[error] <= target * h_min[()])  # or there is no error while the start counts
         for group, key in (each.split("/") for each in chosen):
             assert len({file["input/effective"][group].attrs[key] for file in (one, other)}) == 1, key
         assert name == "point" or float(one["input/effective/solver"].attrs["tolerance"]) == 2.5e-4
