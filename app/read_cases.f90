@@ -46,9 +46,6 @@ module read_cases
       integer :: next = 0
    end type place_t
 
-   !> Most files that a namelist names beside its output.
-   integer, parameter :: most_files = 4
-
 contains
 
    !> Reads the files of `command` into `cases`; those with findings are reported and make `status`
@@ -174,7 +171,10 @@ contains
       integer, allocatable :: last(:)
       integer :: i, j, n
 
-      n = size(cases)*(1 + most_files + 3 + size(working_endings))
+      n = size(cases)*(4 + size(working_endings))
+      do i = 1, size(cases)
+         n = n + count(cases(i)%effective%key == 'file')
+      end do
       allocate (places(n))
       allocate (last(0:n), source=0)   ! the last place of each hash
       n = 0

@@ -9,7 +9,7 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use key_row, only: point
-   use kinds, only: wp
+   use kinds, only: exceeds, wp
    use point_contact, only: dry_border
    use result_file, only: hold_name, open_result, reopen_result, result_file_t, stored_fields
    use run_observer, only: run_observer_t
@@ -157,7 +157,7 @@ contains
                is_same = reader%text_of(path, trim(entry%key)) == entry%text
             else if (size(entry%reals) == 1) then   ! not tilts of an area: known by their checksum
                found = reader%real_value(path, trim(entry%key), huge(1.0_wp))
-               is_same = .not. abs(found - entry%reals(1)) > 0.0_wp
+               is_same = exceeds(-abs(found - entry%reals(1)), -tiny(found))   ! NaN: no
             end if
          end associate
       end do

@@ -30,8 +30,8 @@ COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", 
 SURE = re.compile(r"src/accuracy/|/(contact_edges|grid_comparison|case_notes|(dry_)?adequacy_section)\.f90")
 # name: bound
 BOUNDS = {
-    "sources": 45_772,
-    "how sure": 4_965,
+    "sources": 45_771,
+    "how sure": 4_964,
     "tests": 31_559,
     "bench": 3_999,
     "words of pages": 44_949,

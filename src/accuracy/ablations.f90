@@ -3,7 +3,7 @@
 module ablations
    use features, only: rough_surface_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, rough_contact_t, smoothen, smoothen_both
+   use line_contact, only: line_contact_t, rough_contact_t, smoothen
    use lubricant, only: density_constant, eased_fluid, thins, viscosity_barus, viscosity_constant, &
       viscosity_roelands
    use text, only: to_text
@@ -145,17 +145,16 @@ contains
             else
                if (allocated(fluid%rheology)) deallocate (fluid%rheology)
             end if
-         case (roughness)
-            call smoothen_both(contact)
-         case (roughness_1)
-            call smoothen(contact%surface_1)
-         case (roughness_2)
-            call smoothen(contact%surface_2)
+         case (roughness, roughness_1, roughness_2)
+            if (ingredient%kind /= roughness_2) call smoothen(contact%surface_1)
+            if (ingredient%kind /= roughness_1) call smoothen(contact%surface_2)
          case (one_feature)
             if (ingredient%surface == 1) call remove(contact%surface_1, ingredient%feature)
             if (ingredient%surface == 2) call remove(contact%surface_2, ingredient%feature)
-         case default   ! squeeze: the same contact, solved in another way
-            continue
+         case (contact_of_asperities:heat_of_inlet, elasticity, squeeze)
+            continue   ! those of lines: below; the same contact, solved in another way
+         case default
+            error stop 'leave_out: an ingredient without its case'
          end select
       end associate
       select type (contact)
