@@ -32,7 +32,7 @@ SLOW = """base = "base.nml"
 [vary]
 bodies.speed_2 = [1.0, 1.1, 1.2, 1.3]
 [set]
-time.end_time = 40.0
+time.end_time = 160.0
 time.time_step = 0.02
 accuracy.error_bars = false
 output.profile_stride = 100
@@ -168,7 +168,7 @@ def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(run, tmp_path
     whole = shutil.copytree(folder, tmp_path / "whole")
     run(whole)
     process = running(folder, program, "2")
-    time.sleep(0.4)
+    time.sleep(0.1)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=cases.HANGING)
     assert process.returncode == 4, err
